@@ -12,8 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.references import References, parse_fragment
-from eddi_scaffold.readers.spelling import Spelling, fold, local_name
+from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model
 from eddi_scaffold.readers.xmi import feature_of
 
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 _DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "designpackage"})
 """Packages whose elements are no ends of links."""
-_CAUSES, _FAILURE, _FAILURES = Spelling("causes"), Spelling("failure"), Spelling("failures")
 _TEXTS = frozenset({"content", "description", "gid", "id", "key", "name", "tag", "value"})
 """Attributes that refer to nothing."""
 _TRACE = {"odeelement", "sacmelement"}
@@ -79,7 +79,7 @@ class LinkGraph:
             else:
                 self._stands_for.setdefault(self._path(owner), []).append(by)
         for model in self._models if self._into or self._out else ():
-            for cause in document.children(model, _CAUSES):
+            for cause in document.children(model, word.CAUSES):
                 self._name_failure(model, cause)
 
     def ends(self) -> Iterator[tuple[str, Ends]]:
@@ -137,9 +137,9 @@ class LinkGraph:
             self._out.setdefault(self._path(start), {})[self._path(end)] = end
 
     def _name_failure(self, model: Element, cause: Element) -> None:
-        failures, _, _ = self._document.targets(cause, _FAILURE)
+        failures, _, _ = self._document.targets(cause, word.FAILURE)
         if not failures and cause.get("name"):
-            same = self._document.children(model, _FAILURES)
+            same = self._document.children(model, word.FAILURES)
             failures = [one for one in same if one.get("name") == cause.get("name")]
         if failures:
             self._stands_for.setdefault(self._path(cause), []).append(self._path(failures[0]))

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import Problem, did_you_mean, error, warning
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.extensions import (
     EVENTS,
     MONITORED_BY,
@@ -20,7 +21,7 @@ from eddi_scaffold.readers.extensions import (
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.readers.spelling import Spelling, fold
+from eddi_scaffold.readers.spelling import fold
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.readers.xmi import feature_of
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 _TAGS = ("event", "safeml", "reliability", "network", "subject")
 _KINDS = {"reliability": ("fault_tree", "markov_chain"), "network": ("bayesian_network",)}
-_EVIDENCE = Spelling("runtimeEvidence", ("runtimeEvidences",))
 _EVENT = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*(?:\(\s*([A-Za-z]+)\s*\))?")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -141,7 +141,7 @@ def _observe_event(
         known = [f"{one}/{each}" for one, own in events.items() for each in own]
         found.problems.append(_unknown(value, value.text, known))
         return
-    if event.is_hazard and _EVIDENCE.accepts(feature_of(owner)):
+    if event.is_hazard and word.EVIDENCE.accepts(feature_of(owner)):
         message = f"{value.text!r} is a HAZARD: true is bad, and evidence is good when it is true"
         hint = "name an EVIDENCE event, such as one with NOT"
         found.problems.append(error("X033", message, value.place, hint))
@@ -166,7 +166,7 @@ def _subject(
         name, _, evidence = value.text.partition("/")
         path = models.get("subject", {}).get(name)
         consert = document.at(path) if path is not None else None
-        inside = document.children(consert, _EVIDENCE) if consert is not None else []
+        inside = document.children(consert, word.EVIDENCE) if consert is not None else []
         by_name = {one.get("name") or "": one for one in inside}
         if evidence in by_name:
             return by_name[evidence]

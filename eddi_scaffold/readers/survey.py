@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
 from eddi_scaffold.readers.references import References, parse_fragment
 from eddi_scaffold.readers.spelling import Spelling, fold
-from eddi_scaffold.readers.state_machines import TRANSITIONS, is_chain
+from eddi_scaffold.readers.state_machines import is_chain
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
 
 if TYPE_CHECKING:
@@ -256,7 +257,7 @@ def _fault_tree(document: EddiDocument, element: Element) -> Counts:
 def _markov_chain(document: EddiDocument, element: Element) -> Counts:
     return {
         "states": _count(document, element, "states"),
-        "transitions": len(document.children(element, TRANSITIONS)),
+        "transitions": len(document.children(element, word.TRANSITIONS)),
         "failures": _count(document, element, "failures"),
     }
 

@@ -10,6 +10,7 @@ from eddi_scaffold.kinds.bayesian_network import IN_EDDI
 from eddi_scaffold.kinds.bayesian_network.check import check_network, first_missing
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
@@ -18,20 +19,6 @@ from eddi_scaffold.source import Source
 
 CLASS = "bayesiannetwork"
 _FEATURES = ("bayesiannetwork", "bayesiannetworks")
-_NAME = Spelling("name")
-_NODES = Spelling("nodes", ("node",))
-_STATES = Spelling("nodeStates", ("nodeState", "states"))
-_CONNECTIONS = Spelling("causalConnections", ("causalConnection",))
-_FROM, _TO = Spelling("from"), Spelling("to")
-_ROWS = Spelling("conditionalProbabilityDistributions", ("conditionalProbabilityDistribution",))
-_PARENT_STATES = Spelling("parentNodeStates", ("parentNodeState",))
-_VALUES = Spelling("conditionalProbabilityValues", ("conditionalProbabilityValue",))
-_VALUE, _STATE = Spelling("value"), Spelling("nodeState")
-_INTENTS, _NODE = Spelling("inferenceIntents", ("inferenceIntent",)), Spelling("node")
-_KNOWN = Spelling("requiredEvidences", ("requiredEvidence",))
-_WANTED = Spelling("inferenceTargets", ("inferenceTarget",))
-_EVENT, _ACTION = Spelling("event"), Spelling("action")
-_INFERENCES, _DIMENSION = Spelling("inferences", ("inference",)), Spelling("dimension")
 
 
 def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], list[Problem]]:
@@ -42,7 +29,7 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], li
         findings = EddiFindings(document)
         reader = _Reader(document, element, findings)
         drafts = reader.read()
-        name = document.attribute(element, _NAME) or source.stem
+        name = document.attribute(element, word.NAME) or source.stem
         network, found = check_network(name, drafts, document.place(element))
         problems += [*findings.problems(), *found]
         if network is not None and not findings.errors:
@@ -76,13 +63,13 @@ class _Reader:
 
     def read(self) -> list[Draft]:
         """Return the nodes as drafts."""
-        for element in self.document.children(self.network, _NODES):
-            name = self.document.attribute(element, _NAME) or ""
+        for element in self.document.children(self.network, word.NODES):
+            name = self.document.attribute(element, word.NAME) or ""
             node = _Node(element, name)
-            for state in self.document.children(element, _STATES):
-                node.states[state] = self.document.attribute(state, _NAME) or ""
+            for state in self.document.children(element, word.NODE_STATES):
+                node.states[state] = self.document.attribute(state, word.NAME) or ""
             self.nodes[element] = node
-        for connection in self.document.children(self.network, _CONNECTIONS):
+        for connection in self.document.children(self.network, word.CONNECTIONS):
             self._connect(connection)
         self._intents()
         return [self._draft(node) for node in self.nodes.values()]
@@ -90,19 +77,23 @@ class _Reader:
     def _intents(self) -> None:
         """Read which nodes are expected to be known, and which are wanted."""
         known: dict[str, str | None] = {}
-        for intent in self.document.children(self.network, _INTENTS):
-            for wanted in self.document.children(intent, _WANTED):
-                self.wanted.update(self._ends(wanted, _NODE))
-                self._resolve(wanted, _ACTION)
-            for one in self.document.children(intent, _KNOWN):
-                events = [self.document.attribute(e, _NAME) for e in self._resolve(one, _EVENT)]
-                for node in self._ends(one, _NODE):
+        for intent in self.document.children(self.network, word.INTENTS):
+            for wanted in self.document.children(intent, word.INFERENCE_TARGETS):
+                self.wanted.update(self._ends(wanted, word.NODE))
+                self._resolve(wanted, word.ACTION)
+            for one in self.document.children(intent, word.REQUIRED_EVIDENCES):
+                told = self._resolve(one, word.EVENT)
+                events = [self.document.attribute(event, word.NAME) for event in told]
+                for node in self._ends(one, word.NODE):
                     known[self.nodes[node].name] = next(iter(events), None)
         self.known = tuple(known.items())
-        unused = [(_INFERENCES, self.document.children(self.network, _INFERENCES))]
+        inferences = self.document.children(self.network, word.INFERENCES)
         states = [state for node in self.nodes.values() for state in node.states]
-        of_states = [one for s in states for one in self.document.children(s, _DIMENSION)]
-        for feature, found in (*unused, (_DIMENSION, of_states)):
+        of_states = [one for s in states for one in self.document.children(s, word.DIMENSION)]
+        for feature, found in (
+            (word.INFERENCES, inferences),
+            (word.DIMENSION, of_states),
+        ):
             if found:
                 message = f"{feature.name} of {self.document.describe(self.network)} not used"
                 self.findings.count("info", "X014", message, found[0], len(found))
@@ -113,7 +104,8 @@ class _Reader:
         return found
 
     def _connect(self, connection: Element) -> None:
-        sources, targets = self._ends(connection, _FROM), self._ends(connection, _TO)
+        sources = self._ends(connection, word.FROM)
+        targets = self._ends(connection, word.TO)
         place = self.document.place(connection)
         for target in targets:
             for source in sources:
@@ -133,7 +125,7 @@ class _Reader:
 
     def _draft(self, node: _Node) -> Draft:
         place = self.document.place(node.element)
-        rows = self.document.children(node.element, _ROWS)
+        rows = self.document.children(node.element, word.ROWS)
         broken = False
         values: tuple[str, ...] | None = None
         places: tuple[Place, ...] = ()
@@ -219,7 +211,7 @@ class _Reader:
         self, node: _Node, row: Element, parents: list[Element]
     ) -> tuple[Element, ...] | None:
         """Return the state of each parent that a row is about, in the order of the parents."""
-        targets, problems, _ = self.document.targets(row, _PARENT_STATES)
+        targets, problems, _ = self.document.targets(row, word.PARENT_STATES)
         self.findings.add(*problems)
         chosen: dict[Element, Element] = {}
         wrong = bool(problems)
@@ -251,8 +243,8 @@ class _Reader:
     def _values(self, node: _Node, row: Element) -> list[str]:
         """Return the text of each own state; what is not written is 0, as EMF leaves it out."""
         texts: dict[Element, str] = {}
-        for value in self.document.children(row, _VALUES):
-            targets, problems, given = self.document.targets(value, _STATE)
+        for value in self.document.children(row, word.PROBABILITIES):
+            targets, problems, given = self.document.targets(value, word.NODE_STATE)
             self.findings.add(*problems)
             if not given:
                 self.findings.error("X010", "a probability has no nodeState", value)
@@ -265,7 +257,7 @@ class _Reader:
                     message = f"a row of {node.name!r} has two values for {node.states[state]!r}"
                     self.findings.error("B124", message, value)
                 else:
-                    text = self.document.attribute(value, _VALUE)
+                    text = self.document.attribute(value, word.VALUE)
                     texts[state] = "0.0" if text is None else text.strip()
         return [texts.get(state, "0.0") for state in node.states]
 

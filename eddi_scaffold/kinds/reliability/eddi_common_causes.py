@@ -7,13 +7,12 @@ from dataclasses import replace
 
 from eddi_scaffold.kinds.reliability.model import Gate
 from eddi_scaffold.problems import Place
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
 from eddi_scaffold.readers.xmi import Element, select
 
-_MEMBERS, _CAUSE = Spelling("ccfFailures"), Spelling("causedBy")
-_IS_CCF = Spelling("isCcf")
 _CLASS = "commoncausefailure"
 _RELATED = "descendant-or-self::*[@ccfFailures or @causedBy or ccfFailures or causedBy]"
 
@@ -26,9 +25,9 @@ class CommonCauses:
         self._causes: dict[Element, dict[Element, None]] = {}
         self._related: set[Element] = set()
         for failure in [one for root in document.roots for one in select(root, _RELATED)]:
-            for cause in self._targets(failure, _CAUSE):
+            for cause in self._targets(failure, word.CAUSED_BY):
                 self._relate(failure, cause)
-            for member in self._targets(failure, _MEMBERS):
+            for member in self._targets(failure, word.CCF_FAILURES):
                 self._relate(member, failure)
 
     def of(self, failure: Element) -> list[Element]:
@@ -43,7 +42,7 @@ class CommonCauses:
 
     def warn_alone(self, failure: Element, what: str) -> None:
         """Warn of a common cause of which the file does not say what it causes."""
-        stated = (self._document.attribute(failure, _IS_CCF) or "").strip().lower() == "true"
+        stated = (self._document.attribute(failure, word.IS_CCF) or "").strip().lower() == "true"
         is_ccf = stated or self._document.class_of(failure).name == _CLASS
         if is_ccf and failure not in self._related:
             message = f"{what} has common causes, which are not analysed"

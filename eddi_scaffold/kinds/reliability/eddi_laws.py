@@ -15,22 +15,12 @@ from eddi_scaffold.quantities import (
     rate,
     rate_factor,
 )
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
-from eddi_scaffold.readers.state_machines import (
-    DISTRIBUTION_TYPE,
-    PARAMETERS,
-    RATE,
-    RATE_DISTRIBUTION,
-    is_none,
-)
+from eddi_scaffold.readers.state_machines import is_none
 from eddi_scaffold.readers.xmi import Element, only
-
-_NAME, _VALUE, _KEY = (Spelling(n) for n in ("name", "value", "key"))
-_MAPS, _VALUES = Spelling("keyValueMaps", ("keyValueMap",)), Spelling("values")
-_DISTRIBUTION = Spelling("failureProbDistribution")
-_RATE, _UNAVAILABILITY = Spelling("failureRate"), Spelling("unavailability")
 
 
 class Laws:
@@ -43,13 +33,15 @@ class Laws:
         """Return the value of a key of an element, None where it has none."""
         values = [
             value
-            for one in self._document.children(element, _MAPS)
-            if (self._document.attribute(one, _KEY) or "").casefold() == key.casefold()
-            for value in self._document.children(one, _VALUES)
+            for one in self._document.children(element, word.KEY_VALUE_MAPS)
+            if (self._document.attribute(one, word.KEY) or "").casefold() == key.casefold()
+            for value in self._document.children(one, word.VALUES)
         ]
         value = self._only(values)
         return (
-            (self._document.attribute(value, _VALUE) or "").strip() if value is not None else None
+            (self._document.attribute(value, word.VALUE) or "").strip()
+            if value is not None
+            else None
         )
 
     def _only(self, elements: Sequence[Element]) -> Element | None:
@@ -60,14 +52,16 @@ class Laws:
     def law(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
         what = f"event {event!r}"
-        result = (self._document.attribute(failure, _UNAVAILABILITY) or "").strip()
+        result = (self._document.attribute(failure, word.UNAVAILABILITY) or "").strip()
         if result.strip("0. "):
             message = f"{what}: unavailability={result} is a result at a time that is not stated"
             self._findings.warning("X018", f"{message}: it is not used", failure)
         if chain is not None:
             return Law("model", model=chain)
-        given = self._document.attribute(failure, _RATE)
-        distribution = self._distribution_of(failure, _DISTRIBUTION, _RATE, what)
+        given = self._document.attribute(failure, word.FAILURE_RATE)
+        distribution = self._distribution_of(
+            failure, word.FAILURE_DISTRIBUTION, word.FAILURE_RATE, what
+        )
         try:
             if distribution is not None:
                 return self._distribution(distribution, what)
@@ -81,14 +75,14 @@ class Laws:
     def transition(self, element: Element) -> float | None:
         """Return the rate of a transition in 1/h, None after an error."""
         what = self._document.describe(element)
-        given = self._document.attribute(element, RATE)
-        distribution = self._distribution_of(element, RATE_DISTRIBUTION, RATE, what)
+        given = self._document.attribute(element, word.RATE)
+        distribution = self._distribution_of(element, word.RATE_DISTRIBUTION, word.RATE, what)
         try:
             if distribution is not None:
                 law = self._distribution(distribution, what)
                 if law is not None and law.kind == "exponential":
                     return law.values[0]
-                kind = self._document.attribute(distribution, DISTRIBUTION_TYPE)
+                kind = self._document.attribute(distribution, word.DISTRIBUTION_TYPE)
                 message = f"{what} is {kind!r}: only exponential transitions make a Markov chain"
                 self._findings.error("R008", message, element)
                 return None
@@ -114,15 +108,15 @@ class Laws:
         return found
 
     def _distribution(self, element: Element, what: str) -> Law | None:
-        given = (self._document.attribute(element, DISTRIBUTION_TYPE) or "").strip()
+        given = (self._document.attribute(element, word.DISTRIBUTION_TYPE) or "").strip()
         parameters: dict[str, list[Element]] = {}
-        for one in self._document.children(element, PARAMETERS):
-            name = (self._document.attribute(one, _NAME) or "").casefold()
+        for one in self._document.children(element, word.PARAMETERS):
+            name = (self._document.attribute(one, word.NAME) or "").casefold()
             parameters.setdefault(_ALSO.get(name, name), []).append(one)
         for same in parameters.values():
             self._only(same)
         texts = {
-            name: self._document.attribute(same[0], _VALUE) or ""
+            name: self._document.attribute(same[0], word.VALUE) or ""
             for name, same in parameters.items()
         }
         kind = given.casefold()

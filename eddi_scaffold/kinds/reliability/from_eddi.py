@@ -21,28 +21,17 @@ from eddi_scaffold.kinds.reliability.model import (
     ReliabilitySystem,
 )
 from eddi_scaffold.problems import Place, Problem
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
-from eddi_scaffold.readers.state_machines import TRANSITIONS, has_rate
+from eddi_scaffold.readers.state_machines import has_rate
 from eddi_scaffold.readers.survey import kind_of_model
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
-_NAME = Spelling("name")
-_FAILURES = Spelling("failures", ("failure",))
-_FAILURE, _FAIL_STATE = Spelling("failure"), Spelling("failState")
-_CAUSES = Spelling("causes", ("cause",))
-_STATES, _STATE = Spelling("states", ("state",)), Spelling("state")
-_STARTS, _MATRICES = Spelling("initialProb"), Spelling("transitionMatrices")
-_TOP, _EVENTS = Spelling("topEvent"), ("basicevent", "normalevent")
-_FROM, _TO = Spelling("fromStates", ("fromState",)), Spelling("toStates", ("toState",))
-_INITIAL, _IS_FAIL = Spelling("isInitialState"), Spelling("isFailState")
-_CAUSE_TYPE, _GATE_TYPE = Spelling("causeType"), Spelling("gateType")
-_ORIGIN = Spelling("originType")
-_CUT_SETS, _SETS = Spelling("minimalCutsets"), Spelling("cutsets", ("cutset",))
+_EVENTS = ("basicevent", "normalevent")
 _OTHERS_OF_SETS = tuple(map(Spelling, ("state", "event", "isNegated")))
-_SEQUENCES = Spelling("sequences")
 _REFERENCES = {
     name: Spelling(name)
     for name in ("actions", "evidences", "events", "onEntry", "onExit", "triggers", "subModels")
@@ -98,10 +87,10 @@ class _Reader:
             if kind in ("fault_tree", "markov_chain", "state_machine"):
                 self._resolve_unused(element)
         for tree in self.trees:
-            for cause in self.document.children(tree, _CAUSES):
+            for cause in self.document.children(tree, word.CAUSES):
                 self.model_of[cause] = tree
         for cause in self.model_of:
-            self.below[cause] = self._targets(cause, _CAUSES)
+            self.below[cause] = self._targets(cause, word.CAUSES)
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
         found: list[ReliabilitySystem] = []
         for element in elements:
@@ -115,7 +104,7 @@ class _Reader:
         return found
 
     def _unique(self, element: Element) -> str:
-        name = self.document.attribute(element, _NAME) or self.source.stem
+        name = self.document.attribute(element, word.NAME) or self.source.stem
         taken = set(self.names.values())
         if name not in taken:
             return name
@@ -137,7 +126,7 @@ class _Reader:
         return found
 
     def _named(self, element: Element, index: int, letter: str) -> str:
-        return self.document.attribute(element, _NAME) or f"{letter}{index}"
+        return self.document.attribute(element, word.NAME) or f"{letter}{index}"
 
     def _is(self, element: Element, spelling: Spelling) -> bool:
         return (self.document.attribute(element, spelling) or "").strip().lower() in ("true", "1")
@@ -147,26 +136,29 @@ class _Reader:
     def _chain(self, element: Element) -> None:
         name = self.names[element]
         states: dict[Element, str] = {}
-        for i, state in enumerate(self.document.children(element, _STATES)):
+        for i, state in enumerate(self.document.children(element, word.STATES)):
             label = self._named(state, i, "S")
             states[state] = label if label not in states.values() else f"{label}#{i}"
         arcs: list[Arc] = []
-        for transition in self.document.children(element, TRANSITIONS):
+        for transition in self.document.children(element, word.TRANSITIONS):
             arcs += self._arcs(transition, states)
         fail, stated = [], []
         for state, label in states.items():
             self.labels[state] = name, label
-            older, failures = self._targets(state, _FAIL_STATE), self._targets(state, _FAILURES)
+            older, failures = (
+                self._targets(state, word.FAIL_STATE),
+                self._targets(state, word.FAILURES),
+            )
             for failure in [*older, *failures]:
                 self.states_of.setdefault(failure, []).append(state)
-            if older or self._is(state, _IS_FAIL):
+            if older or self._is(state, word.IS_FAIL):
                 fail.append(label)
             elif failures:
                 stated.append(label)
         self._unused(element, list(states))
         chain = Chain(
             tuple(states.values()),
-            tuple(label for state, label in states.items() if self._is(state, _INITIAL)),
+            tuple(label for state, label in states.items() if self._is(state, word.IS_INITIAL)),
             tuple(fail or stated),
             tuple(arcs),
         )
@@ -179,22 +171,29 @@ class _Reader:
 
     def _unused(self, machine: Element, states: Sequence[Element]) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
-        found = [(_STARTS, one) for state in states for one in self._children(state, _STARTS)]
-        found += [(_MATRICES, one) for one in self._children(machine, _MATRICES)]
+        found = [
+            (word.INITIAL_PROBABILITY, one)
+            for state in states
+            for one in self._children(state, word.INITIAL_PROBABILITY)
+        ]
+        found += [
+            (word.TRANSITION_MATRICES, one)
+            for one in self._children(machine, word.TRANSITION_MATRICES)
+        ]
         for feature, element in found:
             message = f"{self.document.describe(machine)} has {feature.name}, not used"
             self.findings.count("warning", "X018", message, element)
 
     def _machine(self, element: Element) -> None:
         """Warn of a state machine that is none by its rates alone."""
-        transitions = self.document.children(element, TRANSITIONS)
+        transitions = self.document.children(element, word.TRANSITIONS)
         rates = [one for one in transitions if has_rate(self.document, one)]
         if rates:
             what = self.document.describe(element)
             message = f"{what} is no Markov chain: {len(rates)} of {len(transitions)} transitions "
             message += "have rates, and some have triggers or no rate; its rates are not used"
             self.findings.warning("X018", message, rates[0])
-        self._unused(element, self.document.children(element, _STATES))
+        self._unused(element, self.document.children(element, word.STATES))
 
     def _chain_with(self, states: Sequence[Element]) -> str:
         """Return the chain that fails in these of its states: the chain itself, or another one."""
@@ -210,7 +209,10 @@ class _Reader:
         return variant
 
     def _arcs(self, transition: Element, states: dict[Element, str]) -> Iterator[Arc]:
-        sources, targets = self._targets(transition, _FROM), self._targets(transition, _TO)
+        sources, targets = (
+            self._targets(transition, word.FROM_STATES),
+            self._targets(transition, word.TO_STATES),
+        )
         what = self.document.describe(transition)
         if not sources or not targets:
             self.findings.error("X020", f"{what} has no fromStates or no toStates", transition)
@@ -234,9 +236,9 @@ class _Reader:
     # trees
 
     def _tops(self, tree: Element, name: str, used: set[Element]) -> Iterator[ReliabilitySystem]:
-        causes = self.document.children(tree, _CAUSES)
+        causes = self.document.children(tree, word.CAUSES)
         free = [cause for cause in causes if cause not in used]
-        stated, problems, given = self.document.targets(tree, _TOP)
+        stated, problems, given = self.document.targets(tree, word.TOP_EVENT)
         self.findings.add(*problems)
         if given and (len(stated) != 1 or stated[0] not in self.model_of):
             message = f"{self.document.describe(tree)} needs one cause as topEvent"
@@ -261,8 +263,10 @@ class _Reader:
         return any(order(ids[cause], below)[1] for cause in causes)
 
     def _is_output(self, cause: Element) -> bool:
-        failures = self._targets(cause, _FAILURE)
-        return any(fold(self.document.attribute(f, _ORIGIN) or "") == "output" for f in failures)
+        failures = self._targets(cause, word.FAILURE)
+        return any(
+            fold(self.document.attribute(f, word.ORIGIN_TYPE) or "") == "output" for f in failures
+        )
 
     def _is_gate(self, cause: Element) -> bool:
         return self.document.class_of(cause).name == "gate"
@@ -280,7 +284,7 @@ class _Reader:
         gates: dict[str, Gate] = {}
         failures: dict[Element, list[str]] = {}
         for cause in reached:
-            is_port = fold(self.document.attribute(cause, _CAUSE_TYPE) or "") not in _EVENTS
+            is_port = fold(self.document.attribute(cause, word.CAUSE_TYPE) or "") not in _EVENTS
             if self._is_gate(cause) or (is_port and self.below.get(cause)):
                 gates[ids[cause]] = self._gate(cause, ids)
             elif is_port:
@@ -294,7 +298,7 @@ class _Reader:
         gates, instead = self._common_causes(events, gates, failures)
         uses = dict.fromkeys(e.law.model for e in events.values() if e.law and e.law.model)
         self._one_state_each(tree, list(uses))
-        own = self._targets(top, _FAILURE)
+        own = self._targets(top, word.FAILURE)
         cut_sets = self._cut_sets(tree, own, failures)
         name = instead.get(ids[top], ids[top])
         return FaultTree(name, events, gates, cut_sets=cut_sets), list(uses)
@@ -361,7 +365,7 @@ class _Reader:
         return ids
 
     def _gate(self, cause: Element, ids: dict[Element, str]) -> Gate:
-        given = (self.document.attribute(cause, _GATE_TYPE) or "OR").strip()
+        given = (self.document.attribute(cause, word.TREE_GATE_TYPE) or "OR").strip()
         kind = given.upper()
         is_port = kind in ("INPUTEVENT", "OUTPUTEVENT")
         if is_port:
@@ -398,11 +402,11 @@ class _Reader:
 
     def _event(self, cause: Element, name: str) -> tuple[BasicEvent, Element | None]:
         """Return a basic event and its failure."""
-        failures = self._targets(cause, _FAILURE)
+        failures = self._targets(cause, word.FAILURE)
         if len(failures) > 1:
             message = f"{self.document.describe(cause)} has {len(failures)} failures, expected 1"
             self.findings.error("X011", message, cause)
-        states = self._targets(cause, _STATE)
+        states = self._targets(cause, word.STATE)
         others = [state for state in states if state not in self.labels]
         if others or len(states) > 1:
             what = self.document.describe([*others, *states][0])
@@ -428,9 +432,9 @@ class _Reader:
         return self._chain_with(states) if states else None
 
     def _by_name(self, cause: Element) -> Element | None:
-        own = self.document.attribute(cause, _NAME)
-        failures = self.document.children(self.model_of[cause], _FAILURES)
-        same = [f for f in failures if own and self.document.attribute(f, _NAME) == own]
+        own = self.document.attribute(cause, word.NAME)
+        failures = self.document.children(self.model_of[cause], word.FAILURES)
+        same = [f for f in failures if own and self.document.attribute(f, word.NAME) == own]
         what = self.document.describe(cause)
         if len(same) == 1:
             message = "a basic event has no failure: the one with the same name is used"
@@ -447,17 +451,19 @@ class _Reader:
         """Return the cut sets that the file states for the top, as names of events."""
         found: set[frozenset[str]] = set()
         left_out = []
-        for group in self._children(tree, _CUT_SETS):
-            about = self._targets(group, _FAILURE)
+        for group in self._children(tree, word.CUT_SETS):
+            about = self._targets(group, word.FAILURE)
             if about and not set(about) & set(own):
                 continue  # of another gate
-            for one in self._children(group, _SETS):
-                causes = self._children(one, _CAUSES)
-                of = self._targets(one, _FAILURES)
-                of += [failure for cause in causes for failure in self._targets(cause, _FAILURE)]
+            for one in self._children(group, word.SETS):
+                causes = self._children(one, word.CAUSES)
+                of = self._targets(one, word.FAILURES)
+                of += [
+                    failure for cause in causes for failure in self._targets(cause, word.FAILURE)
+                ]
                 names = [failures.get(f, [self._named(f, 0, "?")]) for f in of]
                 odd = any(self.document.attribute(c, n) for c in causes for n in _OTHERS_OF_SETS)
-                if odd or self._children(one, _SEQUENCES) or any(len(n) > 1 for n in names):
+                if odd or self._children(one, word.SEQUENCES) or any(len(n) > 1 for n in names):
                     left_out.append(one)
                 found.add(frozenset(name[0] for name in names))
         if left_out:

@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.english import read_english
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
@@ -18,6 +17,7 @@ from eddi_scaffold.kinds.consert.model import (
     Range,
     Subset,
 )
+from eddi_scaffold.readers import vocabulary as names
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,6 +29,12 @@ if TYPE_CHECKING:
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
 _SUBSETS: dict[str, Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
+_RELATION_TYPES: dict[str, Subset] = {
+    "DinG": "Demand",
+    "GinD": "Guarantee",
+    "Equals": "Equals",
+    "IntersectionNotEmpty": "Intersection",
+}
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -199,9 +205,9 @@ def _relations(
     related: dict[Element, Subset] = {}
     for part in document.children(owner, names.RELATIONS):
         text = document.attribute(part, names.RELATION_TYPE)
-        allowed = ", ".join(names.RELATION_TYPES)
+        allowed = ", ".join(_RELATION_TYPES)
         # EMF omits the first literal of an enumeration.
-        relation = names.RELATION_TYPES.get("DinG" if text is None else text.strip())
+        relation = _RELATION_TYPES.get("DinG" if text is None else text.strip())
         if relation is None:
             message = f'dimensionRelationType is "{_shortened(text or "")}", allowed: {allowed}'
             findings.error("X011", message, part)

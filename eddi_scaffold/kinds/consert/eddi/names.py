@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import vocabulary as names
+from eddi_scaffold.readers import vocabulary as names
 from eddi_scaffold.readers.spelling import Spelling, is_misprint, local_name
 from eddi_scaffold.readers.xmi import stray_texts
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.eddi.dimensions import (
     english_dimension,
     english_dimensions,
@@ -22,6 +21,7 @@ from eddi_scaffold.kinds.consert.model import (
     Guarantee,
     Propagation,
 )
+from eddi_scaffold.readers import vocabulary as names
 
 if TYPE_CHECKING:
     from eddi_scaffold.readers.findings import EddiFindings

@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
-from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.eddi.names import check_consert_names, check_stray_text
 from eddi_scaffold.kinds.consert.eddi.parts import read_parts
 from eddi_scaffold.kinds.consert.eddi.services import provided_services, required_services
 from eddi_scaffold.kinds.consert.model import ConSert
+from eddi_scaffold.readers import vocabulary as names
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import is_misprint, local_name
 

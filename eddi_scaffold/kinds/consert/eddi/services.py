@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds.consert.eddi import vocabulary as names
 from eddi_scaffold.kinds.consert.eddi.parts import node_name
 from eddi_scaffold.kinds.consert.model import ProvidedService, RequiredService
+from eddi_scaffold.readers import vocabulary as names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""Names of ConSerts in EDDI XML: the one place to change when the metamodel differs.
+"""Names of the metamodel in EDDI XML: the one place to change when it differs.
 
 The spellings are those of the public metamodel of SESAME (``ODE.ecore``, 2024), of SESAME D7.2
 (Figs 4 and 36; the inner names of dimensions are our choice), and of ``allInOne`` of
@@ -8,7 +8,6 @@ value means, the spelling decides: names of the public metamodel have its defaul
 
 from __future__ import annotations
 
-from eddi_scaffold.kinds.consert.model import Subset
 from eddi_scaffold.readers.spelling import Spelling
 
 PACKAGE_CLASS = "consertpackage"
@@ -30,7 +29,7 @@ PROVIDED_SERVICES = Spelling("providedServices")
 ALLOCATED = Spelling("allocatedRequiredServices")
 PROVIDED_ELSEWHERE = Spelling("externallyProvidedServices")
 SERVICE_TYPE = Spelling("serviceType", ("functionalServiceType",))
-KEY_VALUE_MAPS = Spelling("keyValueMaps")
+KEY_VALUE_MAPS = Spelling("keyValueMaps", ("keyValueMap",))
 
 # attributes
 NAME = Spelling("name")
@@ -78,12 +77,6 @@ EPSILON = Spelling("epsilon")
 NUMBER_TYPE = Spelling("numberType")
 RELATIONS = Spelling("demandGuaranteeDimensionRelations")
 RELATION_TYPE = Spelling("dimensionRelationType")
-RELATION_TYPES: dict[str, Subset] = {
-    "DinG": "Demand",
-    "GinD": "Guarantee",
-    "Equals": "Equals",
-    "IntersectionNotEmpty": "Intersection",
-}
 
 # dimensions of the older dialect: English text
 SAFETY_PROPERTIES = Spelling("safetyProperties", ("safetyProperty",))
@@ -92,3 +85,44 @@ INTEGRITY_LEVEL = Spelling("integrityLevel", ("asilLevel",))
 
 COMMON = (Spelling("Id"), Spelling("gid"), NAME, DESCRIPTION, KEY_VALUE_MAPS)
 """Every object of an ODE model may have these; they are known and not used."""
+
+# maps
+KEY = Spelling("key")
+VALUES = Spelling("values")
+
+# failure logic
+FAILURES, FAILURE = Spelling("failures", ("failure",)), Spelling("failure")
+FAILURE_DISTRIBUTION, FAILURE_RATE = Spelling("failureProbDistribution"), Spelling("failureRate")
+UNAVAILABILITY = Spelling("unavailability")
+PARAMETERS, DISTRIBUTION_TYPE = Spelling("parameters", ("parameter",)), Spelling("type")
+CCF_FAILURES, CAUSED_BY, IS_CCF = Spelling("ccfFailures"), Spelling("causedBy"), Spelling("isCcf")
+CAUSES, CAUSE_TYPE = Spelling("causes", ("cause",)), Spelling("causeType")
+ORIGIN_TYPE, TREE_GATE_TYPE = Spelling("originType"), Spelling("gateType")
+TOP_EVENT = Spelling("topEvent")
+CUT_SETS, SETS = Spelling("minimalCutsets"), Spelling("cutsets", ("cutset",))
+SEQUENCES = Spelling("sequences")
+
+# chains and state machines
+STATES, STATE = Spelling("states", ("state",)), Spelling("state")
+IS_INITIAL, IS_FAIL = Spelling("isInitialState"), Spelling("isFailState")
+FAIL_STATE, INITIAL_PROBABILITY = Spelling("failState"), Spelling("initialProb")
+FROM_STATES, TO_STATES = Spelling("fromStates", ("fromState",)), Spelling("toStates", ("toState",))
+TRANSITIONS, TRIGGERS = Spelling("transitions", ("transition",)), Spelling("triggers", ("trigger",))
+RATE = Spelling("transition")
+RATE_DISTRIBUTION = Spelling("transitionProbDistribution", ("transitionProbDist",))
+TRANSITION_MATRICES = Spelling("transitionMatrices")
+
+# networks
+NODES, NODE = Spelling("nodes", ("node",)), Spelling("node")
+NODE_STATES = Spelling("nodeStates", ("nodeState", "states"))
+NODE_STATE = Spelling("nodeState")
+CONNECTIONS = Spelling("causalConnections", ("causalConnection",))
+FROM, TO = Spelling("from"), Spelling("to")
+ROWS = Spelling("conditionalProbabilityDistributions", ("conditionalProbabilityDistribution",))
+PARENT_STATES = Spelling("parentNodeStates", ("parentNodeState",))
+PROBABILITIES = Spelling("conditionalProbabilityValues", ("conditionalProbabilityValue",))
+INTENTS = Spelling("inferenceIntents", ("inferenceIntent",))
+REQUIRED_EVIDENCES = Spelling("requiredEvidences", ("requiredEvidence",))
+INFERENCE_TARGETS = Spelling("inferenceTargets", ("inferenceTarget",))
+INFERENCES = Spelling("inferences", ("inference",))
+EVENT, ACTION = Spelling("event"), Spelling("action")
