@@ -15,8 +15,13 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from eddi_scaffold.problems import EddiError, Place, Problem, error, nearest
-from eddi_scaffold.regions.files import MAX_BYTES, NotRegularError, open_regular, read_regular
-from eddi_scaffold.regions.paths import inside
+from eddi_scaffold.regions.files import (
+    MAX_BYTES,
+    NotRegularError,
+    inside,
+    open_regular,
+    read_regular,
+)
 
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory next to what is made of them."""

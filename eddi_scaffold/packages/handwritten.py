@@ -21,9 +21,10 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
-from eddi_scaffold.regions.bases import read_bases
-from eddi_scaffold.regions.check import Doubts, RegionStatus, accept, list_regions, regions_of
+from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
+from eddi_scaffold.regions.sync import Plan
+from eddi_scaffold.regions.write import SavedError
 
 
 @dataclass(frozen=True)
@@ -53,13 +54,13 @@ class HandwrittenRegion:
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
     needed = {
-        monitor.package: {f"input:{b.model.id}" for b in monitor.inputs if not b.is_given}
+        monitor.package: {f"process_{b.attribute}" for b in monitor.inputs if not b.is_given}
         for monitor in monitors
     }
     return [
         f"{root / package / status.file}:{status.line}"
         for package, ids in needed.items()
-        for status in (regions_of(root / package) if ids else ())
+        for status in (list_regions(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
     ]
 
@@ -72,17 +73,16 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         before: its former answers.
         after: its answers.
     """
-    made = {marker.id: line for marker, line in _statements(before)}
-    lost = {}
-    for marker, line in _statements(after):
+    made = {marker.id: line for marker, line, _ in _statements(before)}
+    lost, titles = {}, {}
+    for marker, line, title in _statements(after):
         names = (marker.id, *marker.was)
         was = next((made[name] for name in names if made.get(name)), None)
         if was is not None and not line:
-            lost[names] = was
-    edited = {one.id for one in regions_of(package) if one.state == "edited"} if lost else set()
+            lost[names], titles[names] = was, title
+    edited = set(written(package)) if lost else set()
     return [
-        f"input {str(names[0]).removeprefix('input:')!r} has no source any more: "
-        f"it was made by `{was}`"
+        f"input {titles[names]!r} has no source any more: it was made by `{was}`"
         for names, was in lost.items()
         if not edited.intersection(names)
     ]
@@ -100,14 +100,15 @@ def lost_limits(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
     was, now = remembered("", before), remembered("", after)
     if was is None or now is None:
         return []
-    limits = {spec["id"]: limit_of(was, spec["id"]) for spec in was.document["inputs"]}
-    former = {marker.id: marker.was for marker, _ in _statements(after)}
+    limits = {attribute(spec["id"]): limit_of(was, spec["id"]) for spec in was.document["inputs"]}
+    former = {marker.id: marker.was for marker, _, _ in _statements(after)}
     lost = {}
     for spec in now.document["inputs"]:
         id_ = spec["id"]
         if spec["max_age"] is None and math.isinf(limit_of(now, id_)):
-            names = [name.removeprefix("input:") for name in former.get(f"input:{id_}", ())]
-            lost[id_] = next((limits[name] for name in (id_, *names) if name in limits), math.inf)
+            own = f"process_{attribute(id_)}"
+            names = [one.removeprefix("process_") for one in (own, *former.get(own, ()))]
+            lost[id_] = next((limits[name] for name in names if name in limits), math.inf)
     return [
         f"input {id_!r} has no age limit any more: it was unknown after {seconds:g} s"
         for id_, seconds in lost.items()
@@ -115,8 +116,8 @@ def lost_limits(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
     ]
 
 
-def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str]]:
-    """Return each input and the generated statement that sets it, none where a person must.
+def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
+    """Return each input, the generated statement that sets it, none where a person must, and its id.
 
     Answers may be of an older release, or damaged: what is not there says nothing.
     """
@@ -127,7 +128,7 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str]]:
             marker = _marker(one)
             if marker is not None:
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
-                found.append((marker, "" if waits else str(body[-1])))
+                found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
     return found
 
 
@@ -144,7 +145,7 @@ def _marker(entry: Mapping[str, Any]) -> Marker | None:
 
 def written(package: Path) -> list[str]:
     """Return the ids of the regions of a package in which somebody has written."""
-    return [status.id for status in regions_of(package) if status.state == "edited"]
+    return [one.id for one in list_regions(package) if one.state == "edited"]
 
 
 def until_written(
@@ -164,7 +165,7 @@ def until_written(
     def is_written(problem: Problem) -> bool:
         if not isinstance(problem, UntilWritten):
             return False
-        regions = {f"input:{name}" for name in problem.inputs}
+        regions = {f"process_{attribute(name)}" for name in problem.inputs}
         there = edited(problem.package)
         return bool(there) and all(map(regions.intersection, there))
 
@@ -239,32 +240,47 @@ def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     ]
 
 
-def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
-    """Confirm that bodies, or files that do not fit their base, were reviewed and are correct.
+def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
+    """Confirm that bodies were looked at and are right.
 
     Args:
         folder: a package, or a folder that holds packages.
-        words: ids of regions, and paths of files as :func:`inventory` has them.
+        ids: of regions.
 
     Raises:
-        EddiError: there is nothing of such a name to accept (U004).
+        EddiError: there is nothing of such a name to accept (U004), or a package cannot be written.
     """
-    wanted, accepted = set(words), set[str]()
+    wanted, accepted = set(ids), set[str]()
     packages = packages_below(folder)
-    with alone(package.parent for package in packages):
+    with alone(packages):
         for package in packages:
-            names = {_name_in(package, word): word for word in sorted(wanted)}
-            accepted |= {names[done] for done in accept(package, names)}
+            plan, found = plan_accept(package, wanted)
+            write_plans([plan])
+            accepted |= {*found}
     for missing in sorted(wanted - accepted):
         message = f"there is nothing {missing!r} to accept below {folder}"
-        ids = [one.id for package in packages for one in regions_of(package)]
-        near = next((id_ for id_ in ids if id_.partition(":")[2] == missing), missing)
-        hint = did_you_mean(near, ids) if missing not in ids else None
+        known = [one.id for package in packages for one in list_regions(package) if one.id]
+        hint = did_you_mean(missing, known) if missing not in known else None
         raise EddiError(error("U004", message, Place(str(folder)), hint))
     return sorted(accepted)
 
 
-def _name_in(package: Path, word: str) -> str:
-    """Return a file's name in a package, any other word as it is."""
-    place = Path(os.path.relpath(word, package))
-    return place.as_posix() if place.as_posix() in read_bases(package) else word
+def write_plans(plans: Sequence[Plan]) -> None:
+    """Write what was planned for packages: first every byte beside its place, then only renames.
+
+    Raises:
+        EddiError: one cannot be written (F002), or a file was saved meanwhile (F013).
+    """
+    try:
+        for plan in plans:
+            plan.prepare()
+        for plan in plans:
+            plan.finish()
+    except SavedError as saved:
+        message = "it was saved while this command was running; Nothing was changed"
+        place = Place(str(saved))
+        raise EddiError(error("F013", message, place, "run the command again")) from None
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        place = Place(str(problem.filename or plans[0].root))
+        raise EddiError(error("F002", f"cannot write: {reason}", place)) from None

@@ -106,6 +106,12 @@ class EDDIInputBase:
         self.__defaults: dict[str, object] = {}
         self.__unknown: dict[str, object] = {}
 
+    def setup(self) -> None:
+        """Run a person's lines once, when all inputs have their defaults."""
+
+    def processed(self, simulator_outputs: Mapping[str, object]) -> None:
+        """Run a person's lines in each step; the node withdraws its result when this raises."""
+
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions; called once by the node."""
         self.__specs = {spec.id: spec for spec in specs}
