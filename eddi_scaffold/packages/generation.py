@@ -135,12 +135,12 @@ def write_packages(
         _refuse(work.plans.values())
         if not dry_run:
             _write(work.plans, renames, root)
-    changes, before = {}, {}
+    changes: dict[str, bytes | None] = {}
+    before: dict[str, bytes] = {}
     for folder, plan in work.plans.items():
         changes |= {f"{folder}/{step.path}": step.data for step in plan.steps}
-        before |= {
-            f"{folder}/{p}": plan.before[p] for p in plan.before if f"{folder}/{p}" in changes
-        }
+        paths = {step.path for step in plan.steps} & plan.before.keys()
+        before |= {f"{folder}/{path}": plan.before[path] for path in paths}
     notes = [*dict.fromkeys(work.notes), *renames.notes(root, {} if dry_run else work.plans)]
     editable = frozenset(work.editable)
     return Outcome(root, changes, before, notes, work.attention, (), editable)
@@ -183,7 +183,7 @@ def _tell(package: PackageAnswers, plan: Plan, rendered: Path, target: Path, wor
     work.attention |= bool(lost) or any(note.attention for note in plan.notes)
     if "model_json" in package.answers:
         marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
-        names = (name for name in marked if not name.startswith(f"{EDDI}/"))
+        names = (name for name in marked if not name.startswith((EDDI, ANSWERS_FILE)))
         work.editable |= {f"{package.folder}/{name}" for name in names}
 
 
@@ -227,7 +227,7 @@ def _refuse_foreign(target: Path) -> None:
         raise EddiError(error("H012", message, Place(str(target)), "name the folder behind it"))
     mine = {EDDI, ANSWERS_FILE}
     if not target.is_dir() or (
-        not (target / MANIFEST).exists() and not ({*os.listdir(target)} - mine)
+        not (target / MANIFEST).exists() and not ({path.name for path in target.iterdir()} - mine)
     ):
         return
     if read_answers(target) is not None:

@@ -109,7 +109,7 @@ def _in_file(
             yield RegionStatus(id_, name, region.line, "untouched", (), review=False)
             continue
         notes = list(doubted.get(id_, ()))
-        review = bool(notes) or region.now is not None
+        review = region.now is not None
         if region.now is not None:
             notes.insert(0, f"look at it: {look_reasons(region.digests, region.now)}")
         yield RegionStatus(id_, name, region.line, "edited", tuple(notes), review)

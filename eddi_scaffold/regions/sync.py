@@ -428,7 +428,9 @@ class _Sync:
         manifest = [Step(MANIFEST, final)] if old != final else []
         steps = [*beside, *self.first, *between, *middle, *self.last, *manifest]
         before = {name: file.data for name, file in self.files.items()}
-        before |= {one.path: self._bytes(one.path) or b"" for one in [*beside, *self.last]}
+        for step in [*beside, *self.last]:
+            if (data := self._bytes(step.path)) is not None:
+                before[step.path] = data
         return Plan(self.root, (), self._all_notes(), steps, before, self.stamps)
 
     def _bytes(self, name: str) -> bytes | None:
