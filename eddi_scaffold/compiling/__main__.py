@@ -1,7 +1,7 @@
 """Command line for Copier's tasks: ``python <this folder> write RENDERING [TABLES]``.
 
-``RENDERING`` is a folder of the package, which is the working directory; ``TABLES`` is that of large
-tables of numbers, which Copier does not render.
+``RENDERING`` is a folder of the package, which is the working directory; ``TABLES`` is that of
+large tables of numbers, which Copier does not render.
 """
 
 from __future__ import annotations

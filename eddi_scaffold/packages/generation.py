@@ -6,7 +6,6 @@ All packages of one command are rendered and planned first; only if none refuses
 from __future__ import annotations
 
 import difflib
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -117,7 +117,7 @@ def lost_limits(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
 
 
 def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
-    """Return each input, the generated statement that sets it, none where a person must, and its id.
+    """Return each input, its generated statement, none where a person must write it, and its id.
 
     Answers may be of an older release, or damaged: what is not there says nothing.
     """

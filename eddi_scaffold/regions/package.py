@@ -46,7 +46,7 @@ class Manifest:
 
 
 def read_manifest(text: str | None) -> Manifest:
-    """Read the lines of a manifest; what is no line of it, such as a conflict marker, is nothing."""
+    """Read the lines of a manifest; another one, such as a conflict marker, says nothing."""
     if text is None:
         return Manifest()
     files: dict[str, set[str]] = {}

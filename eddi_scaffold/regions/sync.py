@@ -469,6 +469,9 @@ def look_reasons(digests: Digests, now: Look, former: str | None = None) -> str:
 
 def _new(path: Path) -> _New:
     data = path.read_bytes()
+    if path.suffix == ".py" and b"fmt: off" not in data[:500]:  # formatters leave the file alone
+        program = data[: data.index(b"\n") + 1] if data.startswith(b"#!") else b""
+        data = program + b"# fmt: off\n" + data[len(program) :]
     mode = 0o755 if path.stat().st_mode & 0o100 else 0o644
     return _New(data, parse(text_of(data))[0], mode)
 

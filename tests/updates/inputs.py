@@ -36,7 +36,8 @@ _FLOAT = (
 
 def write_inputs(folder: Path, inputs: Sequence[Input]) -> tuple[Path, Path]:
     """Write model and configuration; returns their paths."""
-    model = "guarantees:\n  - id: Drive\n    dimensions:\n      - Binary:\n          type: Driving\n"
+    model = "guarantees:\n  - id: Drive\n    dimensions:\n"
+    model += "      - Binary:\n          type: Driving\n"
     model += "demands: []\ngates: []\nrequired_services: []\nprovided_services: []\nevidence:\n"
     config = "Model:\n  id: Rover\n  type: ConSert\nSimulatorOutputs:\n"
     for item in inputs:

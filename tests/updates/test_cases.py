@@ -1,11 +1,13 @@
-"""The cases of hand edits, as data; ``tests/data/oracles/edits/README.md`` says what a step means."""
+"""The cases of hand edits as data: each key of a step is a method of ``_Player``."""
 
 from __future__ import annotations
 
 import re
 import shutil
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import pytest
@@ -26,8 +28,10 @@ def _runs() -> list[Any]:
     runs = []
     for case in CASES:
         lists = [step["do"] for step in case["steps"] if isinstance(step.get("do"), list)]
-        for command in lists[0] if lists else [None]:
-            runs.append(pytest.param(case, command, id=f"{case['id']}-{command or 'own'}"))
+        runs += [
+            pytest.param(case, command, id=f"{case['id']}-{command or 'own'}")
+            for command in (lists[0] if lists else [None])
+        ]
     return runs
 
 
@@ -163,10 +167,8 @@ class _Player:
             self.play(value[name])
             world.commit()
         git(world.workspace, "checkout", "-q", "main")
-        try:
+        with suppress(CalledProcessError):  # conflicts stay
             git(world.workspace, "merge", "-q", "theirs")
-        except Exception:  # noqa: BLE001, S110 - conflicts stay
-            pass
 
     # what must hold
 

@@ -126,9 +126,8 @@ class World:
 
     def file(self, name: str) -> Path:
         """Return the one file of a name, which may be new beside another."""
-        found = [
-            path for path in self.package.rglob(name) if ".eddi" not in path.relative_to(self.package).parts
-        ]
+        records = self.package / ".eddi"
+        found = [one for one in self.package.rglob(name) if not one.is_relative_to(records)]
         assert len(found) == 1, (name, found)
         return found[0]
 
@@ -155,12 +154,12 @@ class World:
 
     def imports(self) -> None:
         """Import EDDIInput, and make one."""
-        source = self.file("EDDIInput.py").parent
+        module = self.file("EDDIInput.py")
         script = textwrap.dedent(f"""
             import importlib.util, sys
             sys.dont_write_bytecode = True
             sys.path.insert(0, {str(Path(__file__).parents[2] / "runtime_lib/src")!r})
-            spec = importlib.util.spec_from_file_location("EDDIInput", {str(source / "EDDIInput.py")!r})
+            spec = importlib.util.spec_from_file_location("EDDIInput", {str(module)!r})
             module = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(module)
             module.EDDIInput()
