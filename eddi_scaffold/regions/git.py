@@ -127,10 +127,12 @@ def former_lines(folder: Path, path: str) -> list[bytes]:
         "--no-color",
         "--no-ext-diff",
         "--no-textconv",
+        "--no-show-signature",
         "--format=",
     )
     history = _asked(folder, path, lambda place: (*words, "--", place))
-    return [line[1:] for line in history.splitlines() if line[:1] == b"+"]
+    lines = (line for line in history.splitlines() if line[:1] == b"+")
+    return [line[1:] for line in lines if line[:4] != b"+++ "]
 
 
 def ancestor_bytes(folder: Path, path: str) -> bytes:

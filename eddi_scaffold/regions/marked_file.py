@@ -122,8 +122,12 @@ def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
             # Outside, line ends are the generator's; inside, every byte is the person's.
             body.append(line) if begin else parts.append(line.replace("\r\n", "\n"))
         elif marker.what == "begin":
+            if begin and _is_stray(begin, marker, lines):
+                inside = f"begin marker inside the region that begins in line {begin.line}"
+                faults.append(Fault(number, f"{inside}; remove this line"))
+                continue
             if begin:
-                faults.append(_nested(begin, marker, lines))
+                faults.append(_missing_end(begin, number, lines))
             begin, body = marker, []
         elif begin is None:
             reason = "end marker without begin; put the begin marker back above it"
@@ -137,15 +141,13 @@ def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     return MarkedFile(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
 
-def _nested(outer: Marker, inner: Marker, lines: Sequence[str]) -> Fault:
-    """Report a begin marker in a region: one too many, or the end marker before it is missing."""
+def _is_stray(outer: Marker, inner: Marker, lines: Sequence[str]) -> bool:
+    """Return whether a begin marker is one too many, by the end marker that follows."""
+    if outer.id is None or outer.id == inner.id:
+        return outer.id is not None
     following = (read_marker(lines[at], at + 1) for at in range(inner.line, len(lines)))
     after = next((one for one in following if isinstance(one, Marker)), None)
-    closes = after is not None and (after.what, after.id) == ("end", outer.id)
-    if outer.id is not None and (outer.id == inner.id or closes):
-        reason = f"begin marker inside the region that begins in line {outer.line}"
-        return Fault(inner.line, f"{reason}; remove this line")
-    return _missing_end(outer, inner.line, lines)
+    return after is not None and (after.what, after.id) == ("end", outer.id)
 
 
 def _missing_end(outer: Marker, limit: int, lines: Sequence[str]) -> Fault:
