@@ -114,7 +114,7 @@ def write_packages(
         template.keep()
     work = _Work()
     with (
-        alone(places.values()),
+        alone(() if dry_run else filter(Path.is_dir, places.values())),
         scratch_folder("eddi-scaffold-") as scratch,
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):

@@ -51,13 +51,16 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
 def alone(folders: Iterable[Path]) -> Iterator[None]:
     """Keep other commands from writing into folders, from before they are read.
 
+    In place of a folder that is not there, the nearest one above is locked.
+
     Raises:
         EddiError: one is at work there (F012).
     """
+    there = (next(filter(Path.is_dir, (one, *one.parents))) for one in map(Path.resolve, folders))
     try:
         with ExitStack() as stack:
-            for folder in dict.fromkeys(map(os.path.realpath, folders)):
-                stack.enter_context(locked(Path(folder)))
+            for folder in dict.fromkeys(there):
+                stack.enter_context(locked(folder))
             yield
     except BusyError as busy:
         hint = "run the command again when that one has ended"
