@@ -18,13 +18,14 @@ import sys
 import time
 import timeit
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_runtime import EDDIInputBase  # noqa: E402 - a benchmark runs from the checkout
+from eddi_runtime import EDDIInputBase, InputSpec  # noqa: E402 - a benchmark runs from the checkout
 
 from eddi_scaffold.compiling.document import ModelFile, check_document, digest_of  # noqa: E402
 from eddi_scaffold.compiling.execution import build  # noqa: E402
@@ -45,6 +46,7 @@ def main() -> None:
     options = parser.parse_args()
     runs, seconds = (5, 0.01) if options.quick else (21, 0.05)
     rows = [row for gates in SIZES for row in rows_of(gates, runs, seconds)]
+    rows.append(row_of_ages(runs, seconds))
     if options.json:
         print(json.dumps({"rows": rows}, indent=1))
     else:
@@ -83,6 +85,40 @@ def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
             "checked and imported, no file",
         ),
     ]
+
+
+def row_of_ages(runs: int, seconds: float) -> dict[str, object]:
+    """Return what it costs per input that plain Python keeps ages: of new messages and a step.
+
+    The peer is the same without: every age is told, as by a node, and no step looks again.
+    """
+    count = 15
+    given = type("EDDIInput", (EDDIInputBase,), {})(
+        [InputSpec(f"x{k}", f"x{k}", (f"t{k}",), 0.5) for k in range(count)]
+    )
+    methods = [(f"x{k}", partial(setattr, given, f"x{k}"), (f"t{k}",)) for k in range(count)]
+    loops = [{f"t{k}": [k] for k in range(count)} for _ in range(2)]
+    fresh: dict[str, float] = {}
+
+    def update(messages: dict[str, Any]) -> None:
+        for name, process, requires in methods:
+            given.update(name, process, messages, requires)
+
+    def kept(_: Any) -> None:
+        loops.reverse()
+        given.begin_processing()
+        update(loops[0])
+        given.look_again(None)
+
+    def told(_: Any) -> None:
+        loops.reverse()
+        given.begin_step(fresh)
+        update(loops[0])
+
+    pairs = [(per_call(kept, None, seconds), per_call(told, None, seconds)) for _ in range(runs)]
+    more = statistics.median(one - other for one, other in pairs) / count
+    row = {"case": "ages of plain Python, per input of 15", "ours_s": more, "peer": None}
+    return row | {"peer_s": None, "ratio": None, "reason": "above ages that are told; limit 800 ns"}
 
 
 def paired(

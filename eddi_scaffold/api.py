@@ -117,7 +117,7 @@ def generate(
         made = assemble(monitors, target, root, problems, asked)
         done = write_packages(root, made.packages, own_template(), dry_run=dry_run)
     notes = list(dict.fromkeys(done.notes))
-    return replace(done, notes=notes, left=[*done.left, *made.ageless])
+    return replace(done, notes=notes)
 
 
 def run(

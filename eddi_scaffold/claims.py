@@ -59,6 +59,10 @@ class Meaning:
         refused: why a use is refused that a silent value satisfies; no full stop.
         instead: the line to write in its place; ``{field}`` stands for the field itself.
         bad: the value by which a hazard is known to be there, and that by which it is absent.
+        known: values that are no silence; a tuple is another field and those values of it by which
+            any value here is known: of the message, or with a dot before it, of the same element.
+            For whoever reads it, all others are UNKNOWN. Of a Boolean, the opposite of ``silent``
+            is among them; empty: every value counts.
     """
 
     silent: tuple[object, ...] | None = None
@@ -66,6 +70,7 @@ class Meaning:
     refused: str = "it does not show whether anything is known"
     instead: str | None = None
     bad: tuple[object, object] | None = None
+    known: tuple[bool | int | tuple[bool | int | str, ...], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -57,12 +57,15 @@ RESERVED = frozenset(
 )
 INPUT_MEMBERS = frozenset(
     {
+        "begin_processing",
         "begin_step",
         "bind",
         "end_step",
         "expression",
+        "look_again",
         "processed",
         "processing",
+        "received",
         "setup",
         "states",
         "update",
@@ -75,7 +78,7 @@ STARTUP_MODULES = ("sitecustomize", "usercustomize")
 """Modules that every Python imports at its start when it finds them."""
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_ROS_NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
+_ROS_NAME = re.compile(r"(?:[~/][A-Za-z0-9]|[A-Za-z])[A-Za-z0-9_]*(?:/[A-Za-z0-9][A-Za-z0-9_]*)*")
 _PACKAGE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
@@ -126,7 +129,10 @@ def is_package_name(name: str) -> bool:
 
 
 def is_ros_name(text: str) -> bool:
-    """Return whether ``text`` is a graph resource name of ROS: of a topic, for instance."""
+    """Return whether ``text`` is a graph resource name of ROS: of a topic, for instance.
+
+    Its parts may begin with digits, as in ROS 1.
+    """
     return _ROS_NAME.fullmatch(text) is not None
 
 

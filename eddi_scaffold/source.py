@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
+from eddi_scaffold.other_formats import HEAD_BYTES, other_format
 from eddi_scaffold.problems import EddiError, Place, Problem, error, nearest
 from eddi_scaffold.regions.files import (
     MAX_BYTES,
@@ -161,11 +162,14 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
 
     Raises:
         EddiError: the file is missing, unreadable, no regular file (a folder, pipe or device), or
-            larger than ``limit`` bytes (F001).
+            larger than ``limit`` bytes (F001); it is of another format (F003).
     """
     large = LargeSource(str(path), limit)
     with large.open() as stream:
         size = os.fstat(stream.fileno()).st_size
+        other = other_format(stream.read(HEAD_BYTES))
+    if other is not None:
+        raise EddiError(error("F003", f"this is {other[0]}", Place(large.name), other[1]))
     return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
 
 

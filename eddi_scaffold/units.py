@@ -42,7 +42,7 @@ def _units(dimension: str, *rows: tuple[str, int | Fraction, str]) -> list[Unit]
 
 _PI = Fraction(math.pi)
 _HOUR = 3600
-RATIO = Unit("", "ratio", names=("fraction",))
+RATIO = Unit("", "ratio", names=("fraction", "ratio"))
 UNITS: tuple[Unit, ...] = (
     RATIO,
     Unit("percent", "ratio", Fraction(1, 100), ("pct",)),
@@ -149,6 +149,25 @@ def spellings() -> list[str]:
 def words() -> frozenset[str]:
     """Return the spellings that are names: those of the language of events."""
     return frozenset(spelling for spelling in _BY_SPELLING if spelling.isidentifier())
+
+
+def one_word(spelling: str) -> str | None:
+    """Return the units to write in the language of events for ``m/s``; none for other texts."""
+    if not spelling or spelling not in _BY_SPELLING or spelling.isidentifier():
+        return None
+    of = dimension(spelling)
+    others = [
+        one for unit in UNITS if unit.dimension == of if (one := word(unit.symbol)) in words()
+    ]
+    own = word(spelling)
+    return own if own in words() else " or ".join(others)
+
+
+def apart(given: str, wanted: str) -> str:
+    """Return why a known unit cannot be converted to another of another dimension."""
+    if {given, wanted} == {"K", "degC"}:
+        return f"{given} and {wanted} are 273.15 apart, and a unit is only a factor"
+    return "they are not of one dimension"
 
 
 def listed() -> str:

@@ -65,7 +65,7 @@ def answers(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
-    from eddi_scaffold.packages.handwritten import lost_limits, lost_sources
+    from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import choices, chosen
@@ -106,10 +106,7 @@ def answers(
         f"{one.folder}: {line}"
         for one in packages
         for was in [present.get(one.folder, {})]
-        for line in (
-            *lost_sources(root / one.folder, was, one.answers),
-            *lost_limits(was, one.answers),
-        )
+        for line in lost_sources(root / one.folder, was, one.answers)
     ]
     for line in lost:
         console.say(f"note: {line}")

@@ -128,7 +128,6 @@ def generate(
         left=[
             *outcome.left,
             *swapped,
-            *assembly.ageless,
             *(text for text, is_new in older if is_new),
         ],
         notes=[
@@ -139,6 +138,6 @@ def generate(
     shared = shared_by_robots(members_of(monitors))
     if shared is not None:
         console.say(f"note: {shared}")
-    steps = [f"write this input: {where}" for where in unwritten(root, monitors)]
+    steps = [f"write {where}" for where in unwritten(root, monitors)]
     steps += target.next_steps(place, assembly.monitors)
     finish(outcome, dry_run=dry_run, next_steps=steps)

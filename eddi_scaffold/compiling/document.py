@@ -15,11 +15,14 @@ from typing import Any, NoReturn
 FORMAT = 1
 RESERVED_ATTRIBUTES = frozenset(
     {
+        "begin_processing",
         "begin_step",
         "bind",
         "end_step",
         "expression",
+        "look_again",
         "processing",
+        "received",
         "states",
         "update",
         "update_each",

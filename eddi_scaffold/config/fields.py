@@ -149,6 +149,19 @@ def _step_text(step: Step) -> str:
     return f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
 
 
+def pattern(path: FieldPath) -> list[str]:
+    """Return a path without the keys of its lists: ``.guarantees``, ``[]``, ``.active``."""
+    steps: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            steps.append(f".{step.name}")
+        elif isinstance(step, Beside):
+            steps += [f".{step.values}", "[]"]
+        else:
+            steps.append("[]")
+    return steps
+
+
 def expression(variable: str, path: FieldPath) -> str:
     """Return the Python expression that takes ``path`` from the message in ``variable``."""
     text = variable

@@ -267,11 +267,15 @@ class PeersSection(_Section):
     guarantee: Name
 
 
+MONITOR_AGE = 1.0
+"""Seconds after which a message of a monitor is unknown: it says nothing of one that has died."""
+
+
 class SimulatorOutput(Entry):
     """One topic of the robot that the monitor listens to.
 
     Attributes:
-        max_age: default of the inputs that require it, in seconds.
+        max_age: default of the inputs that require it, in seconds; ``limit`` is what counts.
         qos: quality of service, on ROS 2.
         peers: for the word of another robot: whose it must be.
     """
@@ -281,6 +285,12 @@ class SimulatorOutput(Entry):
     max_age: MaxAge = None
     qos: InputQos = InputQos()
     peers: PeersSection | None = None
+
+    @property
+    def limit(self) -> float | str | None:
+        """Its ``max_age``; what a monitor publishes has one where none is written."""
+        is_of_monitor = self.type.startswith("eddi_messages/") and self.peers is None
+        return MONITOR_AGE if self.max_age is None and is_of_monitor else self.max_age
 
 
 class InputEntry(Entry):

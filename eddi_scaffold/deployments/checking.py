@@ -201,12 +201,19 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
     for monitor in monitors:
         if monitor.config is None:
             continue
+        if needed := monitor.needed_methods:
+            text = f"{BY_HAND}{listed([method.name for method in needed])}"
+            place = monitor.config.place("Model")
+            hint = "without them these inputs have no effect; a `discretisation:` needs no code"
+            regions = tuple(method.region for method in needed)
+            yield UntilWritten("warning", "K050", text, place, hint, None, monitor.package, regions)
         index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
                 place = monitor.config.place("EDDIInputs", index[binding.model.id])
                 hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
-                names = tuple(filter(None, (binding.model.id, binding.renamed_from)))
                 text = f"{BY_HAND}{of}"
-                yield ByHand("info", "K050", text, place, hint, None, monitor.package, names, of)
+                yield ByHand(
+                    "info", "K050", text, place, hint, None, monitor.package, binding.regions, of
+                )

@@ -5,23 +5,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.deployments.wiring.ages import with_default_ages
+from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
-from eddi_scaffold.deployments.wiring.support import Participant
+from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.identifiers import is_package_name
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import candidates, model_for
-from eddi_scaffold.monitors.connections import check_ids, check_neighbours
+from eddi_scaffold.monitors.connections import check_ids, check_limits
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
-
-_Joined = tuple[BoundMonitor | None, list[Problem]]
-"""What comes of a model and its configuration."""
 
 
 def join(
@@ -29,7 +26,6 @@ def join(
     configs: Sequence[ConfigFile],
     read: Callable[[Path], Reading],
     marks: Sequence[str] = (),
-    others: Callable[[], Sequence[Participant]] = lambda: (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join each configuration with its model; without configurations, every model by itself.
 
@@ -39,12 +35,11 @@ def join(
         read: reads the file that a configuration names, where none of the models is for it;
             raises EddiError.
         marks: the default guarantees that are marked.
-        others: returns the monitors that are there already and run with them.
 
     Returns:
         The monitors without errors, and all problems.
     """
-    problems = list(check_neighbours(configs))
+    problems = [found for config in configs for found in check_limits(config)]
     pairs: list[tuple[Model, ConfigFile | None]] = []
     for config in configs:
         try:
@@ -57,30 +52,30 @@ def join(
         pairs.append((model, config))
     if not configs:
         pairs = [(model, None) for model in models]
-    monitors, found = join_pairs(pairs, marks, others)
+    monitors, found = join_pairs(pairs, marks)
     found += _check_packages(monitors)
-    return monitors, [*problems, *found, *check_wiring(members_of(monitors))]
+    members = members_of(monitors)
+    wrong = [*check_wiring(members), *check_ages(deployment(members))]
+    return monitors, [*problems, *found, *wrong]
 
 
 def join_pairs(
     pairs: Sequence[tuple[Model, ConfigFile | None]],
     marks: Sequence[str] = (),
-    others: Callable[[], Sequence[Participant]] = lambda: (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join models with their configurations, but do not look at the wiring between them.
 
     Args:
         pairs: the models and configurations of one robot.
         marks: the default guarantees that are marked.
-        others: returns the monitors that are there already and run with them.
 
     Returns:
         The monitors without errors, and all problems.
     """
     problems: list[Problem] = []
     monitors: list[BoundMonitor] = []
-    joined = [(model, _of(model, config, marks)) for model, config in pairs]
-    for monitor, found in _with_ages(joined, marks, others):
+    for model, config in pairs:
+        monitor, found = monitor_of(model, kinds()[model.kind], config, marks)
         problems += found
         monitors += [monitor] if monitor is not None else []
     return monitors, [*problems, *check_ids(monitors)]
@@ -132,28 +127,6 @@ def _check_life_cycle(config: ConfigFile, platform: Platform) -> Iterable[Proble
         message = f"the platform {platform.name} has no life cycle: the monitor is always active"
         hint = "leave `lifecycle` out, or use `--platform ros2`"
         yield warning("K084", message, config.place("Model", "lifecycle"), hint)
-
-
-def _of(model: Model, config: ConfigFile | None, marks: Sequence[str]) -> _Joined:
-    return monitor_of(model, kinds()[model.kind], config, marks)
-
-
-def _with_ages(
-    joined: Sequence[tuple[Model, _Joined]],
-    marks: Sequence[str],
-    others: Callable[[], Sequence[Participant]],
-) -> Iterator[_Joined]:
-    """Give inputs on topics of the other monitors the limits that they lack."""
-    whole = [one for _, (one, _) in joined if one is not None]
-    found_ages = with_default_ages(whole, others)
-    ages = {id(one): age for one, age in zip(whole, found_ages, strict=True)}
-    for model, (monitor, problems) in joined:
-        age = ages.get(id(monitor))
-        if age is None:
-            yield monitor, problems
-        else:
-            again, found = _of(model, age[0], marks)
-            yield again, [*found, *age[1]]
 
 
 def _place_of_id(monitor: BoundMonitor) -> Place:

@@ -234,6 +234,7 @@ class EditableMethod:
         uses: what a body may use; a change asks for a look at a hand-written one.
         body: default lines inside the region.
         after: lines of Python after the region.
+        is_needed: nothing else gives what it returns.
     """
 
     name: str
@@ -246,6 +247,7 @@ class EditableMethod:
     was: tuple[str, ...] = ()
     uses: tuple[str, ...] = ()
     after: tuple[str, ...] = ()
+    is_needed: bool = False
 
 
 @dataclass(frozen=True)

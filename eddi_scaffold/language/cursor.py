@@ -11,7 +11,7 @@ from eddi_scaffold.language.findings import TextFindings
 from eddi_scaffold.language.syntax import Identifier, NumberWithUnit
 from eddi_scaffold.language.tokens import RESERVED, Token
 from eddi_scaffold.problems import did_you_mean
-from eddi_scaffold.units import words
+from eddi_scaffold.units import one_word, words
 
 DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
 _PATH_INDEX = 10**6
@@ -81,6 +81,7 @@ class Cursor:
     def _unit(self) -> str | None:
         """Take the unit behind a number, if there is one."""
         token, number = self._token, self._tokens[self._k - 1]
+        self._refuse_compound_unit()
         if token.kind != "word":
             return None
         if token.text in words():
@@ -90,6 +91,16 @@ class Cursor:
             hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
             self._fail("E009", f"there is no unit {token.shown}", hint=hint)
         return None
+
+    def _refuse_compound_unit(self, ahead: int = 0) -> None:
+        """Refuse a unit such as m/s or 1/h, which would be a division: units are one word here."""
+        first = self._k + ahead
+        spelling = "".join(token.text for token in self._tokens[first : first + 3])
+        unit = one_word(spelling)
+        if unit is not None:
+            hint = f"write {self._tokens[first - 1].text} {unit}"
+            at = self._tokens[first].start
+            self._fail("E009", f"a unit is one word here, not {spelling}", at=at, hint=hint)
 
     def _duration(self, code: str) -> int:
         number, unit = self._token, self._peek()

@@ -26,6 +26,12 @@ MAX_NODES = 10_000
 _IMPLIES, _COMPARISON, _SUM = 1, 6, 7
 _WORDS = {"IMPLIES": (_IMPLIES, "implies"), "OR": (2, "or"), "XOR": (3, "xor"), "AND": (4, "and")}
 _NOT, _MINUS = 5, 9
+_PAST = {
+    **dict.fromkeys(("EVENTUALLY", "FINALLY", "F"), "ONCE({}, {})"),
+    **dict.fromkeys(("ALWAYS", "GLOBALLY", "HISTORICALLY", "G", "H"), "NOT ONCE(NOT ({}), {})"),
+    **dict.fromkeys(("UNTIL", "SINCE", "U", "S"), "LATCH(begin, end)"),
+}
+"""Word of signal temporal logic -> what looks back in its place, of a condition and a duration."""
 LIST_OPTIONS = ("COVERAGE", "SECTOR", "LENGTH", "WITHIN")
 _SYMBOLS = {
     **{text: (_COMPARISON, op) for text, op in (("<", "lt"), ("<=", "le"), (">", "gt"))},
@@ -124,6 +130,9 @@ class ExpressionParser(Cursor):
         self._k += 1
         if self._is_symbol("("):
             return self._call(token)
+        if self._is_symbol("[") and self._peek(2).text in (":", ",") and token.word in _PAST:
+            instead = self._temporal_hint(self._k - 1)
+            self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=instead)
         name = self._path_rest(token.text)
         return self._add(SyntaxNode("name", (), token.start, token.start, name))
 
@@ -133,7 +142,8 @@ class ExpressionParser(Cursor):
             return self._window(token)
         if token.word not in FUNCTIONS and token.word not in MORE:
             names = {name: name for name in (*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE)}
-            hint = did_you_mean(token.text, names) or f"functions: {', '.join(names)}"
+            near = self._temporal_hint(self._k - 2) or did_you_mean(token.text, names)
+            hint = near or f"functions: {', '.join(names)}"
             self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=hint)
         args = [] if self._is_symbol(")") else [self._expression()]
         while self._is_symbol(","):
@@ -151,6 +161,26 @@ class ExpressionParser(Cursor):
             self._fail("E006", message, at=token.start)
         op = OPERATIONS.get(token.word, token.word.lower())
         return self._add(SyntaxNode(op, tuple(args), token.start, token.start))
+
+    def _temporal_hint(self, at: int) -> str | None:
+        """Return what to write for a word of signal temporal logic, none for another token."""
+        form = _PAST.get(self._tokens[at].word)
+        opening = at + 1
+        while form is not None and self._tokens[opening].text != "(":
+            if self._tokens[opening].kind == "end":
+                return f"write {form.format('x > 1', '5s')}"
+            opening += 1
+        if form is None:
+            return None
+        depth, text, before = 1, "", self._tokens[opening]
+        for token in self._tokens[opening + 1 :]:
+            depth += (token.text == "(") - (token.text == ")")
+            if depth == 0:
+                break
+            text += " " * (token.start - before.end) + token.text
+            before = token
+        condition, comma, length = text.rpartition(",")
+        return f"write {form.format(*((condition, length.strip()) if comma else (text, '5s')))}"
 
     def _nested(self, token: Token, args: list[int]) -> int:
         """Add LEAST or GREATEST of two arguments, as often as needed."""

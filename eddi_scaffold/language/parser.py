@@ -80,6 +80,7 @@ class _Parser(ExpressionParser):
                 if not self._at_declaration():
                     message = f"unexpected {self._token.shown}: the text before is complete"
                     hint = self._comparison_hint() or self._misspelt(before, readers)
+                    hint = self._temporal_hint(self._k) or self._temporal_hint(self._k - 1) or hint
                     self._fail("E003", message, hint=hint)
             except Wrong:
                 broken.add(self._declared)
@@ -147,6 +148,8 @@ class _Parser(ExpressionParser):
 
     def _option(self, found: VarDeclaration) -> VarDeclaration | None:
         word, after = self._token.word, self._peek()
+        if word == "UNIT":
+            self._refuse_compound_unit(1)
         if word == "UNIT" and after.kind == "word" and after.word not in _DECLARATIONS:
             self._k += 2
             return replace(found, unit=Identifier(after.text, after.start))

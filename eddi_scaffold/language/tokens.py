@@ -29,8 +29,8 @@ _TOKEN = re.compile(
       | (?P<number>[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?)
       | (?P<word>[A-Za-z_][A-Za-z0-9_]*)
       | (?P<text>"[^"\r\n]+")
-      | (?P<symbol>:=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=])
-      | (?P<other>&&|\|\||.)""",
+      | (?P<symbol>(?!<->|->|=>)(?::=|==|!=|<=|>=|\.\.|[-+*/<>(),;:.\[\]{}=]))
+      | (?P<other>&&|\|\||<->|->|=>|.)""",
     re.VERBOSE | re.DOTALL,
 )
 _INSTEAD = {
@@ -39,6 +39,10 @@ _INSTEAD = {
     "|": "OR",
     "||": "OR",
     "!": "NOT",
+    "->": "IMPLIES",
+    "=>": "IMPLIES, or >= to compare",
+    "<->": "==",
+    "^": "x * x, or a unit in one word such as mps2",
     "\N{LESS-THAN OR EQUAL TO}": "<=",
     "\N{GREATER-THAN OR EQUAL TO}": ">=",
     "#": "// for a comment",

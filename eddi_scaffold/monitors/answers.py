@@ -24,7 +24,7 @@ from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
-ACCESS = ("by_id", "by_key", "by_name", "joined")
+ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 """Functions of the runtime that generated lines of ``process_<input>`` call."""
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 

@@ -26,13 +26,14 @@ from eddi_scaffold.config.message_types import (
 )
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.schema import FleetSection, InputEntry, SimulatorOutput
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.identifiers import attribute, full_topic, package_name
-from eddi_scaffold.kinds import JsonValue, Kind, Model, ModelInput
+from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors import accepting
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
+from eddi_scaffold.monitors.knowledge import taken
 from eddi_scaffold.monitors.model_document import model_document
 from eddi_scaffold.problems import (
     EddiError,
@@ -53,20 +54,22 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-_MULTI_ARRAY = re.compile(r"std_msgs/(Float|U?Int)[0-9]+MultiArray")
+_PLAIN = frozenset({None, "", *units.RATIO.names})
+"""Units of a number that has none."""
+_MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 
 @dataclass(frozen=True)
 class UntilWritten(Problem):
-    """A problem of an input that ends when a person writes its region.
+    """A problem that ends when a person writes a region.
 
     Attributes:
         package: of the monitor.
-        inputs: id of the input, and the one before where it was renamed.
+        regions: ids of the regions, one of which ends it.
     """
 
     package: str = ""
-    inputs: tuple[str, ...] = ()
+    regions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -111,6 +114,11 @@ class InputBinding:
         """Whether the value comes without hand-written code."""
         return self.expression is not None or self.computed is not None
 
+    @property
+    def regions(self) -> tuple[str, ...]:
+        """The id of its region, and the one before where it was renamed."""
+        return tuple(f"process_{attribute(id_)}" for id_ in (self.model.id, self.renamed_from) if id_)
+
 
 @dataclass(frozen=True)
 class BoundMonitor:
@@ -137,6 +145,12 @@ class BoundMonitor:
     def id(self) -> str:
         """The id in its configuration, else the name of its model: for people."""
         return self.config.config.Model.id if self.config is not None else self.model.name
+
+    @property
+    def needed_methods(self) -> list[EditableMethod]:
+        """The methods of its kind that only a person can write."""
+        modules = self.kind.functions.modules(self.model)
+        return [method for module in modules for method in module.methods if method.is_needed]
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic of its node, as it is in a bag."""
@@ -404,11 +418,7 @@ class _InputBinder:
             self._error("K016", message, "type")
 
     def _max_age(self) -> float | str | None:
-        max_age = (
-            self.entry.max_age
-            if self.entry.max_age is not None
-            else _shortest(self.requires, self.config.config.Fleet)
-        )
+        max_age = self.entry.max_age if self.entry.max_age is not None else self._of_sources()
         if max_age is None and self.item.safety and self.requires:
             topics = ", ".join(source.topic for source in self.requires)
             message = (
@@ -421,6 +431,23 @@ class _InputBinder:
             )
             self.problems.append(warning("K017", message, self._place(), hint))
         return max_age
+
+    def _of_sources(self) -> float | str | None:
+        """Return the least age that the sources allow; the word of a robot has a lease.
+
+        The limit of a monitor's message is none of a sensor that an expression reads beside it.
+        """
+        fleet = self.config.config.Fleet
+        lease = fleet.lease if fleet is not None else None
+        limits = [lease if one.peers else one.limit for one in self.requires]
+        written = self.entry.is_computed and None in limits
+        allowed = (
+            one.max_age if one.max_age is not None or (written and not one.peers) else limit
+            for one, limit in zip(self.requires, limits, strict=True)
+        )
+        ages = [age for age in allowed if age is not None]
+        numbers = [age for age in ages if not isinstance(age, str)]
+        return min(numbers) if numbers else next(iter(ages), None)
 
     def _expression(self) -> str | None:
         """Return the expression of ``field:``, or of the only field where that fits."""
@@ -454,10 +481,10 @@ class _InputBinder:
         if holds(message, self.item.type, self._fields_of) is False:
             text = f"{self.item.id!r} is of type {self.item.type}, and no field of {message} is"
             hint = "is it the right topic? An `expression:` or code in EDDIInput.py can convert it"
-            names = tuple(filter(None, (self.entry.id, self.entry.renamed_from)))
+            own = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
             package = package_name(self.config.config.Model.id)
             place = self._place("requires")
-            found = UntilWritten("warning", "K062", text, place, hint, None, package, names)
+            found = UntilWritten("warning", "K062", text, place, hint, None, package, own)
             self.problems.append(found)
 
     def _numbers(self) -> str | None:
@@ -487,7 +514,7 @@ class _InputBinder:
         except fields.FieldPathError as problem:
             self._error("K019", str(problem), "field", problem.hint)
             return None
-        return fields.expression(argument, self._checked(path, message))
+        return taken(argument, self._checked(path, message), message)
 
     def _checked(self, path: fields.FieldPath, message: str) -> fields.FieldPath:
         """Check a path with what is known of the message, also by the ROS of this machine."""
@@ -519,7 +546,8 @@ class _InputBinder:
         message = f"{what} is in {shown}, {self.entry.id!r} in {wanted or 'a ratio'}"
         key = "unit" if self.entry.unit is not None else self._given_by
         if not any(factors):
-            self._error("K052", f"{message}: they are not of one dimension", key)
+            reason = units.apart(given[0], wanted)
+            self._error("K052", f"{message}: {reason}", key, _shifted(given[0], wanted))
             return
         unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
         times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
@@ -552,7 +580,7 @@ class _InputBinder:
 
     def _factor(self) -> tuple[int, int] | None:
         given, wanted = self.entry.unit, self.item.unit
-        if given is None or given == (wanted or ""):
+        if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
             return None
         if self.item.type not in {"float", "int"}:
             self._error("K021", f"input {self.entry.id!r} is not a number and has no unit", "unit")
@@ -561,8 +589,8 @@ class _InputBinder:
         if factor is None:
             fitting = [unit or '""' for unit in self.item.units or {}]
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            hint = NearNames(fitting, "units that can be").hint(given)
-            self._error("K022", message, "unit", hint)
+            near = NearNames(fitting, "units that can be").hint(given)
+            self._error("K022", message, "unit", _shifted(given, wanted) or near)
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -588,15 +616,10 @@ class _InputBinder:
         self._error("K024", message, "default", hint)
 
 
-def _shortest(
-    requires: Sequence[SimulatorOutput], fleet: FleetSection | None
-) -> float | str | None:
-    """Return the least age that the sources allow; the word of a robot has a lease."""
-    lease = fleet.lease if fleet is not None else None
-    allowed = (lease if one.peers and one.max_age is None else one.max_age for one in requires)
-    ages = [age for age in allowed if age is not None]
-    numbers = [age for age in ages if not isinstance(age, str)]
-    return min(numbers) if numbers else (ages[0] if ages else None)
+def _shifted(given: str, wanted: str | None) -> str | None:
+    """Return the hint at how a temperature gets from one scale to the other."""
+    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((given, wanted or ""))
+    return f"write `expression: value {sign} 273.15` instead" if sign else None
 
 
 def _only_fitting_field(

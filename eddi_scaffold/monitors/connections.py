@@ -10,47 +10,19 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.identifiers import full_topic, package_name
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, check_path
+from eddi_scaffold.monitors.publications import check_path
 from eddi_scaffold.problems import Problem, warning
 
-_PERIODS = 2
 _LONG = 100.0
 """Seconds of a limit that are more likely meant as milliseconds."""
 
 
-def check_neighbours(configs: Sequence[ConfigFile]) -> Iterable[Problem]:
-    """Warn where an input gives up on a monitor between two of its steps, or hardly ever (K029)."""
-    providers = {
-        _full(config, output.topic): config.config.Model
-        for config in configs
-        for output in config.config.EDDIOutputs
-    }
-    for config in configs:
-        yield from _long(config)
-        sources = config.config.SimulatorOutputs
-        topics = {one.id: _full(config, one.topic) for one in sources}
-        ours = {topics[one.id] for one in sources if one.type.startswith(f"{MESSAGE_PACKAGE}/")}
-        for index, item in enumerate(config.config.EDDIInputs):
-            for topic in (topics[name] for name in item.requires if name in topics):
-                below = topic.rpartition("/")[0] if topic in ours else ""  # of `<topic>/status`
-                provider = providers.get(topic) or providers.get(below)
-                limit = _limit(item)
-                if provider is None or limit is None or limit * provider.frequency >= _PERIODS:
-                    continue
-                message = (
-                    f"input {item.id!r} is unknown after {limit} s, but {provider.id} publishes "
-                    f"only every {1 / provider.frequency:g} s"
-                )
-                place = config.place("EDDIInputs", index, "max_age")
-                hint = f"at least {_PERIODS} periods: max_age: {_PERIODS / provider.frequency:g}"
-                yield warning("K029", message, place, hint)
-
-
-def _long(config: ConfigFile) -> Iterable[Problem]:
+def check_limits(config: ConfigFile) -> Iterable[Problem]:
+    """Warn of what is hardly ever too old: milliseconds may be meant (K029)."""
     for section in ("SimulatorOutputs", "EDDIInputs"):
         for index, item in enumerate(getattr(config.config, section)):
-            limit = _limit(item)
-            if limit is not None and limit >= _LONG:
+            limit = item.max_age
+            if isinstance(limit, float) and limit >= _LONG:
                 message = (
                     f"{item.id!r} counts as known for {limit:g} s after its source has died: "
                     "`max_age` is in seconds"
@@ -117,7 +89,3 @@ def _paths(
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
     for name, path in binding.key_paths.get(source.id, {}).items():
         yield key, name, path
-
-
-def _limit(item: InputEntry | SimulatorOutput) -> float | None:
-    return item.max_age if isinstance(item.max_age, float) else None

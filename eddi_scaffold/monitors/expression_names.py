@@ -22,6 +22,7 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.language.findings import Locate
 from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.language.syntax import Identifier, is_list_path
+from eddi_scaffold.monitors.knowledge import check
 from eddi_scaffold.problems import Problem, did_you_mean, error
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
@@ -85,7 +86,7 @@ class ExpressionNames:
         found = None if source is None else self._resolve(name, source, locate, at)
         if source is None or found is None:
             return None
-        timeout = _nanoseconds(self._entry.max_age, source.max_age)
+        timeout = _nanoseconds(self._entry.max_age, source.limit)
         of = "float" if found.type in ("time", "duration") else found.type
         if of is not None and of not in _TYPES:
             message = f"{name} is a {of}; an expression needs a number or a boolean"
@@ -148,10 +149,14 @@ class ExpressionNames:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
             path = path_behind(name)
-            found = self._resolved[name] = resolve(path, source.type, self._fields_of)
+            found = resolve(path, source.type, self._fields_of)
         except FieldPathError as problem:
             self.problems.append(error("K020", str(problem), locate(at), problem.hint))
             return None
+        known = check(found.path, source.type)
+        if known and name not in self._resolved:
+            self._check(name, known)
+        self._resolved[name] = found
         return found
 
     def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:

@@ -13,7 +13,7 @@ from eddi_scaffold.config.model_path import named_model_path
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
 from eddi_scaffold.positioned_yaml.nodes import read_map
-from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, listed, nearest
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
@@ -27,6 +27,12 @@ from eddi_scaffold.source import Source, read_source
 YAML_SUFFIXES = (".yml", ".yaml")
 _HEAD = 4096
 _CONFIG_SECTIONS = {"Model", "SimulatorOutputs", "SimulatorOutput", "EDDIInputs"}
+_YAML_KEYS = {
+    "a ConSert": ("guarantees", "demands", "evidence", "gates", "tree_propagations"),
+    "a configuration": ("Model", "SimulatorOutputs", "EDDIInputs", "EDDIOutputs"),
+    "a deployment file": ("Robots", "Bindings", "Station"),
+}
+"""Kind of file -> keys of its top level that tell it."""
 _CONFIG_LINE = re.compile(rb"^(Model|SimulatorOutputs?|EDDIInputs)[ \t]*:", re.MULTILINE)
 
 
@@ -80,6 +86,9 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         hint = "parse-rossystem, or generate --system with --models, reads it"
         return Reading((), (error("F003", message, Place(source.name), hint),))
     if source.name.lower().endswith(YAML_SUFFIXES):
+        stranger = _of_no_kind(source)
+        if stranger is not None:
+            return Reading((), (stranger,))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     if source.name.lower().endswith(".csv"):
@@ -92,6 +101,22 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
         return Reading((), (error("F003", message, Place(source.name)),))
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
     return Reading((), (error("F003", message, Place(source.name)),))
+
+
+def _of_no_kind(source: Source) -> Problem | None:
+    """Return the error of a YAML file without a key of ours; ``None``: it may be a ConSert."""
+    node, _ = read_map(source, "C001")
+    known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
+    meant = [(key, nearest(key.text, known)) for key, _ in (node.entries if node else ())]
+    if not meant or any(near and known[near] == "a ConSert" for _, near in meant):
+        return None
+    key, near = next((one for one in meant if one[1]), meant[0])
+    if near is not None:
+        text = f"there is no section {key.text!r}, and no other key tells what this file is"
+        return error("F003", text, key.place, f"did you mean {near!r}, of {known[near]}?")
+    text = f"this is no file of ours: it has the keys {listed([one.text for one, _ in meant])}"
+    hint = ", ".join(f"{of} has `{keys[0]}`" for of, keys in _YAML_KEYS.items())
+    return error("F003", text, key.place, hint)
 
 
 def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:

@@ -14,7 +14,7 @@ from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
-from eddi_scaffold.deployments.wiring.ages import with_default_ages, without_ages
+from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
 from eddi_scaffold.deployments.wiring.deployment import deployment
 from eddi_scaffold.deployments.wiring.support import Participant, remembered
@@ -51,14 +51,12 @@ class Assembly:
         monitors: folders of the monitor packages among them.
         problems: warnings and infos about models and configurations.
         present: package -> answers of those that are there already.
-        ageless: what to report of packages that are not made again: see ``without_limits``.
     """
 
     packages: Sequence[PackageAnswers]
     monitors: Sequence[str]
     problems: Sequence[Problem]
     present: Mapping[str, Mapping[str, Any]]
-    ageless: Sequence[str]
 
 
 def monitors_of(
@@ -81,9 +79,9 @@ def monitors_of(
         name: of one model.
         default_guarantees: the marks of ``--default-guarantee``.
         robot: what models of a robot add to the configurations.
-        root: folder of all packages, where those that are there run with the monitors: they give
-            age limits, and the message types that a package was generated with stay known; what
-            none of them publishes is a warning (D006).
+        root: folder of all packages, where those that are there run with the monitors: what none
+            of them publishes is a warning (D006). The message types that a package was generated
+            with stay known.
         renames: ``OLD=NEW``: the package of the new name is there as the old one.
 
     Raises:
@@ -105,19 +103,15 @@ def monitors_of(
     former = _former(renames)
     configs = [with_types(one, _remembered_types(one, root, former)) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
-
-    def others() -> Sequence[Participant]:
-        new = {package_name(one.config.Model.id) for one in configs}
-        left_out = {*new, *former.values()}
-        return _beside(existing(root, left_out), left_out) if root is not None else ()
-
-    monitors, found = join(models, configs, read, default_guarantees, others)
+    monitors, found = join(models, configs, read, default_guarantees)
     configured = [one.model for one in monitors if one.config is not None]
     problems = unanswered([*problems, *found], configured)
     if has_errors(problems):
         raise EddiError(*problems)
     if root is not None:
-        problems += absent_publishers(deployment(members_of(monitors), others()))
+        made = {*(package_name(one.config.Model.id) for one in configs), *former.values()}
+        others = _beside(existing(root, made), made)
+        problems += absent_publishers(deployment(members_of(monitors), others))
     return monitors, problems
 
 
@@ -216,9 +210,8 @@ def assemble(
     ]
     wanted = {package.folder: package.answers for package in packages}
     shared = support(platform, root, before, wanted, config, gone)
-    ageless = list(without_limits(present, packages))
     told = until_written(found, lambda package: [root / package])
-    return Assembly([*packages, *shared], new, told, before, ageless)
+    return Assembly([*packages, *shared], new, told, before)
 
 
 def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterator[Problem]:
@@ -262,22 +255,9 @@ def wiring_with(
         monitors: the new ones.
         present: package -> answers of those that are there.
     """
-    new = {monitor.package for monitor in monitors}
-    return check_wiring(members_of(monitors), _beside(present, new))
-
-
-def without_limits(
-    present: Mapping[str, Mapping[str, Any]], packages: Sequence[PackageAnswers]
-) -> Iterator[str]:
-    """Yield the inputs of packages that are there which would have an age limit if made now.
-
-    Args:
-        present: package -> answers of those that stay, or are replaced.
-        packages: what is made.
-    """
-    after = {**present, **{package.folder: package.answers for package in packages}}
-    for folder, text in without_ages(_beside(after, ())):
-        yield f"{folder}: {text}"
+    others = _beside(present, {monitor.package for monitor in monitors})
+    members = members_of(monitors)
+    return [*check_wiring(members, others), *check_ages(deployment(members, others))]
 
 
 def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
@@ -393,18 +373,11 @@ def rejoined(
     Raises:
         EddiError: a model no longer fits.
     """
-    found = {
+    return {
         folder: _rejoined(present[folder], models[folder], configs.get(folder), folder)
         for folder in present
         if folder in models
     }
-    joined = [one for one, _ in found.values()]
-    ages = with_default_ages(joined, partial(_beside, present, found))
-    for folder, age in zip(tuple(found), ages, strict=True):
-        if age is not None:
-            monitor, problems = _rejoined(present[folder], models[folder], age[0], folder)
-            found[folder] = monitor, [*problems, *age[1]]
-    return found
 
 
 def _rejoined(

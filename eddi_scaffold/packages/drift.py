@@ -7,13 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.packages.assembly import without_limits
 from eddi_scaffold.packages.generation import write_packages
-from eddi_scaffold.packages.handwritten import doubts_of
+from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
-from eddi_scaffold.regions.check import list_regions
 
 
 @dataclass(frozen=True)
@@ -79,14 +77,10 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             and "/.eddi/" not in path
             and not path.endswith(f"/{ANSWERS_FILE}")
         )
-        regions = list_regions(root, doubts_of(root))
+        regions = looked_at(root)
         edited = [one.file for one in regions if one.state == "outside"]
         states = Counter(one.state for one in regions if one.id)
-        findings = [
-            line
-            for line in limitless
-            if line.startswith((f"{folder} ", f"{folder}/", f"{folder}: "))
-        ]
+        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
         findings += [
             ": ".join(filter(None, (one.file, one.id, "; ".join(one.notes))))
             for one in regions

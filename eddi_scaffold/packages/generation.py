@@ -11,9 +11,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.compiling.package import write_compiled
-from eddi_scaffold.packages.handwritten import lost_limits, lost_sources, write_plans
+from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
+from eddi_scaffold.packages.review import ADOPT, is_of_d72
 from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.packages.unpacking import Unpacked, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
@@ -174,7 +175,7 @@ def _tell(package: PackageAnswers, plan: Plan, rendered: Path, target: Path, wor
     """Note what is to be said of a package."""
     work.notes += (rendered / "warnings").read_text("utf-8").splitlines()
     was = read_answers(target) or {}
-    lost = [*lost_sources(target, was, package.answers), *lost_limits(was, package.answers)]
+    lost = lost_sources(target, was, package.answers)
     work.notes += [f"{package.folder}: {one}" for one in lost]
     for note in plan.notes:
         place = note.file if note.line is None else f"{note.file}:{note.line}"

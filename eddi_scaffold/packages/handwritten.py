@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import TIMES, known_messages
-from eddi_scaffold.deployments.wiring.lifetimes import limit_of
-from eddi_scaffold.deployments.wiring.support import remembered
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.review import doubtful_names
+from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
@@ -51,14 +48,21 @@ class HandwrittenRegion:
         }
 
 
+_WHAT = {"process": "input", "node": "node"}
+"""First word of the id of a region -> what a person writes in it."""
+
+
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
-    """Return where a person must still write how an input is made of its messages."""
+    """Return what a person must still write, and where: inputs, methods of a kind."""
     needed = {
-        monitor.package: {f"process_{b.attribute}" for b in monitor.inputs if not b.is_given}
+        monitor.package: {
+            *(binding.regions[0] for binding in monitor.inputs if not binding.is_given),
+            *(method.region for method in monitor.needed_methods),
+        }
         for monitor in monitors
     }
     return [
-        f"{root / package / status.file}:{status.line}"
+        f"this {_WHAT[status.id.partition('_')[0]]}: {root / package / status.file}:{status.line}"
         for package, ids in needed.items()
         for status in (list_regions(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
@@ -85,34 +89,6 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         f"input {titles[names]!r} has no source any more: it was made by `{was}`"
         for names, was in lost.items()
         if not edited.intersection(names)
-    ]
-
-
-def lost_limits(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """Return a line for each input that had an age limit, and has none now.
-
-    One that the configuration gives up by ``max_age: none`` is accepted, and reported as that.
-
-    Args:
-        before: the former answers of a package.
-        after: its answers.
-    """
-    was, now = remembered("", before), remembered("", after)
-    if was is None or now is None:
-        return []
-    limits = {attribute(spec["id"]): limit_of(was, spec["id"]) for spec in was.document["inputs"]}
-    former = {marker.id: marker.was for marker, _, _ in _statements(after)}
-    lost = {}
-    for spec in now.document["inputs"]:
-        id_ = spec["id"]
-        if spec["max_age"] is None and math.isinf(limit_of(now, id_)):
-            own = f"process_{attribute(id_)}"
-            names = [one.removeprefix("process_") for one in (own, *former.get(own, ()))]
-            lost[id_] = next((limits[name] for name in names if name in limits), math.inf)
-    return [
-        f"input {id_!r} has no age limit any more: it was unknown after {seconds:g} s"
-        for id_, seconds in lost.items()
-        if not math.isinf(seconds)
     ]
 
 
@@ -165,7 +141,7 @@ def until_written(
     def is_written(problem: Problem) -> bool:
         if not isinstance(problem, UntilWritten):
             return False
-        regions = {f"process_{attribute(name)}" for name in problem.inputs}
+        regions = set(problem.regions)
         there = edited(problem.package)
         return bool(there) and all(map(regions.intersection, there))
 
@@ -231,12 +207,21 @@ def doubts_of(package: Path) -> Doubts:
     return partial(doubtful_names, messages=Messages(types, whole))
 
 
+def looked_at(package: Path) -> list[RegionStatus]:
+    """List the regions of a package with what a person should look at; a pasted file as a whole."""
+    pasted = cache(lambda file: is_of_d72(package / file))
+    return [
+        replace(one, notes=(*one.notes, ADOPT), review=True) if pasted(one.file) else one
+        for one in list_regions(package, doubts_of(package))
+    ]
+
+
 def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     """List the regions of all packages below a folder."""
     return [
         HandwrittenRegion(str(package / status.file), status)
         for package in packages_below(folder)
-        for status in list_regions(package, doubts_of(package))
+        for status in looked_at(package)
     ]
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import re
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 
 from eddi_scaffold.packages.mistakes import Inputs, Messages
 from eddi_scaffold.python_text import parse_python
@@ -13,9 +15,15 @@ from eddi_scaffold.regions.marked_file import Region
 NO_MESSAGES = Messages()
 _BASE = "EDDIInputBase"
 _INHERITED = (
-    *("bind", "begin_step", "end_step", "expression", "processed", "processing", "setup", "states"),
+    *("begin_processing", "begin_step", "bind", "end_step", "expression", "look_again"),
+    *("processed", "processing", "received", "setup", "states"),
     *("update", "update_each", "update_expression"),
     *dir(object),
+)
+_OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
+ADOPT = (
+    "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
+    " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
 )
 _SETTERS = {"__dict__", "setattr", "vars"}
 
@@ -61,6 +69,14 @@ def doubtful_names(
         if notes:
             found[region.id] = tuple(dict.fromkeys(notes))
     return found
+
+
+def is_of_d72(file: Path) -> bool:
+    """Return whether a file has an ``EDDIInput`` as the D7.2 tools wrote it."""
+    try:
+        return _OF_D72.search(file.read_text("utf-8")) is not None
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 class _Scope:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import Problem, warning
 from eddi_scaffold.readers.spelling import fold, local_name
+from eddi_scaffold.readers.survey import MONITORED, kind_of_model
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
     In the packages that hold chains, trees and networks every unknown class is named.
     """
     for package in document.packages():
+        if kind_of_model(document, package) in MONITORED:
+            continue  # the root is a model, whose reader knows its parts
         for element in package.iterchildren():
             if element.get(XSI_TYPE) is None:
                 continue
@@ -55,7 +58,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             name = element.get("name")
             what = feature_of(element) + (f' "{name}"' if name else "")
             message = f'{what} is of the unknown class "{kind.printed}"'
-            if meant not in PACKAGES:
+            if not any(kind_of_model(document, one) in MONITORED for one in element.iter()):
                 message += ", so that nothing is read from it"
             hint = f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}"
             yield warning("X015", message, document.place(element), hint)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import Level, Place, Problem
+from eddi_scaffold.readers.xmi import only
 
 if TYPE_CHECKING:
     from eddi_scaffold.readers.document import EddiDocument
+    from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
 
 
@@ -43,10 +45,17 @@ class EddiFindings:
             place = self.document.place(element)
         self._counted[level, code, message] = (place, before + times)
 
+    def only(self, parent: Element, spelling: Spelling) -> Element | None:
+        """Return the child in a feature that may hold one; report others (X011)."""
+        children = self.document.children(parent, spelling)
+        first, problems = only(children, "X011", self.document.place)
+        self.add(*problems)
+        return first
+
     def problems(self) -> list[Problem]:
         """Return everything that was found."""
         counted = [
             Problem(level, code, message + (f" ({times} times)" if times > 1 else ""), place)
             for (level, code, message), (place, times) in self._counted.items()
         ]
-        return self._problems + counted
+        return [*dict.fromkeys(self._problems), *counted]

@@ -177,8 +177,8 @@ def kind_of_model(document: EddiDocument, element: Element) -> str | None:
     kind = kind or _BY_FEATURE.get(feature)
     if kind is None and feature in _BY_CLASS and document.is_root(element):
         kind = _BY_CLASS[feature]
-    if kind == "consert" and not _holds_conserts(document, element.getparent()):
-        return None
+    if kind == "consert" and not document.is_root(element):
+        kind = kind if _holds_conserts(document, element.getparent()) else None
     if kind == "assurance_case" and _is_nested(element):
         return None
     return kind

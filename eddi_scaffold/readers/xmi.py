@@ -7,6 +7,7 @@ No document type declaration, no entity, no network, no other file; libxml2 limi
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, BinaryIO, TypeAlias
 
@@ -30,6 +31,9 @@ XMI = "http://www.omg.org/XMI"
 
 _KNOWN_PREFIXES = {"xsi": XSI, "xmi": XMI}
 _UNDECLARED = re.compile(r"Namespace prefix (\S+) (?:for \S+ )?on \S+ is not defined")
+_QUOTES = ("ERR_LT_IN_ATTRIBUTE", "ERR_ATTRIBUTE_NOT_FINISHED")
+"""How a quote that is not closed shows: far behind it."""
+_START_TAG = re.compile(r"end of Start Tag \S+ line (\d+)")
 _MAX_REPAIRS = 100
 _LAST_LINE = 65535
 # Between two "<" lie at least 5 bytes per attribute: no window of half of that without "<" means
@@ -142,6 +146,27 @@ def feature_of(element: Element) -> str:
     return local_name(str(element.tag))
 
 
+def only(
+    elements: Sequence[Element], code: str, place: Callable[[Element], Place]
+) -> tuple[Element | None, list[Problem]]:
+    """Return the one element that may be there, and an error at each further one.
+
+    Args:
+        elements: all that give the same value.
+        code: of the errors.
+        place: of an element.
+    """
+    return next(iter(elements), None), [
+        error(
+            code,
+            f"`{feature_of(again)}` is given twice, first in line {line_of(elements[0])}",
+            place(again),
+            "remove one of them",
+        )
+        for again in elements[1:]
+    ]
+
+
 def text_of(element: Element) -> str:
     """Return all text inside an element."""
     return "".join(str(part) for part in element.itertext())
@@ -216,10 +241,15 @@ def _parse(
     return None, [], error("X001", "too many undeclared prefixes", Place(name, 1))
 
 
+def _errors(parser: etree.XMLParser) -> list[Any]:
+    """Return what stops the parser; it also warns, of relative namespaces for example."""
+    return [entry for entry in parser.error_log if entry.level_name != "WARNING"]
+
+
 def _missing_prefixes(parser: etree.XMLParser) -> list[str]:
     """Return the undeclared prefixes when nothing else is wrong, else nothing."""
     found: dict[str, None] = {}
-    for entry in parser.error_log:
+    for entry in _errors(parser):
         match = _UNDECLARED.match(entry.message)
         if entry.type_name != "NS_ERR_UNDEFINED_NAMESPACE" or match is None:
             return []
@@ -230,12 +260,18 @@ def _missing_prefixes(parser: etree.XMLParser) -> list[str]:
 def _syntax_error(
     problem: Exception, parser: etree.XMLParser, head: Head, name: str, *, repaired: bool
 ) -> Problem:
-    entries = [e for e in parser.error_log if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
+    entries = [e for e in _errors(parser) if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     message = " ".join((entries[0].message if entries else str(problem)).split()).rstrip(".")
-    line = entries[0].line if entries else 1
+    line = entries[0].line if entries else getattr(problem, "lineno", None) or 1
     shifted = repaired and line == head.line_of(root_name_end(head) or 0)
     column = None if shifted or not entries else entries[0].column
     place = Place(name, max(line, 1), column or None)
+    if entries and entries[0].type_name in _QUOTES:
+        starts = [int(m[1]) for e in entries if (m := _START_TAG.search(e.message))]
+        if starts and starts[0] < line:
+            place = Place(name, starts[0])
+        message = f"not well-formed: {message}"
+        return error("X001", message, place, "close the quote; a `<` in a value is `&lt;`")
     if "XML_PARSE_HUGE" in message or "too long" in message or "Resource limit" in message:
         return error("X003", f"a limit of the XML parser is exceeded: {message}", place, _FIXED)
     return error("X001", f"not well-formed: {message}", place, syntax_hint(head, message))

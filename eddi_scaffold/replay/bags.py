@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
@@ -17,7 +17,7 @@ from typing import Any
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.message_types.ros2 import ros2_fields
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.identifiers import full_topic
+from eddi_scaffold.identifiers import full_topic, is_ros_name
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
@@ -80,19 +80,18 @@ def read_bag(
     with opened(path, monitors) as reader:
         found = [one for one in reader.connections if _absolute(one.topic) in outside]
         _refuse(_wrong_types(found, outside))
-        known = tables(reader.typestore.fielddefs)
+        known = _tables(reader, found)
         there = {_absolute(one.topic) for one in found}
         _refuse(p for one in monitors for p in check_fields(one, known, there))
-        _name_times_as_rospy(reader.typestore.types)
-        start = reader.start_time
+        for one in found:
+            _name_times_as_rospy(reader.types(one).types)
+        start = _start(reader)
         samples = tuple(
-            Sample(
-                t - start,
-                _absolute(connection.topic),
-                reader.deserialize(data, connection.msgtype),
-            )
-            for connection, t, data in reader.messages(found)
+            Sample(t - start, _absolute(one.topic), reader.deserialize(one, data))
+            for one, t, data in reader.messages(found)
+            if t >= start
         )
+        strange = _strange_times(place, samples, is_cut=start != reader.start_time)
         twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
         end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
         tape = Tape(0, end, samples)
@@ -101,7 +100,51 @@ def read_bag(
             for one in reader.connections
             if one.msgcount
         }
-        return tape, [*_absent(place, topics, outside), *_computed(place, twice)]
+        return tape, [*_absent(place, topics, outside), *_computed(place, twice), *strange]
+
+
+_SET_CLOCK_NS = 10**18
+"""Since 2001 the clock of a computer that has been set is beyond this."""
+_BACK_NS = 10**9
+"""Stamps of several publishers of a topic may be out of order by less."""
+
+
+def _start(bag: Any) -> int:
+    """Return when a recording begins: not at a time stamp 0 from before a clock was set."""
+    if bag.start_time == 0 and bag.end_time > _SET_CLOCK_NS:
+        return next((t for _, t, _ in bag.messages(bag.connections) if t), 0)
+    return int(bag.start_time)
+
+
+def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> Iterator[Problem]:
+    """Warn of a first message without a time, and of topics whose stamps jump back."""
+    if is_cut:
+        message = "the first message has the time stamp 0, and is left out"
+        yield warning("I011", message, place, "it was recorded before the clock was set")
+    latest: dict[str, int] = {}
+    back: dict[str, None] = {}
+    for one in samples:
+        made = _stamp(one.message)
+        if made:
+            if made < latest.get(one.topic, made) - _BACK_NS:
+                back[one.topic] = None
+            latest[one.topic] = made
+    if back:
+        message = f"the time in the messages of {', '.join(back)} jumps back"
+        hint = "was a simulation reset? Record each run by itself: a node forgets all at a jump"
+        yield warning("I011", message, place, hint)
+
+
+def _stamp(message: Any) -> int:
+    """Return when a message says that it was made, 0 where it does not."""
+    stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
+    stamp = getattr(message, "clock", stamp)
+    return int(stamp.sec) * 10**9 + int(stamp.nanosec) if hasattr(stamp, "nanosec") else 0
+
+
+def _tables(bag: Any, connections: Iterable[Any]) -> MessageFields:
+    """Return message type -> its fields, of the definitions of some channels."""
+    return tables({k: v for one in connections for k, v in bag.types(one).fielddefs.items()})
 
 
 @dataclass(frozen=True)
@@ -128,13 +171,27 @@ def read_contents(path: Path) -> Contents:
     times: dict[str, list[int]] = {}
     topics: dict[str, str] = {}
     with opened(path) as reader:
-        for connection, t, _ in reader.messages():
+        known = [
+            one
+            for one in reader.connections
+            if is_ros_name(_absolute(one.topic)) and _is_known(reader, one)
+        ]
+        for connection, t, _ in reader.messages(known):
             topic, of = _absolute(connection.topic), connection.msgtype.replace("/msg/", "/")
             times.setdefault(topic, []).append(t)
             if of.partition("/")[0] not in _NO_SENSORS:
                 topics[topic] = of
-        types = tables(reader.typestore.fielddefs)
+        types = _tables(reader, known)
     return Contents(topics, types, {topic: sorted(one) for topic, one in times.items()})
+
+
+def _is_known(bag: Any, connection: Any) -> bool:
+    """Return whether the messages of a channel can be read: one that cannot fills no input."""
+    try:
+        bag.types(connection)
+    except Exception:  # noqa: BLE001 - a damaged definition makes rosbags raise anything
+        return False
+    return True
 
 
 @contextmanager
@@ -147,31 +204,33 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         EddiError: rosbags is not installed (I010), or the bag cannot be read (I011).
     """
     try:
-        from rosbags.highlevel import AnyReader  # noqa: PLC0415 - an extra
-        from rosbags.typesys import (  # noqa: PLC0415 - an extra
-            Stores,
-            get_types_from_msg,
-            get_typestore,
-        )
+        from eddi_scaffold.replay.bag_reader import Bag  # noqa: PLC0415 - an extra
     except ImportError:
         hint = "`pipx inject eddi-scaffold rosbags`, or pip in its environment"
         raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
     place = Place(str(path))
     _refuse_special(path, place)
+    advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
     try:
-        ros1 = path.suffix == ".bag"
-        store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
-        for name, text in () if ros1 else _own_messages(monitors).items():
-            store.register(get_types_from_msg(text, name.replace("/", "/msg/")))
-        with AnyReader([path], default_typestore=store) as reader:
-            yield reader
+        with closing(Bag(path, _own_messages(monitors))) as bag:
+            advice = None
+            yield bag
     except EddiError:
         raise
     except Exception as failed:  # noqa: BLE001 - a damaged bag makes rosbags raise anything
         reason = " ".join(str(failed).split()) or type(failed).__name__
         if isinstance(failed, UnicodeDecodeError):
             reason = "it is damaged, or something else under the name of one"
-        raise EddiError(error("I011", f"cannot read the bag: {reason}", place)) from None
+        raise EddiError(error("I011", f"cannot read the bag: {reason}", place, advice)) from None
+
+
+def _repair(path: Path) -> str:
+    """Return the command that makes a bag of one that was cut off."""
+    if path.suffix == ".bag":
+        return f"`rosbag reindex {path}`"
+    inside = path.glob("*.mcap") if path.is_dir() else [path]
+    file = next((one for one in inside if one.suffix == ".mcap"), None)
+    return f"`mcap recover {file} -o saved.mcap`" if file else f"`ros2 bag reindex {path}`"
 
 
 def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:

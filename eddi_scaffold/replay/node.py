@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from eddi_runtime.access import by_id, by_key, by_name, joined
+from eddi_runtime.access import by_id, by_key, by_name, given, joined
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.node.pasted import understood
 
 from eddi_scaffold.monitors.binding import InputBinding
 
@@ -25,7 +26,7 @@ SECOND = 1_000_000_000
 """Nanoseconds."""
 
 _HELPERS: Mapping[str, Callable[..., Any]] = {
-    called.__name__: called for called in (by_id, by_key, by_name, joined)
+    called.__name__: called for called in (by_id, by_key, by_name, given, joined)
 }
 
 
@@ -98,7 +99,7 @@ class ReplayedNode:
     ) -> None:
         self._running = running
         self._execute = step or running.execute_step
-        self._eddi_input = eddi_input
+        self._eddi_input = understood(eddi_input, running.inputs)
         for spec in running.inputs:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)
@@ -166,6 +167,8 @@ def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:
         return tree.value
     if isinstance(tree, ast.Attribute):
         return getattr(_value(tree.value, names), tree.attr)
+    if isinstance(tree, ast.Tuple):
+        return tuple(_value(one, names) for one in tree.elts)
     if isinstance(tree, ast.Subscript):
         return _value(tree.value, names)[_value(tree.slice, names)]
     if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.plain_values import one_line
 
 from eddi_scaffold.config.file import ConfigFile, from_json
@@ -67,6 +68,8 @@ class Packaged:
         Hand-written lines get a message with the value where one has room for nothing else.
         """
         eddi_monitor, eddi_input = self.new()
+        if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
+            eddi_input = EDDIInputBase()
         updates = [
             (one.model, self._process(one, eddi_input), [one.model.id])
             for one in self.monitor.inputs

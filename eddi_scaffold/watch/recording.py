@@ -62,7 +62,7 @@ class Recording:
             yield Message(
                 names[connection.id],
                 types[connection.id],
-                reader.deserialize(data, connection.msgtype),
+                reader.deserialize(connection, data),
                 (t - reader.start_time) / 1e9,
                 node,
                 kept,

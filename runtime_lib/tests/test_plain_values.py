@@ -35,7 +35,7 @@ def test_a_subclass_is_asked_nothing():
 
 
 def test_what_is_no_plain_value_is_shown_by_its_type():
-    assert [plain(one) for one in (None, [1], 1j, b"x")] == [None] * 4
+    assert [plain(one) for one in (None, [1], 1j, b"xy")] == [None] * 4
     assert show([1]) == "an object of type list"
     assert show(10**100) == "a whole number of 333 bits"
     assert len(show("x" * 500)) == 60

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import api
-from tests.cli.command import EXAMPLE, example, run
+from tests.cli.command import EXAMPLE, ROOT, example, run
 
 FILE = "src/conserta/EDDIInput.py"
 BODY = "        self.RtE_A_E0 = RtE_E0.data\n"
@@ -137,6 +137,36 @@ def test_what_is_written_by_hand_is_no_longer_called_for(tmp_path: Path) -> None
     for command, said in calls:
         assert said not in run(*command, cwd=tmp_path).err
     assert not {"K050", "K062"} & {problem.code for problem in api.check(files)}
+
+
+def test_a_network_that_nothing_feeds_calls_for_its_methods(tmp_path: Path) -> None:
+    """Inputs without `discretisation:` reach no node until a person writes how."""
+    pedestrian = ROOT / "examples" / "pedestrian"
+    shutil.copy(pedestrian / "pedestrian.xml", tmp_path)
+    text = (pedestrian / "eddi_config.yml").read_text("utf-8")
+    bare = [line for line in text.splitlines() if "bins:" not in line and "discret" not in line]
+    (tmp_path / "bare.yml").write_text("\n".join(bare), "utf-8")
+    check = ["check", "pedestrian.xml", "bare.yml"]
+    said = (
+        "warning: to be written by hand: node_AV_Shuttle_Speed, node_Distance_to_Pedestrian [K050]"
+    )
+    found = run(*check, cwd=tmp_path)
+    assert (found.status, said in found.err) == (0, True), found.err
+    generate = ["generate", "--platform", "plain", "-o", "out", "-m", "pedestrian.xml", "-c"]
+    file = Path("out/pedestrian_prediction_example/bayesian_network_config.py")
+    made = run(*generate, "bare.yml", cwd=tmp_path)
+    assert made.status == 0, made.err
+    lines = [*made.out.splitlines(), *made.err.splitlines()]
+    assert sum(line.strip().startswith(f"write this node: {file}:") for line in lines) == 2
+    whole = (tmp_path / file).read_text("utf-8")
+    name, _, _ = whole.partition("        pass\n")
+    written = whole.replace("        pass\n", "        outcome_NotDriving = 1.0\n", 1)
+    assert "def node_AV_Shuttle_Speed" in name
+    (tmp_path / file).write_text(written, "utf-8")
+    assert "K050" not in run(*check, cwd=tmp_path).err
+    # with a declaration nothing is left to a person
+    shutil.copy(pedestrian / "eddi_config.yml", tmp_path)
+    assert "K050" not in run("check", "pedestrian.xml", "eddi_config.yml", cwd=tmp_path).err
 
 
 def test_a_field_that_a_known_message_does_not_have_is_looked_at(package: Path) -> None:

@@ -11,9 +11,12 @@ from eddi_scaffold.replay.message_trees import Message, blank
 from eddi_scaffold.replay.node import Received
 from tests.deployments.drafts import Draft, Instance
 from tests.deployments.messages import path_of, read, written
-from tests.deployments.pool.readings import Leaf
+from tests.deployments.pool.readings import SOURCE_TYPES, Leaf
 from tests.deployments.pool.templates import Rank, Slot
 from tests.deployments.world import MS, Member, Observer
+
+UNKNOWN = 1
+"""The verdict of an event that is not known."""
 
 Draw = Callable[[str, str, int, Sequence[Any]], Any]
 """Topic, path, time, domain -> a value."""
@@ -92,7 +95,7 @@ class Completion(Observer):
         message = blank(slot.reading.message_type) if got is None else got.message
         for leaf in unknown:
             value = self._draw(instance.topics[slot.source], leaf.path, t, leaf.domain)
-            if slot.rank is not None:
+            if slot.rank is not None and leaf is slot.reading.leaves[0]:
                 value = self._possible(instance, slot, slot.rank, t, value)
             message = written(message, path_of(leaf.path), value)
             self.drawn += 1
@@ -100,7 +103,7 @@ class Completion(Observer):
 
     def _possible(self, instance: Instance, slot: Slot, rank: Rank, t: int, value: Any) -> Any:
         """Return what was drawn, or a value that can become what the source says later."""
-        (leaf,) = slot.reading.leaves
+        leaf = slot.reading.leaves[0]
         said = self._said.get(instance.topics[slot.source], ())
         later = min((rank(v) for at, v in said if at > t and leaf.fits(v)), default=rank(value))
         if rank(value) > later:
@@ -110,11 +113,18 @@ class Completion(Observer):
         return value
 
     def _look_back(self, instance: Instance, slot: Slot, got: Received | None) -> None:
-        """Drop the history in which something is as good as it cannot have become again."""
-        if slot.rank is not None and got is not None:
-            seen = read(got.message, path_of(slot.reading.leaves[0].path))
-            if slot.rank(seen) < self._gone.get((instance.name, slot.source), 0):
-                raise ImpossibleError
+        """Drop the history in which something is as good as it cannot have become again.
+
+        What a monitor tells is known here, and may not be in what really happened.
+        """
+        if slot.rank is None or got is None or getattr(got.message, "verdict", 0) == UNKNOWN:
+            return
+        key = (instance.name, slot.source)
+        rank = slot.rank(read(got.message, path_of(slot.reading.leaves[0].path)))
+        if rank < self._gone.get(key, 0):
+            raise ImpossibleError
+        if slot.reading.offer not in SOURCE_TYPES:
+            self._gone[key] = rank
 
     def published(
         self, member: Member, t: int, messages: Sequence[tuple[str, Message]]

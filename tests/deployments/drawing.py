@@ -10,7 +10,7 @@ from tests.deployments.drafts import END, TICK, Draft, Instance, Value
 from tests.deployments.history import History
 from tests.deployments.pool.readings import NUMBERS, SOURCE_TYPES, TEXTS
 from tests.deployments.pool.scopes import FAR, USUAL
-from tests.deployments.pool.stock import offering, sound
+from tests.deployments.pool.stock import doubting, offering, sound
 from tests.deployments.pool.templates import Slot, Template
 
 SIZES = (2, 2, 3, 3, 4, 4, 5, 6)
@@ -28,6 +28,8 @@ def draft_of(rng: Random, with_it: Template | None = None) -> Draft:
     wiring = Wiring(rng)
     if with_it is not None:
         wiring.require(with_it)
+    elif rng.random() < 0.2:
+        wiring.require(rng.choice(doubting()))
     for _ in range(len(wiring.instances), rng.choice(SIZES)):
         wiring.add(wiring.choose())
     return with_history(rng, wiring)

@@ -1,4 +1,4 @@
-"""Monitors that feed each other."""
+"""Age limits, and what one monitor reads of another."""
 
 from __future__ import annotations
 
@@ -8,55 +8,35 @@ import pytest
 
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.monitors.connections import check_neighbours
+from eddi_scaffold.monitors.connections import check_limits
 from eddi_scaffold.source import Source
 from tests.checkouts import HERE
 
-PROVIDER = b"""
-Model: {id: B, type: ConSert, frequency: 2}
-EDDIOutputs: [{id: b, topic: /b/guarantees}]
-"""
-STATUS = ("ConSertOutput, topic: /b/guarantees", "ConSertStatus, topic: /b/guarantees/status")
-CONSUMER = """
+CONFIG = """
 Model: {{id: A, type: ConSert}}
-SimulatorOutputs: [{{id: b, type: eddi_messages.ConSertOutput, topic: /b/guarantees}}]
+SimulatorOutputs: [{{id: b, type: std_msgs.Bool, topic: /b/free{source}}}]
 EDDIInputs:
 - {{id: D, requires: [b], max_age: {max_age}}}
 """
 
 
-def found(max_age: str, consumer: str = CONSUMER) -> list[str]:
-    configs = []
-    for name, data in (("b.yml", PROVIDER), ("a.yml", consumer.format(max_age=max_age).encode())):
-        config, problems = read_config(Source(name, data))
-        assert config is not None, problems
-        configs.append(config)
-    return [f"{p.place.line}:{p.code}: {p.message}" for p in check_neighbours(configs)]
-
-
-def test_an_age_below_two_periods_of_the_provider_is_a_warning() -> None:
-    assert found("0.5") == [
-        "5:K029: input 'D' is unknown after 0.5 s, but B publishes only every 0.5 s"
-    ]
-
-
-def test_the_status_of_a_monitor_comes_as_often_as_its_result() -> None:
-    assert found("0.5", CONSUMER.replace(*STATUS)) == found("0.5")
-    of_a_sensor = CONSUMER.replace(STATUS[0], "ConSertStatus, topic: /b/guarantees/status")
-    assert found("0.5", of_a_sensor.replace("eddi_messages.ConSertStatus", "std_msgs.Bool")) == []
-
-
-def test_an_age_in_milliseconds_is_a_warning() -> None:
-    text = "counts as known for 500 s after its source has died: `max_age` is in seconds"
-    assert found("500") == [f"5:K029: 'D' {text}"]
-    source = CONSUMER.replace("/b/guarantees}}", "/b/guarantees, max_age: 500}}")
-    assert found("5", source) == [f"3:K029: 'b' {text}"]
-    assert found("99") == []
-
-
-@pytest.mark.parametrize("max_age", ["1.0", "none", "null"])
-def test_longer_and_absent_ages_are_fine(max_age: str) -> None:
-    assert found(max_age) == []
+@pytest.mark.parametrize(
+    ("max_age", "source", "told"),
+    [
+        ("500", "", ["5:K029: 'D'"]),
+        ("5", ", max_age: 500", ["3:K029: 'b'"]),
+        ("99", "", []),
+        ("none", "", []),
+        ("null", "", []),
+    ],
+)
+def test_an_age_in_milliseconds_is_a_warning(max_age: str, source: str, told: list[str]) -> None:
+    text = CONFIG.format(max_age=max_age, source=source)
+    config, problems = read_config(Source("a.yml", text.encode()))
+    assert config is not None, problems
+    found = [f"{p.place.line}:{p.code}: {p.message}" for p in check_limits(config)]
+    why = "counts as known for 500 s after its source has died: `max_age` is in seconds"
+    assert found == [f"{one} {why}" for one in told]
 
 
 ROVER = HERE / "examples" / "rover-events"

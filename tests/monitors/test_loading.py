@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.source import read_source
 
@@ -25,3 +26,46 @@ def test_a_file_without_a_model(tmp_path: Path, name: str, data: bytes, said: st
     path.write_bytes(data)
     (problem,) = read_models(read_source(path)).problems
     assert (problem.code, problem.message.startswith(said)) == ("F003", True)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said", "hint"),
+    [
+        (
+            "robots:\n  - {name: a}\nbindings: []\n",
+            1,
+            "there is no section 'robots', and no other key",
+            "did you mean 'Robots', of a deployment file?",
+        ),
+        (
+            "title: x\nmodel: {id: a}\n",
+            2,
+            "there is no section 'model', and no other key",
+            "did you mean 'Model', of a configuration?",
+        ),
+        (
+            "version: 3\nnetworks: {}\n",
+            1,
+            "this is no file of ours: it has the keys version, networks",
+            "a ConSert has `guarantees`, a configuration has `Model`",
+        ),
+    ],
+)
+def test_yaml_that_is_no_consert_gets_one_error(
+    text: str, line: int, said: str, hint: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "deployment.yml"
+    file.write_text(text, "utf-8")
+    (problem,) = check_files([file])
+    assert (problem.code, problem.place.line, problem.message.startswith(said)) == (
+        "F003",
+        line,
+        True,
+    )
+    assert (problem.hint or "").startswith(hint)
+
+
+def test_yaml_with_a_misspelt_key_of_a_consert_is_one(tmp_path: Path) -> None:
+    file = tmp_path / "m.yml"
+    file.write_text("guarantee: []\n", "utf-8")
+    assert {problem.code[0] for problem in check_files([file])} == {"C"}

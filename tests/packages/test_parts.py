@@ -57,7 +57,7 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     manifest.write_text(edited)
 
     generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
-    assert parts(packages) == {"clock", "consert", "event", "expressions"}
+    assert parts(packages) == {"consert", "event", "expressions"}
     assert messages(packages) == {*OWN, "EventOutput"}
     assert "<!-- ours -->" in manifest.read_text()
 

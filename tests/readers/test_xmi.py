@@ -51,6 +51,11 @@ BOM = b"\xef\xbb\xbf"
                 "move the text before it below it"
             ),
         ),
+        (
+            b'<a xmlns="drone">\n  <b/>\n</c>',  # the parser warns of the name first
+            "m.xml:3: error X001: not well-formed: Opening and ending tag mismatch: a line 1 and c",
+            None,
+        ),
         (b"", "m.xml:1: error X001: not well-formed: Document is empty", "the file is empty"),
         (
             b"guarantees: []\n",
@@ -74,6 +79,13 @@ def test_not_well_formed(data: bytes, line: str, hint: str | None) -> None:
     assert texts(problems) == [line]
     assert problems[0].hint == hint
     assert problems[0].place.col is not None
+
+
+@pytest.mark.parametrize("value", ['"Arm/>\n<c/>', "'Arm/>\n</a>", '"Arm/>\n'])
+def test_a_quote_that_is_not_closed_is_told_where_it_stands(value: str) -> None:
+    _, problems = read(f'<a xmlns="drone">\n  <b name={value}</a>'.encode())
+    assert [(one.code, one.place.line) for one in problems] == [("X001", 2)]
+    assert problems[0].hint == "close the quote; a `<` in a value is `&lt;`"
 
 
 def _entities(count: int) -> str:
@@ -178,6 +190,12 @@ def test_undeclared_prefixes_are_declared() -> None:
     ]
     assert document.class_of(document.roots[0]).package == "p"
     assert [document.place(child).line for child in document.roots[0]] == [3, 4]
+
+
+def test_a_warning_of_the_parser_does_not_forbid_undeclared_prefixes() -> None:
+    document, problems = read_document(Source("m.xml", b'<r xmlns="drone">\n<p:a/></r>'))
+    assert document is not None
+    assert codes(problems) == {"X005"}
 
 
 def test_undeclared_xsi_and_xmi_are_the_well_known_ones() -> None:

@@ -1,13 +1,28 @@
 """What evidence does to the published guarantees: present, absent, old, broken, latched."""
 
+import os
+import shutil
 import signal
 import time
 
 import pytest
 
-from tests.ros1.world import until
+from tests.ros1.world import HERE, until
 
 pytestmark = pytest.mark.ros
+PASTED = """\
+class EDDIInput:
+    def __init__(self):
+        self.RtE_B_E0 = False
+
+    def process_RtE_B_E0(self, RtE_E0):
+        # TODO
+        self.RtE_B_E0 = RtE_E0.data
+
+    def processing(self, simulator_outputs):
+        if 'RtE_E0' in simulator_outputs:
+            self.process_RtE_B_E0(simulator_outputs['RtE_E0'])
+"""
 BOOL, TEXT, NUMBER = "std_msgs/Bool", "std_msgs/String", "std_msgs/Float64"
 
 
@@ -23,14 +38,14 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     )
     probe.active("/conserta/guarantees", set(), after=start)
     level, text, values = probe.diagnostics(
-        "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "ok", after=start
+        "/conserta", lambda level, text, v: v.get("RtE_A_D0") == "untold", after=start
     )
     assert level == 1  # WARN: one input still waits for its first message
     assert values["RtE_A_E0"] == "waiting"
     assert values["RtE_A_E0.blocks"] == "System_A_G0"
     waiting = "waiting for first message of /rte/e0a"
     assert f"RtE_A_E0 waiting: {waiting} (blocks System_A_G0)" in text
-    unmet = "inactive: RtE_A_D0: the value is False"
+    unmet = "inactive: RtE_A_D0: unknown there"
     assert values["guarantee.System_A_G0"] == f"{unmet}; RtE_A_E0: {waiting}"
     assert values["guarantee.System_A_G1"] == unmet
     level, text, values = probe.diagnostics("/consertb", lambda *_: True, after=start)
@@ -234,4 +249,25 @@ def test_latched_evidence_with_a_limit(world, master, probe, model_files):
     mark = probe.mark()
     probe.publish("/old/flag", BOOL, {"data": True})
     probe.active("/old/guarantees", {"G_F"}, after=mark)
+    assert node.end()[0] == 0
+
+
+def test_an_input_of_d72_as_a_whole_file(world, master, probe, model_files, tmp_path):
+    """It runs, with one warning; the guarantee comes and goes with what the messages say."""
+    package = tmp_path / "consertb"
+    shutil.copytree(HERE / "packages" / "consertb" / "src" / "consertb", package)
+    (package / "EDDIInput.py").write_text(PASTED)
+    paths = f"{tmp_path}{os.pathsep}{world.env(master)['PYTHONPATH']}"
+    probe.subscribe("/consertb/guarantees")
+    compiled = f"compiled:={model_files['consertb']}"
+    node = world.node(master, "consertb", compiled, env={"PYTHONPATH": paths})
+    probe.active("/consertb/guarantees", set())
+    start = probe.mark()
+    probe.publish("/rte/e0b", BOOL, {"data": True}, connected=True)
+    probe.active("/consertb/guarantees", {"System_B_G0"}, after=start)
+    start = probe.mark()
+    probe.publish("/rte/e0b", BOOL, {"data": False}, connected=True)
+    probe.active("/consertb/guarantees", set(), after=start)
+    assert node.text.count("EDDIInput.py is a class of the D7.2 tools") == 1
+    assert "eddi-scaffold adopt" in node.text
     assert node.end()[0] == 0

@@ -119,8 +119,8 @@ def read_network(items: Any) -> Network:
         states.append(_texts(take(item, "states", _LIST, where), f"the states of {where}"))
         known = _texts(take(item, "parents", _LIST, where), f"the parents of {where}")
         parents.append(tuple(_node(one, number) for one in known))
-        if len(states[-1]) < 2:
-            raise ModelError("", f"{where} has fewer than two states")
+        if not states[-1]:
+            raise ModelError("", f"{where} has no states")
     shape = Shape(tuple(names), tuple(len(one) for one in states), tuple(parents))
     _acyclic(shape)
     tables = [_table(item, shape, k) for k, (_, item) in enumerate(nodes)]

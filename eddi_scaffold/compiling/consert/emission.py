@@ -188,5 +188,6 @@ def _rows(data: ConSertData, graph: Graph, names: Sequence[str]) -> list[str]:
         for one, flag in zip(data.guarantees, flags, strict=True)
     )
     lines = ["", "    def execute_step(self, source, t_ns=None):"]
+    lines += ["        eddi_runtime.look_again(source, t_ns)"]
     lines += unpacked(flags, "self.step(source)")
     return [*lines, *returned(Group("[", tuple(rows), "]"), 8)]

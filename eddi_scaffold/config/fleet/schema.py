@@ -33,7 +33,8 @@ def _partition(text: str) -> str:
 
 
 def _namespace(text: str) -> str:
-    if text != "/" and (not text.startswith("/") or not is_ros_name(text)):
+    legal = text == "/" or (text.startswith("/") and is_ros_name(text))
+    if not legal or any(part[:1].isdigit() for part in text.split("/")):
         raise ValueError("a namespace such as /robot1 is expected, or / for none")
     return text
 

@@ -14,6 +14,7 @@ from eddi_scaffold.deployments.fleet.robots import FleetRobot
 from eddi_scaffold.deployments.fleet.station import check_station
 from eddi_scaffold.deployments.fleet.words import among_others
 from eddi_scaffold.deployments.joining import packages_of, unanswered
+from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring
 from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, deployment
 from eddi_scaffold.deployments.wiring.hidden import check_hidden
@@ -67,7 +68,9 @@ def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
     if not has_errors(problems):
         for robots in _meetings(fleet.robots):
             problems += _check_together([one for of in robots for one in _members(fleet, of)])
-            problems += check_hidden([one.participant for of in robots for one in members[of]])
+            together = [one for of in robots for one in members[of]]
+            problems += check_hidden([one.participant for one in together])
+            problems += check_ages(deployment(together))  # words have ages of their own: D015
     return problems
 
 

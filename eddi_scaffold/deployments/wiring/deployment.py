@@ -10,9 +10,8 @@ from functools import cached_property
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.wiring.support import Participant, Published, published
-from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, publications
+from eddi_scaffold.monitors.publications import Publication, publications
 
 
 @dataclass(frozen=True)
@@ -110,11 +109,3 @@ def deployment(members: Sequence[Member], others: Sequence[Participant] = ()) ->
             topic = member.topic(one.output.topic)
             publishers.setdefault(topic, []).append(Publisher(member, one))
     return Deployment(tuple(members), publishers, tuple(others))
-
-
-def kind_of_message(type_: str) -> Kind[Model] | None:
-    """Return the kind whose monitors publish a message type, ``None`` for other types."""
-    package, _, name = type_.partition("/")
-    if package != MESSAGE_PACKAGE:
-        return None
-    return next((kind for kind in kinds().values() if name in kind.all_messages), None)

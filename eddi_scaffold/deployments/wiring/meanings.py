@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from eddi_scaffold.claims import Meaning, Meanings, ValidityField
-from eddi_scaffold.config.fields import Attribute, Beside, FieldPath, Index
-from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, kind_of_message
+from eddi_scaffold.config.fields import FieldPath, Index, pattern
+from eddi_scaffold.deployments.wiring.deployment import Deployment, Member
 from eddi_scaffold.deployments.wiring.readings import Field, FieldReading, readings
 from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.monitors.knowledge import kind_of_message
 from eddi_scaffold.monitors.publications import STATUS
 from eddi_scaffold.problems import Problem, error, warning
 
@@ -47,7 +48,7 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
         text = f"{reading.text!r} takes an element by its place, which may hold another one"
         yield warning("D007", text, reading.place, "take it by its name: [name]")
     meaning = _meaning(found)
-    name = f"{attribute(reading.source.id)}{''.join(_pattern(reading.path))}"
+    name = f"{attribute(reading.source.id)}{''.join(pattern(reading.path))}"
     if meaning.silent is not None and not any(reading.holds(value) for value in meaning.silent):
         if meaning.bad is not None and list(map(reading.holds, meaning.bad)) == [True, False]:
             text = f"input {reading.input!r} is good while a hazard is there, by {reading.text!r}"
@@ -103,22 +104,12 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
 def _meaning(read: _Read) -> Meaning:
     """Return what a field means, or what the nearest field around it does."""
     fields = read.meanings.get(read.message, {})
-    steps = list(_pattern(read.path))
+    steps = pattern(read.path)
     for end in range(len(steps), 0, -1):
         name = "".join(steps[:end]).removeprefix(".")
         if name in fields:
             return fields[name]
     return _UNLISTED
-
-
-def _pattern(path: FieldPath) -> Iterator[str]:
-    for step in path:
-        if isinstance(step, Attribute):
-            yield f".{step.name}"
-        elif isinstance(step, Beside):
-            yield from (f".{step.values}", "[]")
-        else:
-            yield "[]"
 
 
 def _is_given(
@@ -135,5 +126,5 @@ def _is_given(
 
 
 def _is_at(read: _Read, publisher: object, given: ValidityField) -> bool:
-    field = "".join(_pattern(read.path))
+    field = "".join(pattern(read.path))
     return (read.publisher, read.message, field) == (publisher, given.message, f".{given.field}")

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from eddi_scaffold.deployments.wiring.deployment import (
-    Deployment,
-    Member,
-    Publisher,
-    kind_of_message,
-)
+from eddi_scaffold.deployments.wiring.deployment import Deployment, Member, Publisher
 from eddi_scaffold.deployments.wiring.support import Participant
+from eddi_scaffold.monitors.knowledge import kind_of_message
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, publications, read_respelt
 from eddi_scaffold.problems import Place, Problem, error, nearest, warning
 

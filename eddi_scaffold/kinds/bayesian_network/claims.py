@@ -24,6 +24,7 @@ MEANINGS: Meanings = {
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="the opposite threshold",
+            known=((".reason", ""),),
         ),
     },
 }

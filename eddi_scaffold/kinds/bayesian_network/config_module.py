@@ -55,6 +55,7 @@ def _method(node: Node, attribute: str, settings: NetworkOptions) -> EditableMet
         was=was,
         uses=(*outcomes, "dra_data"),
         after=("return is_bn_output, {", *pairs, "}"),
+        is_needed=node.id in settings.by_hand,
     )
 
 

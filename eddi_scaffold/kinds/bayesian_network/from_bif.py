@@ -101,11 +101,14 @@ class _Reader:
     def _variable(self) -> None:
         name = self.words.name("the name of a variable")
         states: tuple[Named, ...] = ()
+        of = ""
         self.words.mark("{")
         while not self.words.skip_mark("}"):
             if self.words.next.text != "type":
                 self._property("`type`, `property` or `}`")
                 continue
+            if of:
+                raise self.words.fault(f"the type of {name.text!r} is given twice", self.words.next)
             self.words.take()
             of = self.words.name("the type of the variable").text
             if of == "discrete":
@@ -126,12 +129,27 @@ class _Reader:
         number = self.words.name("the number of states")
         self.words.mark("]")
         self.words.mark("{")
-        states = self.words.names("the name of a state", "}")
+        states = self._names_of_states("the name of a state", "}")
         self.words.mark(";")
         if number.text != str(len(states)):
             message = f"{number.text} states are announced, {len(states)} are there"
             raise self.words.fault(message, announced)
         return tuple(states)
+
+    def _names_of_states(self, what: str, end: str) -> list[Named]:
+        """Return the names up to a mark; an interval such as ``(0.5,1.5]`` is one name."""
+        found: list[Named] = []
+        while not self.words.skip_mark(end):
+            if not self.words.is_mark("(", "["):
+                found.append(self.words.name(f"{what} or `{end}`"))
+                continue
+            first, inner = self.words.take(), ""
+            while not self.words.is_mark(")", "]"):
+                inner += f"{',' if inner else ''}{self.words.name('an end of an interval').text}"
+            found.append(
+                Named(f"{first.text}{inner}{self.words.take().text}", self.words.place(first))
+            )
+        return found
 
     def _table(self) -> None:
         self.words.mark("(")
@@ -152,7 +170,11 @@ class _Reader:
         if self.words.skip_mark("("):
             self._row(name, table, word)
         elif word.text in ("table", "default"):
-            if getattr(table, word.text) is not None or (word.text == "table" and table.rows):
+            if (
+                table.table
+                or getattr(table, word.text)
+                or (word.text == "table" and (table.rows or table.default))
+            ):
                 raise self.words.fault(f"the table of {name!r} is given twice", word)
             self.words.take()
             setattr(table, word.text, self.words.values())
@@ -162,7 +184,7 @@ class _Reader:
     def _row(self, name: str, table: _Table, word: Word) -> None:
         if table.table is not None:
             raise self.words.fault(f"the table of {name!r} is given twice", word)
-        states = tuple(state.text for state in self.words.names("the state of a parent", ")"))
+        states = tuple(s.text for s in self._names_of_states("the state of a parent", ")"))
         place = self.words.place(word)
         if states in table.rows:
             line = table.rows[states][1].line
@@ -181,7 +203,7 @@ class _Reader:
         parents = [[state.text for state in shape] for shape in shapes]
         values: tuple[str, ...] | None = None
         rows: tuple[Place, ...] = ()
-        broken = any(len(set(of)) < max(2, len(of)) for of in parents)  # reported there
+        broken = any(len(set(of)) < max(1, len(of)) for of in parents)  # reported there
         if table.table is not None:
             values = _transposed(table.table, len(states))
         elif not broken and (table.rows or table.default is not None):

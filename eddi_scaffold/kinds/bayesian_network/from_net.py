@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from eddi_scaffold.kinds.bayesian_network.check import (
     check_network,
@@ -22,6 +23,8 @@ _ADVICE = {
     "decision": "remove it: a monitor does not decide",
     "utility": "remove it: a monitor does not decide",
 }
+_ONCE = ("name", "label", "states", "data")
+"""Attributes that are read: the second would be lost, or the first."""
 _Table = tuple[Named, tuple[Named, ...], tuple[str, ...] | None, Place]
 """Variable, parents, numbers, place of the numbers."""
 
@@ -102,27 +105,30 @@ class _Reader:
             self.words.take()
 
     def _net(self) -> None:
-        self.words.mark("{")
-        while not self.words.skip_mark("}"):
-            key, _ = self._key()
+        for key, _ in self._attributes():
             if key == "name":
                 self.name = self.words.name("the name of the network").text
             self.words.skip_to(";")
 
-    def _key(self) -> tuple[str, Word]:
-        """Go behind the name of an attribute; return it, and the first word of its value."""
-        key = self.words.name("an attribute or `}`").text
-        self.words.mark("=")
-        return key, self.words.next
+    def _attributes(self) -> Iterator[tuple[str, Word]]:
+        """Yield each attribute of a block, and the first word of its value, which is read then."""
+        seen: set[str] = set()
+        self.words.mark("{")
+        while not self.words.skip_mark("}"):
+            start = self.words.next
+            key = self.words.name("an attribute or `}`").text
+            if key in seen and key in _ONCE:
+                raise self.words.fault(f"`{key}` is given twice", start)
+            seen.add(key)
+            self.words.mark("=")
+            yield key, self.words.next
 
     def _node(self, head: list[str], start: Word) -> None:
         name = Named(head[-1], self.words.place(start))
         of = " ".join(head[:-1])
         states: list[Named] = []
         title = ""
-        self.words.mark("{")
-        while not self.words.skip_mark("}"):
-            key, value = self._key()
+        for key, value in self._attributes():
             if key == "states":
                 self.words.mark("(")
                 states = self.words.names("the name of a state", ")")
@@ -144,9 +150,7 @@ class _Reader:
         else:
             self.words.mark(")")
         values, place = None, name.place
-        self.words.mark("{")
-        while not self.words.skip_mark("}"):
-            key, value = self._key()
+        for key, value in self._attributes():
             if key == "data":
                 place = self.words.place(value)
                 values = self._data()

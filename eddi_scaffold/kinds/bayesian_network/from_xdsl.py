@@ -8,7 +8,7 @@ from eddi_scaffold.kinds.bayesian_network.check import check_network, unsupporte
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.kinds.bayesian_network.noisymax import NoisyMaxError, noisy_max_table
 from eddi_scaffold.problems import Place, Problem, error, has_errors, warning
-from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
+from eddi_scaffold.readers.xmi import Element, feature_of, line_of, only, select, text_of
 
 _TYPES = {
     "cpt": "probabilities",
@@ -82,7 +82,7 @@ class _Reader:
         self.problems: list[Problem] = []
         self.warnings: list[Problem] = []
         self.titles = {
-            str(node.get("id")): _words(node, "name")
+            str(node.get("id")): _words(next(iter(select(node, "name")), None))
             for node in select(root, "extensions//node[@id]")
         }
         self.states = {
@@ -96,22 +96,22 @@ class _Reader:
 
     def _draft(self, element: Element, name: str, of: str) -> Draft:
         states = tuple(Named(s.get("id") or "", self._place(s)) for s in select(element, "state"))
-        given = select(element, "parents")
-        parents = tuple(Named(p, self._place(given[0])) for p in _words(element, "parents").split())
+        given, tag = self._only(element, "parents"), _TYPES[of]
+        place = self._place(element) if given is None else self._place(given)
+        parents = tuple(Named(p, place) for p in _words(given).split())
         names = [state.text for state in states]
-        tag = _TYPES[of]
-        holders = select(element, tag)
         values: tuple[str, ...] | None = None
         before = len(self.problems)
-        if holders:
-            words = _words(element, tag).split()
+        holder = self._only(element, tag)
+        if holder is not None:
+            words = _words(holder).split()
             if of == "cpt":
                 values = tuple(words)
             elif of == "deterministic":
-                values = self._rows(words, names, name, holders[0])
+                values = self._rows(words, names, name, holder)
             else:
                 values = self._noisy_max(words, names, [one.text for one in parents], element)
-        place = self._place(holders[0]) if holders else self._place(element)
+        place = self._place(element if holder is None else holder)
         return Draft(
             name,
             self.titles.get(name, "") or name,
@@ -121,7 +121,7 @@ class _Reader:
             self._place(element),
             place,
             target=element.get("target") == "true",
-            broken=has_errors(self.problems[before:]) or bool(holders and values is None),
+            broken=has_errors(self.problems[before:]) or (holder is not None and values is None),
         )
 
     def _rows(
@@ -141,9 +141,10 @@ class _Reader:
     ) -> tuple[str, ...] | None:
         """Return the whole table; ``None`` when states are missing, which is reported elsewhere."""
         cards = [len(self.states.get(parent, ())) for parent in parents]
-        if min([len(states), *cards]) < 2:
+        if min([len(states), *cards]) < 1:
             return None
-        name, strengths = element.get("id") or "", _words(element, "strengths").split()
+        name = element.get("id") or ""
+        strengths = _words(self._only(element, "strengths")).split()
         try:
             values, leaks = noisy_max_table(words, strengths, cards, len(states))
         except NoisyMaxError as fault:
@@ -155,6 +156,11 @@ class _Reader:
             self.warnings.append(warning("B208", message, self._place(element), hint))
         return values
 
+    def _only(self, node: Element, tag: str) -> Element | None:
+        first, problems = only(select(node, tag), "B232", self._place)
+        self.problems += problems
+        return first
+
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
 
@@ -162,7 +168,6 @@ class _Reader:
         self.problems.append(error(code, message, self._place(element), hint))
 
 
-def _words(element: Element, tag: str) -> str:
-    """Return the text of a child with single blanks."""
-    found = select(element, tag)
-    return " ".join(text_of(found[0]).split()) if found else ""
+def _words(element: Element | None) -> str:
+    """Return the text of an element with single blanks."""
+    return "" if element is None else " ".join(text_of(element).split())

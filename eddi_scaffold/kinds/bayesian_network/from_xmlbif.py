@@ -12,7 +12,7 @@ from eddi_scaffold.kinds.bayesian_network.check import (
 )
 from eddi_scaffold.kinds.bayesian_network.model import Draft, Named, Network
 from eddi_scaffold.problems import Place, Problem, error
-from eddi_scaffold.readers.xmi import Element, feature_of, line_of, select, text_of
+from eddi_scaffold.readers.xmi import Element, feature_of, line_of, only, select, text_of
 
 
 def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
@@ -24,14 +24,16 @@ def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, li
     for variable in select(root, "NETWORK/VARIABLE"):
         of = variable.get("TYPE") or "nature"
         if of != "nature":
-            node = Named(_name(variable), Place(file, line_of(variable)))
+            name = next(iter(select(variable, "NAME")), None)
+            node = Named(_text(name), Place(file, line_of(variable)))
             others.setdefault(of, []).append(node)
     if others:  # what depends on these nodes is no problem of its own
         hint = "remove it: a monitor does not decide"
         return None, [unsupported(of, nodes, hint) for of, nodes in others.items()]
     reader = _Reader(root, file)
+    reader.only(root, "NETWORK")
+    name = _text(reader.only(root, "NETWORK/NAME")) or stem
     drafts = list(reader.drafts())
-    name = next(iter(_texts(root, "NETWORK/NAME")), "") or stem
     network, problems = check_network(name, drafts, Place(file, line_of(root)))
     problems = [*reader.problems, *problems]
     return (None if reader.problems else network), problems
@@ -42,17 +44,23 @@ class _Reader:
         self.root, self.file = root, file
         self.problems: list[Problem] = []
 
+    def only(self, parent: Element, path: str) -> Element | None:
+        """Return what may be there once; report others (B232)."""
+        first, problems = only(select(parent, path), "B232", self._place)
+        self.problems += problems
+        return first
+
     def drafts(self) -> Iterator[Draft]:
         definitions: dict[str, Element] = {}
         for definition in select(self.root, "NETWORK/DEFINITION"):
-            for name in _texts(definition, "FOR"):
-                if name in definitions:
-                    line = line_of(definitions[name])
-                    self.problems.append(defined_twice(name, line, self._place(definition)))
-                definitions.setdefault(name, definition)
+            name = _text(self.only(definition, "FOR"))
+            if name in definitions:
+                line = line_of(definitions[name])
+                self.problems.append(defined_twice(name, line, self._place(definition)))
+            definitions.setdefault(name, definition)
         names = set()
         for variable in select(self.root, "NETWORK/VARIABLE"):
-            name = _name(variable)
+            name = _text(self.only(variable, "NAME"))
             names.add(name)
             yield self._draft(variable, name, definitions.get(name))
         for name, definition in definitions.items():
@@ -60,31 +68,23 @@ class _Reader:
                 self.problems.append(no_variable(name, self._place(definition)))
 
     def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:
-        states = tuple(
-            Named(" ".join(text_of(one).split()), self._place(one))
-            for one in select(variable, "OUTCOME")
-        )
+        states = tuple(Named(_text(one), self._place(one)) for one in select(variable, "OUTCOME"))
         parents: tuple[Named, ...] = ()
         values: tuple[str, ...] | None = None
         place = self._place(variable)
         if definition is not None:
             parents = tuple(
-                Named(" ".join(text_of(one).split()), self._place(one))
-                for one in select(definition, "GIVEN")
+                Named(_text(one), self._place(one)) for one in select(definition, "GIVEN")
             )
-            tables = select(definition, "TABLE")
-            if tables:
-                values = tuple(text_of(tables[0]).split())
-                place = self._place(tables[0])
+            table = self.only(definition, "TABLE")
+            if table is not None:
+                values = tuple(text_of(table).split())
+                place = self._place(table)
         return Draft(name, name, states, parents, values, self._place(variable), place)
 
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
 
 
-def _name(variable: Element) -> str:
-    return next(iter(_texts(variable, "NAME")), "")
-
-
-def _texts(element: Element, path: str) -> list[str]:
-    return [" ".join(text_of(one).split()) for one in select(element, path)]
+def _text(element: Element | None) -> str:
+    return "" if element is None else " ".join(text_of(element).split())

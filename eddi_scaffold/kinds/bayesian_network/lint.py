@@ -125,6 +125,8 @@ def _ways(method: _Method) -> Iterator[Fault]:
     if found is None:
         return
     open_chain = next((chain for chain in ways.chains(method.body) if chain.sets_no_else), None)
+    if method.declared:
+        open_chain = None  # the declaration applies where nothing is set
     if open_chain and any(way.names for way in found) and not all(way.names for way in found):
         text = f"a path through {method.name} sets no outcome: the node is unobserved there"
         yield "B410", open_chain.line, text, "is an `else` missing?"

@@ -54,7 +54,7 @@ bool active
 float64 low
 float64 high
 # Why it is not active: `unknown inputs`, `too many unknown inputs`, `inconsistent`, `hold`,
-# `no time`, `error`; empty: it is active, or the probability is known to be on the wrong side.
+# `between limits` (not known before), `no time`, `error`; empty: it is active, or known not to be.
 string reason
 """
 MESSAGES = {

@@ -22,7 +22,7 @@ class Node:
     Attributes:
         id: its name, unique in the network.
         title: what people call it (GeNIe's name); the id where there is none.
-        states: names, in order; at least two.
+        states: names, in order; a node of one state is certain.
         parents: ids, in the order of the table.
         table: P(own state | states of the parents), each row sums to 1.
         target: the file marks it as a node of interest.

@@ -34,6 +34,7 @@ class NetworkOptions:
         outputs: nodes whose posteriors are given, in the order of the network.
         observed: nodes that inputs feed or `observed:` names, in the order of the network.
         foreseen: what `observed:` names, `None` without it.
+        by_hand: nodes that a person can make of inputs which feed none.
         declarations: discretised nodes.
         direct: node -> input that holds its state or likelihoods.
         inputs: what the monitor reads.
@@ -53,6 +54,7 @@ class NetworkOptions:
     renamed: Mapping[str, str] = field(default_factory=dict)
     evidence: Mapping[str, JsonValue] = field(default_factory=dict)
     thresholds: tuple[Threshold, ...] = ()
+    by_hand: tuple[str, ...] = ()
 
     @property
     def inferred(self) -> tuple[str, ...]:
@@ -102,6 +104,10 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         "on_inconsistent": values.get("on_inconsistent", "silent"),
         "explain": values.get("explain", False),
     }
+    declared = {*discretised, *direct}
+    spare = {one.id for one in inputs}.difference(direct.values(), (d.input for d in declarations))
+    may_be = foreseen if foreseen is not None else [n for n in network.names() if n not in outputs]
+    by_hand = [node for node in may_be if node not in declared] if spare else ()
     settings = NetworkOptions(
         tuple(outputs),
         tuple(observed),
@@ -113,6 +119,7 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         renamed,
         evidence,
         tuple(thresholds),
+        tuple(by_hand),
     )
     return settings, problems
 

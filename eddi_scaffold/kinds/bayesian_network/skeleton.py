@@ -23,7 +23,7 @@ def skeleton(model: NetworkModel, options: Options) -> Skeleton:
     there = given if isinstance(given, Mapping) else {}
     fed = {one.id for one in options.inputs}
     named = {str(one) for key in ("outputs", "observed") for one in _list(options.values.get(key))}
-    roots = [node for node in network.nodes if not node.parents]
+    roots = [node for node in network.nodes if not node.parents and len(node.states) > 1]
     new = {
         node.id: _declaration(node)
         for node in roots
@@ -58,7 +58,7 @@ def _declaration(node: Node) -> dict[str, JsonValue]:
 def _edges(node: Node) -> str:
     """Return what the bins of a node have to say, with what the names of the states suggest."""
     count = len(node.states) - 1
-    text = f"{count} edge{'s' if count > 1 else ''} between {', '.join(node.states)}"
+    text = f"{count} edge{'' if count == 1 else 's'} between {', '.join(node.states)}"
     proposed = proposed_bins(node.states)
     return f"{text}; by their names {proposed}" if proposed else text
 

@@ -7,6 +7,7 @@ from typing import Any
 from eddi_scaffold.verdicts import Listen, Said, Verdict, state_of
 
 WORDS = {
+    "between limits": "it lies between its limits, and was not known before",
     "error": "a hand-written method failed",
     "hold": "it holds, but not for long enough yet",
     "inconsistent": "the evidence has probability zero",

@@ -30,6 +30,7 @@ MEANINGS: Meanings = {
             (1,),
             refused="the verdict is 1 when it is unknown",
             instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+            known=(0, 2),
         )
     },
 }

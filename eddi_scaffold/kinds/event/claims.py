@@ -13,7 +13,9 @@ _VERDICT = Meaning(
     (1,),
     refused="the verdict is 1 when it is unknown",
     instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+    known=(0, 2),
 )
+_KNOWN = (("verdict", 0, 2),)
 _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (True,)}
 
 
@@ -28,7 +30,7 @@ def meanings(document: Mapping[str, Any] | None, event: str | None) -> Meanings:
     on_topic = [one for one in outputs if event in (None, one["id"])]
     polarities = {one["polarity"] for one in on_topic}
     verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
-    active = _active(on_topic, polarities) if document is not None else Meaning(())
+    active = _active(on_topic, polarities) if document is not None else Meaning((), known=_KNOWN)
     # Not at hand: `active` may have the polarity that the reader has in mind.
     return {"EventOutput": {"verdict": verdict, "active": active}}
 

@@ -30,12 +30,15 @@ _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-IN_EDDI = (
-    'descendant-or-self::*[@*[local-name() = "type" and ('
-    'contains(translate(., "FAULTRE", "faultre"), "faulttree") or '
-    'contains(translate(., "MARKOVCHIN", "markovchin"), "markovchain"))]]'
+_CLASS = (
+    'contains(translate({0}, "FAULTRE", "faultre"), "faulttree") or '
+    'contains(translate({0}, "MARKOVCHIN", "markovchin"), "markovchain")'
 )
-"""Chains and trees, as elements of an EDDI; classes are compared without case."""
+IN_EDDI = (
+    f"self::*[{_CLASS.format('local-name()')}] | "
+    f'descendant-or-self::*[@*[local-name() = "type" and ({_CLASS.format(".")})]]'
+)
+"""Chains and trees, as root or elements of an EDDI; classes are compared without case."""
 
 
 def _sniff(source: Source) -> bool:

@@ -12,6 +12,7 @@ _NUMBER = Meaning(
     given=(ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",
     instead=f"{_THRESHOLD}, or `valid AND ...`",
+    known=(("valid", True),),
 )
 MEANINGS: Meanings = {
     "ReliabilityOutput": {
@@ -22,6 +23,7 @@ MEANINGS: Meanings = {
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="a threshold on the other side",
+            known=(("reason", ""),),
         ),
         "p_fail": _NUMBER,
         "p_fail_high": _NUMBER,
@@ -30,6 +32,7 @@ MEANINGS: Meanings = {
         "p_fail_low": Meaning(
             refused="`p_fail_low` is what is certain at least, not the worst case",
             instead=_THRESHOLD,
+            known=(("valid", True),),
         ),
     },
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from eddi_scaffold.kinds.reliability.model import Law
 from eddi_scaffold.kinds.reliability.values import code_of
 from eddi_scaffold.quantities import (
@@ -16,7 +18,7 @@ from eddi_scaffold.quantities import (
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
-from eddi_scaffold.readers.xmi import Element
+from eddi_scaffold.readers.xmi import Element, only
 
 _NAME, _TYPE, _VALUE, _KEY = (Spelling(n) for n in ("name", "type", "value", "key"))
 _MAPS, _VALUES = Spelling("keyValueMaps", ("keyValueMap",)), Spelling("values")
@@ -34,12 +36,22 @@ class Laws:
         self._document, self._findings = document, findings
 
     def key_value(self, element: Element, key: str) -> str | None:
-        """Return the first value of a key of an element, None where it has none."""
-        for one in self._document.children(element, _MAPS):
-            if (self._document.attribute(one, _KEY) or "").casefold() == key.casefold():
-                for value in self._document.children(one, _VALUES):
-                    return (self._document.attribute(value, _VALUE) or "").strip()
-        return None
+        """Return the value of a key of an element, None where it has none."""
+        values = [
+            value
+            for one in self._document.children(element, _MAPS)
+            if (self._document.attribute(one, _KEY) or "").casefold() == key.casefold()
+            for value in self._document.children(one, _VALUES)
+        ]
+        value = self._only(values)
+        return (
+            (self._document.attribute(value, _VALUE) or "").strip() if value is not None else None
+        )
+
+    def _only(self, elements: Sequence[Element]) -> Element | None:
+        first, problems = only(elements, "X011", self._document.place)
+        self._findings.add(*problems)
+        return first
 
     def law(self, failure: Element, event: str, chain: str | None) -> Law | None:
         """Return the law of a failure; ``chain`` is the model whose fail state it is."""
@@ -48,11 +60,11 @@ class Laws:
         if chain is not None:
             return Law("model", model=chain)
         given = self._document.attribute(failure, _RATE)
-        distributions = self._document.children(failure, _DISTRIBUTION)
+        distribution = self._distribution_of(failure, _DISTRIBUTION, _RATE, what)
         try:
-            plain = self._rate(failure, given, what) if given and not distributions else None
-            if distributions:
-                return self._distribution(distributions[0], what)
+            if distribution is not None:
+                return self._distribution(distribution, what)
+            plain = self._rate(failure, given, what) if given else None
         except QuantityError as problem:
             self._findings.error(code_of(problem), f"{what}: {problem}", failure, problem.hint)
             return None
@@ -63,13 +75,13 @@ class Laws:
         """Return the rate of a transition in 1/h, None after an error."""
         what = self._document.describe(element)
         given = self._document.attribute(element, _TRANSITION)
-        distributions = self._document.children(element, _TRANSITION_DISTRIBUTION)
+        distribution = self._distribution_of(element, _TRANSITION_DISTRIBUTION, _TRANSITION, what)
         try:
-            if distributions:
-                law = self._distribution(distributions[0], what)
+            if distribution is not None:
+                law = self._distribution(distribution, what)
                 if law is not None and law.kind == "exponential":
                     return law.values[0]
-                kind = self._document.attribute(distributions[0], _TYPE)
+                kind = self._document.attribute(distribution, _TYPE)
                 message = f"{what} is {kind!r}: only exponential transitions make a Markov chain"
                 self._findings.error("R008", message, element)
                 return None
@@ -87,33 +99,47 @@ class Laws:
             message = f"{what} has common causes, which are not analysed"
             self._findings.warning("R013", message, failure)
 
+    def _distribution_of(
+        self, element: Element, feature: Spelling, rate_: Spelling, what: str
+    ) -> Element | None:
+        """Return the distribution, which counts where a rate is given, too."""
+        found = self._only(self._document.children(element, feature))
+        given = self._document.attribute(element, rate_)
+        if found is not None and given and given.strip("0. "):  # EMF may write what is not given
+            message = f"{what} has a distribution, so that its {rate_.name} is not used"
+            self._findings.warning("X018", message, found, "remove one of them")
+        return found
+
     def _distribution(self, element: Element, what: str) -> Law | None:
         given = (self._document.attribute(element, _TYPE) or "").strip()
+        parameters: dict[str, list[Element]] = {}
+        for one in self._document.children(element, _PARAMETERS):
+            name = (self._document.attribute(one, _NAME) or "").casefold()
+            parameters.setdefault(_ALSO.get(name, name), []).append(one)
+        for same in parameters.values():
+            self._only(same)
         texts = {
-            (self._document.attribute(p, _NAME) or "").casefold(): (
-                self._document.attribute(p, _VALUE) or ""
-            )
-            for p in self._document.children(element, _PARAMETERS)
+            name: self._document.attribute(same[0], _VALUE) or ""
+            for name, same in parameters.items()
         }
         kind = given.casefold()
-        for key in ("value", "fit"):
-            if kind in ("fit", "constant") and key in texts:
-                return Law("exponential", (rate(texts[key], "FIT").value,))
+        if kind in ("fit", "constant") and "value" in texts:
+            return Law("exponential", (rate(texts["value"], "FIT").value,))
         if kind in ("fixed", "constant") and "p" in texts:
             return Law("fixed", (number(texts["p"], 0.0, 1.0),))
         if kind == "exponential":
-            text = texts.get("lambda") or texts.get("rate")
+            text = texts.get("lambda")
             if text:
                 return Law("exponential", (self._rate(element, text, what),))
         if kind == "weibull":
-            scale, shape = (texts.get(a) or texts.get(b) for a, b in _WEIBULL)
+            scale, shape = texts.get("scale"), texts.get("shape")
             if scale and shape:
                 hours = duration(scale, self._unit(element, of_rate=False))
                 self._assumed(hours, element, what, "h")
                 if hours.value <= 0.0:
                     raise QuantityError(f"the scale {scale!r} is not above 0")
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
-        shown = ", ".join(f"{k}={v}" for k, v in texts.items())
+        shown = ", ".join(f"{name}={text}" for name, text in texts.items())
         message = f"{what}: the distribution {given!r} ({shown}) is not supported"
         self._findings.warning("X018", message, element)
         return None
@@ -144,4 +170,5 @@ class Laws:
         return None
 
 
-_WEIBULL = (("scale", "eta"), ("shape", "beta"))
+_ALSO = {"fit": "value", "rate": "lambda", "eta": "scale", "beta": "shape"}
+"""Other names of parameters."""

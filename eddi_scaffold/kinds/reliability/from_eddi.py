@@ -270,9 +270,11 @@ class _Reader:
         return int(text) if text.isdecimal() and len(text) < 10 else None
 
     def _event(self, cause: Element, name: str) -> BasicEvent:
-        failure = next(iter(self._targets(cause, _FAILURE)), None)
-        if failure is None:
-            failure = self._by_name(cause)
+        failures = self._targets(cause, _FAILURE)
+        if len(failures) > 1:
+            message = f"{self.document.describe(cause)} has {len(failures)} failures, expected 1"
+            self.findings.error("X011", message, cause)
+        failure = failures[0] if failures else self._by_name(cause)
         place = self._place(cause)
         if failure is None:
             return BasicEvent(name, None, place=place)

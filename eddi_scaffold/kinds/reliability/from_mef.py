@@ -62,7 +62,7 @@ def read_mef(root: Element, file: str, stem: str) -> tuple[list[ReliabilitySyste
     """Read every top event of a parsed file: one system for each gate that no other one uses."""
     reader = _Reader(file, stem)
     reader.declare(root, (), private=False)
-    reader.define()
+    reader.define(is_whole="R017" not in {problem.code for problem in reader.problems})
     systems = [] if reader.problems else list(reader.systems())
     return systems, [*dict.fromkeys(reader.problems), *reader.numbers.doubts, *reader.doubts]
 
@@ -142,8 +142,12 @@ class _Reader:
         message = f"`{of}`{f' {named!r}' if named else ''}: {about} are not read"
         self.problems.append(error("R017", message, place_of(element, self.file), hint))
 
-    def define(self) -> None:
-        """Read all formulas and numbers."""
+    def define(self, *, is_whole: bool) -> None:
+        """Read all formulas and numbers.
+
+        Args:
+            is_whole: nothing was refused that may define what others name.
+        """
         self.near = NearNames(self.names.defined)
         for key, one in self.names.defined.items():
             of = feature_of(one.element)
@@ -157,7 +161,7 @@ class _Reader:
                     place = place_of(one.element, self.file)
                     self.events[key] = BasicEvent(key, law, place=place)
             except EddiError as fault:
-                self.problems += fault.problems
+                self.problems += [one for one in fault.problems if is_whole or one.code != "R001"]
 
     def _gate(self, key: str, one: _Defined) -> None:
         formulas = arguments(one.element)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Sequence
 
 from eddi_scaffold.kinds.reliability.model import Law
@@ -16,9 +17,9 @@ _OPERATIONS: dict[str, Callable[[Sequence[float]], float]] = {
     "sub": lambda of: of[0] - math.fsum(of[1:]),
     "mul": math.prod,
     "div": lambda of: of[0] / math.prod(of[1:]),
-    "neg": lambda of: -of[0],
-    "exp": lambda of: math.exp(of[0]),
-    "pow": lambda of: math.pow(of[0], of[1]),
+    "neg": lambda of: operator.neg(*of),
+    "exp": lambda of: math.exp(*of),
+    "pow": lambda of: math.pow(*of),
 }
 _MEANS: dict[str, Callable[[Sequence[float]], float]] = {
     "lognormal-deviate": lambda of: of[0] if len(of) == 3 else math.exp(of[0] + of[1] ** 2 / 2.0),
@@ -71,6 +72,8 @@ class Numbers:
             EddiError: it cannot be read (R002, R012, R017).
         """
         parts = arguments(element)
+        if len(parts) > 1:
+            raise self._fault("R017", f"event {name!r} has {len(parts)} expressions", parts[1])
         if house:
             is_true = [
                 feature_of(one) == "constant" and one.get("value") == "true" for one in parts
@@ -78,8 +81,6 @@ class Numbers:
             return Law("fixed", (float(is_true == [True]),))
         if not parts:
             return None
-        if len(parts) > 1:
-            raise self._fault("R017", f"event {name!r} has {len(parts)} expressions", parts[1])
         of, values = feature_of(parts[0]).lower(), arguments(parts[0])
         times = self._missions(values[-1], path) if values else None
         if of == "exponential" and len(values) == 2:
@@ -136,7 +137,7 @@ class Numbers:
         values = [self.number(one, path, depth + 1) for one in arguments(element)]
         try:
             found = operation(values)
-        except (ArithmeticError, ValueError, IndexError):
+        except (ArithmeticError, ValueError, IndexError, TypeError):
             found = math.nan
         if not math.isfinite(found):
             raise self._fault("R002", f"`{of}` gives no number", element)

@@ -17,7 +17,8 @@ float64 reliability
 float64 mttf_hours
 float64 horizon_seconds
 string[] unknown_inputs
-# Why it is not valid; of a valid one, what was missed and still counts. Mostly empty.
+# Why it is not valid; of a valid one, what was missed and still counts, or which thresholds are
+# not decided. Empty: those that are not active are known not to be.
 string reason
 ReliabilityEvidence[] evidence
 # What the configuration accepts in this step, and the result may rest on: `link: max_age: none`.

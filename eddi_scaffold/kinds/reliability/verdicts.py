@@ -14,7 +14,7 @@ def _said(output: Any) -> Said:
     thresholds = (
         Verdict(
             one.id,
-            state_of(active=one.active, known=output.valid),
+            state_of(active=one.active, known=not output.reason),
             () if one.active else reasons,
         )
         for one in output.evidence

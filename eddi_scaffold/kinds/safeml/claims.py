@@ -8,6 +8,7 @@ from typing import Any
 from eddi_scaffold.claims import Meaning, Meanings, ValidityField
 
 _IN_SCOPE = "`field: in_scope` of SafeMLStatus"
+_VERDICT = (("omission", False),)
 
 
 def _fields(message: str) -> dict[str, Meaning]:
@@ -19,6 +20,7 @@ def _fields(message: str) -> dict[str, Meaning]:
             given=(ValidityField(message, "omission", value=False),),
             refused="`odd_violation` has no meaning while there is no verdict",
             instead=f"{_IN_SCOPE}, or `NOT omission` with it",
+            known=_VERDICT,
         ),
     }
 
@@ -31,6 +33,7 @@ MEANINGS: Meanings = {
             (False,),
             refused="`in_scope` is false also when there is no verdict",
             instead="`NOT omission AND odd_violation`: known to be a violation",
+            known=_VERDICT,
         ),
     },
 }

@@ -6,6 +6,7 @@ The file is what ``numpy.savetxt(name, a, delimiter=",")`` writes: a row is a sa
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +26,10 @@ _BLANKS = " \t\v\f"
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?(nan|inf|infinity)", re.ASCII | re.IGNORECASE)
+_ONLY_MEASURED = "leave it out: only what is measured belongs here"
+_FEWEST_COUNTED = 10
+"""Rows from which on equal steps are no chance."""
+_TIME = re.compile(r"\d\d?:\d\d|\d{4}-\d\d-\d\d")
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 _WRITTEN = 'numpy.savetxt(name, array, delimiter=",") writes such a file'
 
@@ -37,7 +42,8 @@ def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | N
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {name!r}: {reasons}"
-        hint = "it is looked for next to this file"
+        told = [problem.hint for problem in failure.problems if problem.code == "F003"]
+        hint = next(iter(told), "it is looked for next to this file")
         return None, [error("L004", text, settings.place("reference_sample_file"), hint)]
 
 
@@ -61,10 +67,23 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         return None, reader.problems
     values = np.array(rows, dtype=np.float64)
     problems = _not_finite(values, [number for number, _ in lines], source.name)
+    if not problems and _counts_rows(values):
+        text = "column 1 rises by the same step in each row: a running index or times"
+        problems.append(
+            _at(error("L004", text, Place(source.name, lines[0][0], 1), _ONLY_MEASURED))
+        )
     if len(values) < 2:
         place = Place(source.name, lines[0][0])
         problems.append(error("L004", "the reference has one row only: no distribution", place))
     return (None if problems else ReferenceSample(source, values)), problems
+
+
+def _counts_rows(values: Rows) -> bool:
+    """Return whether the first of several columns is that of a table's rows, or of its times."""
+    if len(values) < _FEWEST_COUNTED or values.shape[1] < 2:
+        return False
+    steps = np.diff(values[:, 0])
+    return bool(steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0))
 
 
 def _filled_lines(text: str) -> list[tuple[int, str]]:
@@ -78,19 +97,24 @@ class _Reader:
         self.problems: list[Problem] = []
         self._file = file
         self._lines = lines
+        self._has_header = False
+        self._wrong: dict[int, tuple[int, str, int]] = {}
+        """Column -> its first row that is no number, the text there, and how many there are."""
 
     def read(self) -> list[list[float]]:
         """Return the cells, and note what is wrong with them."""
         if self._wrong_separator():
             return []
-        width = self._lines[0][1].count(",") + 1
+        widths = Counter(line.count(",") + 1 for _, line in self._lines)
+        width = widths.most_common(1)[0][0]
+        usual = next(number for number, line in self._lines if line.count(",") + 1 == width)
         rows: list[list[float]] = []
         for index, (number, line) in enumerate(self._lines):
             cells = line.split(",")
             if len(cells) != width:
-                first = self._lines[0][0]
-                text = f"row {number} has {_cells(len(cells))}, row {first} has {width}"
+                text = f"row {number} has {_cells(len(cells))}, row {usual} has {width}"
                 self._error(text, number, min(len(cells), width) + 1)
+                continue
             row = _fast(cells)
             if row is None:
                 self._explain(index, number, cells)
@@ -98,7 +122,20 @@ class _Reader:
             if len(self.problems) >= MAX_PROBLEMS:
                 self._error("too many problems, the rest was not read", number, 1)
                 break
+        for column, (number, name, count) in self._wrong.items():
+            self._column(column, number, name, count)
         return rows
+
+    def _column(self, column: int, number: int, name: str, count: int) -> None:
+        """Tell once what is wrong with the cells of a column."""
+        if count == len(self._lines) - self._has_header:
+            what = "times" if _TIME.search(name) else "texts"
+            text = f"column {column} holds {what}, not numbers: {name[:40]!r}"
+            self._error(text, number, column, _ONLY_MEASURED)
+            return
+        what = f"is not a number: {name[:40]!r}" if name else "is empty"
+        more = f", and {count - 1} more of this column" if count > 1 else ""
+        self._error(f"row {number}, column {column} {what}{more}", number, column)
 
     def _error(self, text: str, row: int, column: int, hint: str | None = None) -> None:
         self.problems.append(_at(error("L004", text, Place(self._file, row, column), hint)))
@@ -120,13 +157,20 @@ class _Reader:
     def _explain(self, index: int, number: int, cells: list[str]) -> None:
         wrong = [k for k, cell in enumerate(cells, 1) if not _is_number(cell)]
         names = [cells[k - 1].strip() for k in wrong]
-        if index == 0 and all(names) and len(wrong) == len(cells):
-            text = f"row {number} is a header, not numbers: it begins with {names[0][:40]!r}"
+        if index == 0 and any(names) and len(wrong) == len(cells) and not self._repeats(cells):
+            self._has_header = True
+            first = next(filter(None, names))
+            text = f"row {number} is a header, not numbers: it begins with {first[:40]!r}"
             self._error(text, number, 1, "delete it, or write # before it")
             return
         for column, name in zip(wrong, names, strict=True):
-            what = f"is not a number: {name[:40]!r}" if name else "is empty"
-            self._error(f"row {number}, column {column} {what}", number, column)
+            first_row, first_name, count = self._wrong.get(column, (number, name, 0))
+            self._wrong[column] = (first_row, first_name, count + 1)
+
+    def _repeats(self, cells: list[str]) -> bool:
+        """Return whether the second row has no number, either: then the first is no header."""
+        second = self._lines[1][1].split(",") if len(self._lines) > 1 else cells
+        return len(self._lines) > 1 and not any(map(_is_number, second))
 
 
 def _fast(cells: list[str]) -> list[float] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 
 from eddi_scaffold import platforms
@@ -11,10 +11,10 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
-from eddi_scaffold.monitors.nodes import node_of
+from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.problems import Problem
+from eddi_scaffold.problems import Problem, error
 from eddi_scaffold.ros.message_classes import (
     class_of,
     classes_of,
@@ -50,7 +50,27 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
         f"{monitor.package}/{name}": data
         for name, data in monitor.kind.functions.data_files(monitor.model).items()
     }
-    return PackageAnswers(monitor.package, answers, files), [*node.problems, *problems]
+    problems += [*node.problems, *_check_topics(node)]
+    return PackageAnswers(monitor.package, answers, files), problems
+
+
+def _check_topics(node: MonitorNode) -> Iterator[Problem]:
+    """Refuse names that ROS 1 takes and ROS 2 does not."""
+    config = node.config.config
+    sections = {
+        "EDDIOutputs": [one.topic for one in config.EDDIOutputs],
+        "SimulatorOutputs": [one.topic for one in config.SimulatorOutputs],
+    }
+    places = {
+        topic: node.config.place(section, index, "topic")
+        for section, topics in sections.items()
+        for index, topic in enumerate(topics)
+    }
+    used = [*(one.output.topic for one in node.found), *(one.topic for one in node.heard)]
+    for topic in dict.fromkeys([*used, *node.between_robots]):
+        if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
+            message = f"{topic}: on ROS 2 no part of a name may begin with a digit"
+            yield error("K005", message, places.get(topic, node.config.place("Model")))
 
 
 def support_answers(

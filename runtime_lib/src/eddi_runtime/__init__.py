@@ -5,9 +5,9 @@ here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is belo
 ``eddi_runtime.transports`` knows ROS.
 """
 
-from .access import by_id, by_key, by_name, joined
+from .access import by_id, by_key, by_name, given, joined
 from .compatibility import ModelError, __version__, needs
-from .inputs import EDDIInputBase, InputSpec, InputState
+from .inputs import EDDIInputBase, InputSpec, InputState, look_again
 from .monitor import Monitor
 
 FORMATS = (1,)
@@ -24,6 +24,8 @@ __all__ = [
     "by_id",
     "by_key",
     "by_name",
+    "given",
     "joined",
+    "look_again",
     "needs",
 ]

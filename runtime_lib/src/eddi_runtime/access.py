@@ -5,9 +5,35 @@ from __future__ import annotations
 from operator import attrgetter
 from typing import Any, Iterable, Sequence, TypeVar, Union
 
+from .plain_values import plain
+
 T = TypeVar("T")
+UNTOLD = "unknown there"
+"""Why an input is not known where another monitor does not know it."""
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""
+
+
+class NotGivenError(LookupError):
+    """A message of a monitor does not tell what it is asked for: that is not known there."""
+
+
+def given(value: T, *known: object) -> T:
+    """Return a field of a monitor's message, where the message says that it is known.
+
+    Args:
+        value: the field.
+        known: its values that are known by themselves; a tuple is another field, and values of
+            that by which this one is known: ``given(event.active, (event.verdict, 0, 2))``.
+
+    Raises:
+        NotGivenError: it is not known; a claim that is not made need not be false.
+    """
+    for one in known:
+        told, *wanted = one if isinstance(one, tuple) else (value, one)
+        if told in wanted:
+            return value
+    raise NotGivenError(UNTOLD)
 
 
 def by_id(items: Iterable[T], wanted: str) -> T:
@@ -67,11 +93,11 @@ def follow(message: object, path: Iterable[Step]) -> object:
         else:
             values, names, wanted = (str(part) for part in step)
             there = by_name(getattr(there, values), getattr(there, names), wanted)
-    return there
+    return plain(there) if type(there) is bytes and len(there) == 1 else there
 
 
 def _only(key: str, wanted: object, keyed: Sequence[tuple[object, T]]) -> T:
-    found = [item for one, item in keyed if one == wanted]
+    found = [item for one, item in keyed if plain(one) == wanted]
     if len(found) == 1:
         return found[0]
     what = f"{len(found)} elements have" if found else "no element has"

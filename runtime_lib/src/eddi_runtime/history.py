@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
 
 from . import inputs
-from .inputs import InputSpec, InputState, Word, aged, invalid
+from .access import UNTOLD
+from .inputs import InputSpec, InputState, aged, invalid
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression
@@ -27,30 +27,32 @@ class EDDIInputBase(inputs.EDDIInputBase):
     It has the name of its own base: what begins with two underscores belongs to both.
     """
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.__new: Mapping[str, Sequence[object]] | None = None
-        self.__expressions: dict[str, Expression] = {}
-        self.__messages: Mapping[str, object] = {}
-        self.__now: int | None = None
+    def __init__(self, specs: Sequence[InputSpec] = ()) -> None:
+        self.__messages: Mapping[str, tuple[object, float]] = {}
+        self.__each: dict[str, bool] = {}  # attributes of ``Messages``: has a step read them
+        super().__init__(specs)
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
-        """Take over attribute names, age limits and expressions; called once by the node."""
+        """Take over attribute names, age limits and expressions, where ``EDDIInput`` has none."""
         super().bind(specs)
-        self.__expressions = {
+        self.__expressions: dict[str, Expression] = {
             spec.id: spec.expression() for spec in specs if spec.expression is not None
         }
 
-    def begin_step(
-        self,
-        ages: Mapping[str, float] | None = None,
-        new: Mapping[str, Sequence[object]] | None = None,
-        t_ns: int | None = None,
-        words: Mapping[str, Word] | None = None,
-    ) -> None:
-        """Begin a step, as the base does."""
-        super().begin_step(ages, words=words)
-        self.__new, self.__now = new, t_ns
+    def received(self, source: str) -> None:
+        """Have the message of a SimulatorOutput id count as new in the next ``processing``."""
+        super().received(source)
+        for one in self.__expressions.values():
+            one.forget_messages()
+
+    def look_again(self, t_ns: int | None) -> float:
+        """Make unknown what is too old at a step; a message is new in one step only."""
+        waited = super().look_again(t_ns)
+        for attribute, read in self.__each.items():
+            if read and getattr(self, attribute, None) is not None:
+                setattr(self, attribute, Messages())
+            self.__each[attribute] = True
+        return waited
 
     def update_each(
         self,
@@ -69,10 +71,14 @@ class EDDIInputBase(inputs.EDDIInputBase):
         before = self.states.get(input_id)
         values: Messages | None = None
         try:
-            messages, after = self.__received(input_id, simulator_outputs, requires)
+            messages, _, after = self.__received(input_id, simulator_outputs, requires)
             if after.state == "ok":
                 values = Messages()
-                first = messages[:1] if self.__new is None else self.__new.get(requires[0], ())
+                first: Sequence[object] = messages[:1]
+                if self.__new is not None:
+                    first = self.__new.get(requires[0], ())
+                elif self.__ages is None and requires[0] not in self.__arrived:
+                    first = ()
                 for message in first:
                     setattr(self, attribute, None)
                     try:
@@ -83,7 +89,8 @@ class EDDIInputBase(inputs.EDDIInputBase):
                     values.append(getattr(self, attribute, None))
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, before)
-        self.__leave(input_id, attribute, after, values)
+        self.__each[attribute] = False
+        self.__leave(input_id, after, values)
 
     def update_expression(
         self,
@@ -99,27 +106,28 @@ class EDDIInputBase(inputs.EDDIInputBase):
         """
         attribute, limit = self.__spec(input_id)
         try:
-            messages, after = self.__received(input_id, simulator_outputs, requires)
-            ages = [self.__ages.get(name, 0.0) for name in requires]
+            messages, ages, after = self.__received(input_id, simulator_outputs, requires)
             known = [
                 message if aged([age], limit).state == "ok" else None
                 for message, age in zip(messages, ages)
             ]
-            self.__messages = dict(zip(requires, known))
+            self.__messages = dict(zip(requires, zip(known, ages)))
             setattr(self, attribute, None)
             process(*known)
             if getattr(self, attribute, None) is not None:
                 robots = self.__robots(
                     [name for name, of in zip(requires, known) if of is not None]
                 )
-                after = InputState("ok", "", max(ages, default=0.0), robots=robots)
+                fresh = [age for age, of in zip(ages, known) if of is not None]
+                after = InputState("ok", "", max(fresh, default=0.0), robots=robots)
             elif after.state == "ok":
                 reason = getattr(self.__expressions.get(input_id), "reason", "")
-                after = InputState("invalid", reason or "not known yet", after.age)
+                state = "untold" if reason == UNTOLD else "invalid"
+                after = InputState(state, reason or "not known yet", after.age)
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             after = invalid(problem, self.states.get(input_id))
         value = getattr(self, attribute, None) if after.state == "ok" else None
-        self.__leave(input_id, attribute, after, value)
+        self.__leave(input_id, after, value)
 
     def expression(self, input_id: str) -> bool | float | str | None:
         """Return what the expression of an input gives in this step, None for UNKNOWN.
@@ -133,11 +141,12 @@ class EDDIInputBase(inputs.EDDIInputBase):
         ages: dict[str, float] = {}
         for word, (kind, name) in compiled.names.items():
             if kind == "message":
-                values[word] = self.__messages.get(name)
-                ages[word] = self.__ages.get(name, 0.0)
+                values[word], ages[word] = self.__messages.get(name, (None, 0.0))
             else:
                 values[word] = getattr(self, name, None)
-        now = time.monotonic_ns() if self.__now is None else self.__now
+        now = self.__now
+        if now is None:  # what was given is no time
+            return None
         # Where the clock of a simulation stands, no step is taken; silence must show all the same.
         hidden = now == compiled.last and any(one is None for one in values.values())
         value = compiled.value(now, values, ages)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
+from .access import UNTOLD, NotGivenError
+from .clock import step_time
 from .plain_values import Absent, one_line, read
 
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above all limits until the next one comes."""
+TWO_CLOCKS = "two clocks"
+"""Why an age is not known: it began by another clock than that of now, or one that went back."""
 
 
 class InputSpec(NamedTuple):
@@ -38,8 +42,8 @@ UNSAFE_DEFAULT = "allow_unsafe_default: true"
 class InputState(NamedTuple):
     """How the last ``processing`` went for one input."""
 
-    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``) or ``invalid`` (the
-    # method raised or left the value at None)
+    # ``ok``, ``missing`` (no message yet), ``stale`` (older than ``max_age``), ``untold`` (another
+    # monitor does not know it) or ``invalid`` (the method raised or left the value at None)
     state: str
     reason: str = ""  # one line for people, empty when ok
     # seconds since the oldest required message, ``None`` when one is missing
@@ -88,23 +92,46 @@ def states_of(eddi_input: object) -> Mapping[str, InputState]:
     return {}
 
 
-class EDDIInputBase:
-    """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None."""
+def look_again(eddi_input: object, t_ns: int | None) -> float:
+    """Make unknown what of an ``EDDIInput`` is too old at the time of a step, see ``Monitor``.
 
-    # generated classes have it: takes the latest messages by SimulatorOutput id
-    processing: Callable[[Mapping[str, object]], object]
+    Returns:
+        The seconds since its last ``processing``. Other objects have no ages: 0.
+    """
+    given: Any = eddi_input
+    return given.look_again(t_ns) if issubclass(type(given), EDDIInputBase) else 0.0
+
+
+class EDDIInputBase:
+    """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None.
+
+    A message that is handed in as another object than before is new; the same object is the same
+    message, and ages.
+    """
+
+    # generated classes have it: takes the latest messages by SimulatorOutput id, and the time in
+    # nanoseconds (none: the machine's monotonic clock)
+    processing: Callable[..., object]
     # how the last ``processing`` went for each input, for reports only: monitors decide by values
     states: dict[str, InputState]
 
     # Two underscores: an input may be called anything else, `_ages` as well.
 
-    def __init__(self) -> None:
+    def __init__(self, specs: Sequence[InputSpec] = ()) -> None:
         self.states = {}
-        self.__specs: dict[str, InputSpec] = {}
-        self.__ages: Mapping[str, float] = {}
+        self.__ages: Mapping[str, float] | None = None  # as told for this step
+        self.__new: Mapping[str, Sequence[object]] | None = None  # the same
         self.__words: Mapping[str, Word] = {}
-        self.__defaults: dict[str, object] = {}
+        self.__begun = False  # a step for which ``processing`` has not been called
+        self.__own = True  # is the clock the machine's own
+        self.__now: int | None = None  # time of the step by it, None before and where it is none
+        # by SimulatorOutput id: the latest message, and when it came, None where that is not known
+        self.__arrivals: dict[str, tuple[object, int | None]] = {}
+        self.__arrived: set[str] = set()  # of these in this step
+        # input id -> until when its value counts, and its limit in seconds
+        self.__due: dict[str, tuple[int, float]] = {}
         self.__unknown: dict[str, object] = {}
+        self.bind(specs)
 
     def setup(self) -> None:
         """Run a person's lines once, when all inputs have their defaults."""
@@ -113,10 +140,11 @@ class EDDIInputBase:
         """Run a person's lines in each step; the node withdraws its result when this raises."""
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
-        """Take over attribute names, age limits and expressions; called once by the node."""
+        """Take over attribute names, age limits and expressions, where ``EDDIInput`` has none."""
         self.__specs = {spec.id: spec for spec in specs}
-        attributes = [spec.attribute for spec in specs]
-        self.__defaults = {name: getattr(self, name, None) for name in attributes}
+        self.__defaults = {
+            spec.attribute: getattr(self, spec.attribute, spec.default) for spec in specs
+        }
 
     def begin_step(
         self,
@@ -125,17 +153,56 @@ class EDDIInputBase:
         t_ns: int | None = None,
         words: Mapping[str, Word] | None = None,
     ) -> None:
-        """Begin a step.
+        """Begin a step: what is told here holds for the next ``processing``.
 
         Args:
             ages: SimulatorOutput id -> age of its latest message in seconds; absent means fresh.
+                None: as the objects tell that are handed in.
             new: SimulatorOutput id -> the messages since the last step, oldest first, for inputs
-                that take every message; None: the latest message is the only new one.
-            t_ns: time of the step in nanoseconds, for expressions; None: the monotonic clock.
+                that take every message; None: the latest, where it is another object than before.
+            t_ns: time of the step in nanoseconds; None: the monotonic clock.
             words: SimulatorOutput id -> whose word it is, for those of other robots.
         """
-        self.__ages = {} if ages is None else ages
-        self.__words = words or {}
+        self.__ages, self.__new, self.__words = ages, new, words or {}
+        self.__begun = True
+        self.__keep_time(t_ns)
+
+    def begin_processing(self, t_ns: int | None = None) -> None:
+        """Begin a step unless that has been done; the first line of ``processing``."""
+        if not self.__begun:
+            self.begin_step(t_ns=t_ns)
+        elif t_ns is not None:
+            self.__keep_time(t_ns)
+        self.__begun = False
+
+    def __keep_time(self, t_ns: int | None) -> None:
+        own = t_ns is None
+        if own is not self.__own:
+            self.__arrivals = {name: (one, None) for name, (one, _) in self.__arrivals.items()}
+            self.__doubt_time()
+        self.__own, self.__now, self.__arrived = own, step_time(t_ns), set()
+
+    def __doubt_time(self) -> None:
+        for name in [*self.__due]:
+            self.__leave(name, InputState("stale", TWO_CLOCKS), None)
+
+    def received(self, source: str) -> None:
+        """Have the message of a SimulatorOutput id count as new in the next ``processing``.
+
+        For a new sample in an object that was handed in before.
+        """
+        self.__arrivals.pop(source, None)
+
+    def look_again(self, t_ns: int | None) -> float:
+        """Make unknown what is too old at the time of a step; see the function of this name."""
+        now, then = step_time(t_ns), self.__now
+        if now is None or then is None or now < then or (t_ns is None) is not self.__own:
+            self.__doubt_time()
+            return 0.0
+        for name, (due, limit) in [*self.__due.items()]:
+            if now > due:
+                self.__leave(name, _late(limit + (now - due) / 1e9, limit), None)
+        return (now - then) / 1e9
 
     def end_step(self) -> None:
         """Take back what methods of other inputs have set for those that are not known."""
@@ -158,7 +225,7 @@ class EDDIInputBase:
         attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id, _NEW)
         try:
-            messages, after = self.__received(input_id, simulator_outputs, requires)
+            messages, _, after = self.__received(input_id, simulator_outputs, requires)
             if after.state == "ok":
                 setattr(self, attribute, None)  # a value of an earlier message is no evidence
                 process(*messages)
@@ -171,16 +238,21 @@ class EDDIInputBase:
             value = self.__unknown.get(attribute, self.__defaults.get(attribute, now))
         else:
             value = getattr(self, attribute, None) if after.state == "ok" else None
-        self.__leave(input_id, attribute, after, value)
+        self.__leave(input_id, after, value)
 
-    def __leave(self, input_id: str, attribute: str, state: InputState, value: object) -> None:
+    def __leave(self, input_id: str, state: InputState, value: object) -> None:
         """Give an input its value of this step."""
+        attribute, limit = self.__spec(input_id)
         setattr(self, attribute, value)
         self.states[input_id] = state
-        if state.state == "ok":
-            self.__unknown.pop(attribute, None)
-        else:
+        if state.state != "ok":
             self.__unknown[attribute] = value
+            self.__due.pop(input_id, None)
+            return
+        self.__unknown.pop(attribute, None)
+        if isinstance(limit, (float, int)):
+            left = limit - (state.age or 0.0)
+            self.__due[input_id] = (self.__now or 0) + round(left * 1e9), limit
 
     def __spec(self, input_id: str) -> tuple[str, float | str | None]:
         """Return the attribute of an input and how old its messages may be."""
@@ -189,21 +261,37 @@ class EDDIInputBase:
 
     def __received(
         self, input_id: str, simulator_outputs: Mapping[str, object], requires: Sequence[str]
-    ) -> tuple[list[object], InputState]:
-        """Return the latest messages, and whether they are there and fresh."""
+    ) -> tuple[list[object], list[float], InputState]:
+        """Return the latest messages, their ages, and whether they are there and fresh."""
         messages = [simulator_outputs.get(name) for name in requires]
+        ages = [self.__age(name, message) for name, message in zip(requires, messages)]
         absent = [name for name, message in zip(requires, messages) if message is None]
         if absent:
-            return messages, self.__absence(absent)
-        ages = [self.__ages.get(name, 0.0) for name in requires]
+            return messages, ages, self.__absence(absent)
         state = aged(ages, self.__spec(input_id)[1])
-        return messages, state._replace(robots=self.__robots(requires))
+        if state.age == UNKNOWN_AGE and self.__ages is None and state.state != "ok":
+            state = state._replace(reason=TWO_CLOCKS)
+        return messages, ages, state._replace(robots=self.__robots(requires))
+
+    def __age(self, name: str, message: object) -> float:
+        """Return the age of a message in seconds: as told, else since another one was there."""
+        if self.__ages is not None:
+            return self.__ages.get(name, 0.0)
+        now, known = self.__now, self.__arrivals.get(name)
+        if message is not None and (known is None or known[0] is not message):
+            self.__arrivals[name] = message, now
+            self.__arrived.add(name)
+            return UNKNOWN_AGE if now is None else 0.0
+        then = None if known is None else known[1]
+        if now is None or then is None or now < then:
+            return UNKNOWN_AGE
+        return (now - then) / 1e9
 
     def __absence(self, absent: Sequence[str]) -> InputState:
         unfit = [self.__words[name].unfit for name in absent if name in self.__words]
         if not unfit:
             return InputState("missing", f"no message of {', '.join(absent)}")
-        heard = all(name in self.__words and name in self.__ages for name in absent)
+        heard = all(name in self.__words and name in (self.__ages or ()) for name in absent)
         return InputState("stale" if heard else "missing", "; ".join(unfit))
 
     def __robots(self, requires: Sequence[str]) -> tuple[str, ...]:
@@ -216,14 +304,20 @@ def aged(ages: Sequence[float], limit: float | str | None) -> InputState:
     # "<=" for each and not ">" for the oldest: an age of NaN is no proof of freshness.
     if limit is None or isinstance(limit, str) or all(one <= limit for one in ages):
         return InputState("ok", "", age)
-    reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
     if age == UNKNOWN_AGE:
-        reason = "the last message was latched, its age is not known"
+        return InputState("stale", "the last message was latched, its age is not known", age)
+    return _late(age, limit)
+
+
+def _late(age: float, limit: float) -> InputState:
+    reason = f"the last message is {age:.3g} s old, the limit is {limit:g} s"
     return InputState("stale", reason, age)
 
 
 def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
+    if isinstance(problem, NotGivenError):
+        return InputState("untold", UNTOLD)
     reason = one_line(problem)
     if before is not None and before.state == "invalid" and before.reason == reason:
         return before._replace(age=None)

@@ -14,12 +14,15 @@ def plain(raw: object) -> bool | int | float | str | None:
     """Return a bool, int, float or str of exactly that type; None for every other; never raises.
 
     Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
-    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called.
+    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called. A
+    ``byte`` of a message is ``bytes`` of length 1 in rclpy, and a number everywhere else.
     """
     if raw is None or type(raw) is float or type(raw) is bool:
         return raw
     if type(raw) is int or type(raw) is str:
         return raw
+    if type(raw) is bytes and len(raw) == 1:
+        return raw[0]
     kind = type(raw)
     numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
     if issubclass(kind, getattr(numpy, "generic", ())):  # nor while another thread imports it

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 
@@ -15,22 +16,27 @@ class Threshold(NamedTuple):
 
 
 class Evidence:
-    """The state of one threshold; at first it is inactive."""
+    """The state of one threshold: is it active, and might it be, for all that is known?"""
 
     def __init__(self, threshold: Threshold) -> None:
         self.threshold, self.id = threshold, threshold.id
-        self.active = False
         self._since: float | None = None
+        self.reset()
 
-    def step(self, now: float, value: float, *, usable: bool) -> bool:
+    def step(self, now: float, value: float, *, usable: bool, best: float = -math.inf) -> bool:
         """Return whether the evidence is active.
 
         Args:
             now: nanoseconds; after a jump back the time to hold begins anew. NaN is no time.
             value: in the worst case; NaN never satisfies a comparison.
             usable: the number may be trusted.
+            best: value in the best case of what is not known.
         """
         _, activate, release, hold_ns = self.threshold
+        if best > release:
+            self.possible = False
+        elif not best > activate:
+            self.possible = True
         if not usable or not value <= release:
             self.active, self._since = False, None
         elif not value <= activate:
@@ -43,5 +49,5 @@ class Evidence:
         return self.active
 
     def reset(self) -> None:
-        """Return to inactive."""
-        self.active, self._since = False, None
+        """Return to inactive; what was before is not known."""
+        self.active, self.possible, self._since = False, True, None

@@ -111,7 +111,8 @@ class Robot:
             one: lambda text, *values, level=one: self.lines.append((level, text % values))
             for one in ("info", "warn", "error")
         }
-        monkeypatch.setattr(health, "LOG", SimpleNamespace(**levels))
+        for module in (health, node):
+            monkeypatch.setattr(module, "LOG", SimpleNamespace(**levels))
         clock = SimpleNamespace(monotonic=lambda: self.now)
         for module in (health, node, receipts):
             monkeypatch.setattr(module, "time", clock)
@@ -120,11 +121,11 @@ class Robot:
         """Return the time of a step, of a clock that may be set back."""
         return round((self.now - self.set_back) * 1e9)
 
-    def start(self, package, **changed):
-        """Start the generated node of a package; class attributes may be changed."""
+    def start(self, package, eddi_input=None, **changed):
+        """Start the generated node of a package; its ``EDDIInput``, class attributes may differ."""
         found = generated(package, ToyNode, self._patch)
         cls = type("RosNode", (found["RosNode"],), {"FREQUENCY": HERTZ, **changed})
-        node = cls(self, found["EDDIMonitor"](), found["EDDIInput"]())
+        node = cls(self, found["EDDIMonitor"](), (eddi_input or found["EDDIInput"])())
         node.step()  # before anything can arrive
         for topic, (message, _) in self._latched.items():
             node.receive(topic, message, UNKNOWN_AGE)

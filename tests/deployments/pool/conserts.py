@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any
 
-from tests.deployments.pool.readings import BAD, GOOD, SOURCE_TYPES, SOURCES, Reading
+from tests.deployments.pool.readings import BAD, GOOD, INVERTED, SOURCE_TYPES, SOURCES, Reading
 from tests.deployments.pool.templates import Config, Slot, Template, dump
 
 FORMS: tuple[tuple[Mapping[str, Any], int], ...] = (
@@ -35,8 +35,8 @@ def conserts(count: int) -> Iterator[Template]:
 
 
 def unsound_conserts() -> Iterator[Template]:
-    """Yield a ConSert for each reading that claims something when nothing is known."""
-    for number, (fault, reading) in enumerate(BAD.items()):
+    """Yield a ConSert for each reading that a check refuses."""
+    for number, (fault, reading) in enumerate({**BAD, **INVERTED}.items()):
         rng = Random(fault)
         yield _consert(f"unsound{number}", FORMS[0][0], [reading], rng, fault)
 
@@ -60,8 +60,7 @@ def _consert(
     if not fault and rng.random() < 0.2:
         config.model["filter"] = {"kind": "debounce", "regain_after": 2}
     files = {f"{name}.yml": _model(form, slots), f"{name}_config.yml": config.text()}
-    known = "both" if all(one.offer in SOURCE_TYPES for one in readings) else "one"
-    offers = {"guarantee": "", "status": "/status", f"status {known}": "/status"}
+    offers = {"guarantee": "", "status": "/status"}
     return Template(name, "consert", files, tuple(slots), offers, every, fault)
 
 

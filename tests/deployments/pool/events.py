@@ -96,7 +96,7 @@ def _uses(text: str, name: str) -> bool:
 
 def _way(name: str, rng: Random) -> Reading:
     if name in "gh":
-        return rng.choice([reading for reading in GOOD.values() if reading.field is not None])
+        return rng.choice([*GOOD.values()])
     return SOURCES["number" if name in "nm" else "flag"]
 
 
@@ -114,10 +114,7 @@ def _event(
         config.input(variable, slot, **age)
     lines = [*variables, f"EVENT {name} ({polarity}) := {text}"]
     files = {f"{name}.events": "\n".join(lines) + "\n", f"{name}_config.yml": config.text()}
-    side = polarity.lower()
-    # The false of a claim is also its unknown: over one, only the side of the claim can be known.
-    known = "both" if all(one.offer in SOURCES for one in ways.values()) else "one"
-    offers = {side: "", f"{side} {known}": ""}
+    offers = {polarity.lower(): ""}
     return Template(name, "event", files, tuple(slots), offers, fault=fault)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 NUMBERS = (10.0, 30.0, 50.0, 90.0)
@@ -61,10 +61,9 @@ class Reading:
     """What an input takes from one message.
 
     Attributes:
-        offer: what the publisher must offer: ``guarantee``, ``hazard``, or a source's ``flag``;
-            with ``both``: its verdict is known to be false, too, because it reads no claims.
+        offer: what the publisher must offer: ``guarantee``, ``hazard``, or a source's ``flag``.
         message_type: of the topic.
-        leaves: the fields that it depends on.
+        leaves: the fields that it depends on, with those that say that these are known.
         type: of the input.
         field: path, where one field is taken as it is.
         expression: else, with ``{s}`` for the id of the message.
@@ -91,8 +90,13 @@ def flag(path: str) -> Leaf:
     return Leaf(path, FLAGS, _is_flag)
 
 
-def _field(offer: str, message: str, path: str) -> Reading:
-    return Reading(offer, f"eddi_messages/{message}", (flag(path),), field=path)
+def _always(path: str, value: Any) -> Leaf:
+    """Return a leaf that has one value where everything is known."""
+    return Leaf(path, (value,), lambda found: type(found) is type(value))
+
+
+def _field(offer: str, message: str, path: str, *beside: Leaf) -> Reading:
+    return Reading(offer, f"eddi_messages/{message}", (flag(path), *beside), field=path)
 
 
 def _expression(
@@ -120,26 +124,35 @@ GOOD: Mapping[str, Reading] = {
         Leaf("guarantees[0].verdict", VERDICTS, _is_whole),
     ),
     "guarantee is false": _expression(
-        "status both", "ConSertStatus", "{s}.guarantees[0].verdict == 0",
+        "status", "ConSertStatus", "{s}.guarantees[0].verdict == 0",
         Leaf("guarantees[0].verdict", VERDICTS, _is_whole),
     ),
-    "evidence": _field("evidence", "EventOutput", "active"),
+    "evidence": _field("evidence", "EventOutput", "active", _VERDICT),
     "verdict of evidence": _expression("evidence", "EventOutput", "{s}.verdict == 2", _VERDICT),
-    "evidence is false": _expression("evidence both", "EventOutput", "{s}.verdict == 0", _VERDICT),
-    "no hazard": _expression("hazard", "EventOutput", "NOT {s}.active", flag("active")),
+    "evidence is false": _expression("evidence", "EventOutput", "{s}.verdict == 0", _VERDICT),
+    "no hazard": _expression("hazard", "EventOutput", "NOT {s}.active", flag("active"), _VERDICT),
     "hazard is false": _expression("hazard", "EventOutput", "{s}.verdict == 0", _VERDICT),
-    "hazard is true": _expression("hazard both", "EventOutput", "{s}.verdict == 2", _VERDICT),
-    "fit": _field("reliability", "ReliabilityOutput", "evidence[Fit].active"),
+    "hazard is true": _expression("hazard", "EventOutput", "{s}.verdict == 2", _VERDICT),
+    "fit": _field(
+        "reliability", "ReliabilityOutput", "evidence[Fit].active", _always("reason", "")
+    ),
     "number of fit": _expression(
         "reliability", "ReliabilityOutput", "{s}.valid AND {s}.p_fail < 0.15",
-        flag("valid"), Leaf("p_fail", CHANCES, _is_number),
+        _always("valid", True), Leaf("p_fail", CHANCES, _is_number),
     ),
-    "scope": _field("scope", "SafeMLStatus", "in_scope"),
+    "scope": _field("scope", "SafeMLStatus", "in_scope", _always("omission", False)),
     "verdict of scope": _expression(
         "verdict", "SafeMLOutput", "NOT {s}.omission AND NOT {s}.odd_violation",
-        flag("omission"), flag("odd_violation"),
+        _always("omission", False), flag("odd_violation"),
     ),
-    "threshold": _field("threshold", "BayesianNetworkEvidence", "evidence[Low].active"),
+    "violation": _expression(
+        "verdict", "SafeMLOutput", "NOT {s}.omission AND {s}.odd_violation",
+        _always("omission", False), flag("odd_violation"),
+    ),
+    "threshold": _field(
+        "threshold", "BayesianNetworkEvidence", "evidence[Low].active",
+        _always("evidence[Low].reason", ""),
+    ),
 }  # fmt: skip
 """True only when something good is known."""
 
@@ -147,10 +160,18 @@ AGAINST: Mapping[str, Reading] = {
     "no guarantee": _expression(
         "guarantee", "ConSertOutput", "NOT {s}.guarantees[0].active", flag("guarantees[0].active")
     ),
-    "no evidence": _expression("evidence", "EventOutput", "NOT {s}.active", flag("active")),
-    "hazard": _field("hazard", "EventOutput", "active"),
+    "no evidence": _expression(
+        "evidence", "EventOutput", "NOT {s}.active", flag("active"), _VERDICT
+    ),
+    "hazard": _field("hazard", "EventOutput", "active", _VERDICT),
 }
 """False only when something good is known."""
+
+INVERTED: Mapping[str, Reading] = {
+    "negated evidence": AGAINST["no evidence"],
+    "hazard as evidence": AGAINST["hazard"],
+}
+"""Evidence of a ConSert that `check` refuses where it has the publisher; silence gives none."""
 
 BAD: Mapping[str, Reading] = {
     "raw posterior": Reading(
@@ -158,11 +179,6 @@ BAD: Mapping[str, Reading] = {
         (Leaf("output_nodes[0].outcomes[0].outcome_value", CHANCES, _is_number),),
         "float", field="output_nodes[0].outcomes[0].outcome_value", covers=0.3,
     ),
-    "guarantee is false": replace(GOOD["guarantee is false"], offer="status one"),
-    "evidence is false": replace(GOOD["evidence is false"], offer="evidence one"),
-    "hazard is true": replace(GOOD["hazard is true"], offer="hazard one"),
-    "negated evidence": AGAINST["no evidence"],
-    "hazard as evidence": AGAINST["hazard"],
     "hazard of an expression": _expression(
         "number", "std_msgs/Float64", "{s}.data < 40", _NUMBER, hazard=True
     ),

@@ -73,7 +73,8 @@ def _tree(rng: Random, repair: bool) -> _Part:
     for event in tree["of"]:
         reading = rng.choice(ways)
         gone = reading.expression is None  # `NOT g.active`: it has failed while that is false
-        inputs[event] = (reading, None if repair else _gone(gone), False)
+        tells = reading is not AGAINST["no guarantee"]  # the false of that says nothing
+        inputs[event] = (reading, _gone(gone) if tells and not repair else None, False)
     events = {one: {"rate": "0.1 1/s", "observed": True} for one in tree["of"]}
     model = {"type": "fault_tree", "top": "top", "gates": {"top": dict(tree)}, "events": events}
     return _Part({**model, **({"repair": True} if repair else {})}, inputs)

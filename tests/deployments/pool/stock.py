@@ -15,7 +15,7 @@ from eddi_scaffold.replay.parts import compiled
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
 from tests.deployments.pool.events import events, unsound_events
 from tests.deployments.pool.networks import bare_network, networks
-from tests.deployments.pool.readings import SOURCE_TYPES
+from tests.deployments.pool.readings import GOOD, SOURCE_TYPES
 from tests.deployments.pool.reliabilities import reliabilities
 from tests.deployments.pool.scopes import scopes
 from tests.deployments.pool.templates import Template
@@ -24,11 +24,19 @@ from tests.deployments.pool.templates import Template
 @cache
 def sound() -> Mapping[str, Sequence[Template]]:
     """Return the templates that `check` accepts, by kind."""
-    made = [*conserts(48), *events(), *reliabilities(24), *scopes(), *networks(30)]
+    made = [*conserts(60), *events(), *reliabilities(24), *scopes(), *networks(30)]
     there = {*SOURCE_TYPES, *(offer for one in made for offer in one.offers)}
     found = [one for one in made if all(slot.reading.offer in there for slot in one.slots)]
     names = dict.fromkeys(template.kind for template in found)
     return {name: tuple(one for one in found if one.kind == name) for name in names}
+
+
+@cache
+def doubting() -> Sequence[Template]:
+    """Return the sound templates that rest on what is known to be false, or to be a hazard."""
+    doubted = [GOOD[one] for one in ("guarantee is false", "evidence is false", "hazard is true")]
+    pool = (one for group in sound().values() for one in group)
+    return [one for one in pool if any(slot.reading in doubted for slot in one.slots)]
 
 
 @cache

@@ -121,6 +121,8 @@ def test_a_declared_node_that_is_set_by_hand() -> None:
         )
     ]
     assert said(module("pass\n", declared)) == []
+    (one,) = said(module("if self.dra_data.slow:\n    outcome_low = 1.0\n", declared))
+    assert one.endswith("[B406]")  # and no B410: where nothing is set, the declaration applies
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ NodeKind = Literal["evidence", "demand", "gate", "guarantee"]
 LEAF_KINDS: tuple[NodeKind, ...] = ("evidence", "demand")
 _LONGEST_CHAIN = 12
 _LOOSE_ENDS = frozenset({"C008", "C009"})
-"""An edge that leads nowhere leaves its other end alone: that is not reported again."""
+"""An edge that leads nowhere leaves alone what it was meant to join: that is not reported again."""
 
 
 def check_graph(consert: ConSert) -> list[Problem]:
@@ -33,12 +33,15 @@ def check_graph(consert: ConSert) -> list[Problem]:
         for id_, sources in inputs_of(consert).items()
     }
     reachable = reached(inputs, (g.id for g in consert.guarantees))
-    # an edge from something unknown is reported itself: its target is not "without support" too
     fed = {edge.target for edge in consert.tree_propagations}
     problems += _cycles(consert, inputs)
+    loose = any(problem.code in _LOOSE_ENDS for problem in problems)
+    if loose:
+        fed |= {node.id for node in consert.gates}
+        fed |= {guarantee.id for guarantee in consert.guarantees if not guarantee.default}
     for guarantee in consert.guarantees:
         problems += _support(guarantee, fed)
-    if not any(problem.code in _LOOSE_ENDS for problem in problems):
+    if not loose:
         problems += _unreached(consert, reachable)
     for gate in consert.gates:
         problems += _gate(gate, inputs, reachable, fed)

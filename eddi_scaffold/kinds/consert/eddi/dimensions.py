@@ -118,11 +118,9 @@ def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
 
 def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
     document = findings.document
-    for child in document.children(element, names.DIMENSION_TYPE):
-        kind = document.attribute(child, names.NAME)
-        if kind:
-            return kind
-    kind = document.attribute(element, names.DIMENSION_TYPE_ATTRIBUTE)
+    child = findings.only(element, names.DIMENSION_TYPE)
+    kind = document.attribute(child, names.NAME) if child is not None else None
+    kind = kind or document.attribute(element, names.DIMENSION_TYPE_ATTRIBUTE)
     if not kind:
         message = "a dimension has no type: a child dimensionType with a name is missing"
         findings.error("X010", message, element)

@@ -68,7 +68,9 @@ def consert_elements(document: EddiDocument) -> Iterator[Element]:
     """Yield the elements that hold a ConSert, of both dialects, in document order."""
     for package in document.packages():
         stated = document.class_of(package)
-        if stated.name == names.PACKAGE_CLASS:
+        if stated.name == names.CONSERT_CLASS and document.is_root(package):
+            yield package
+        elif stated.name == names.PACKAGE_CLASS:
             yield from document.children(package, names.CONSERTS)
         elif stated.name == names.SYSTEM_CLASS:
             for configuration in document.children(package, names.CONFIGURATIONS):

@@ -96,10 +96,10 @@ def _listed(
 
 
 def _service_type(service: Element, findings: EddiFindings) -> str | None:
-    for child in findings.document.children(service, names.SERVICE_TYPE):
-        kind = findings.document.attribute(child, names.NAME)
-        if kind:
-            return kind
+    child = findings.only(service, names.SERVICE_TYPE)
+    kind = findings.document.attribute(child, names.NAME) if child is not None else None
+    if kind:
+        return kind
     owner = findings.document.describe(service)
     message = f"the type of {owner} is missing: a child serviceType with a name"
     findings.error("X010", message, service)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from eddi_scaffold.readers.spelling import Spelling
 
 PACKAGE_CLASS = "consertpackage"
+CONSERT_CLASS = "consert"
 SYSTEM_CLASS = "system"
 
 # containment

@@ -16,8 +16,16 @@ TOO_MANY = "too many unknown inputs"
 UNKNOWN_INPUTS = "unknown inputs"
 UNKNOWN = (UNKNOWN_INPUTS, TOO_MANY)
 HOLD = "hold"
+BETWEEN = "between limits"
 NO_TIME = "no time"
 ERROR = "error"
+REASONS = {
+    BETWEEN: "it lies between its limits, and was not known before",
+    ERROR: "a hand-written method failed",
+    HOLD: "it holds, but not for long enough yet",
+    INCONSISTENT: "the evidence has probability zero",
+    NO_TIME: "the step has no time",
+}
 
 
 class StateThreshold(NamedTuple):
@@ -36,7 +44,7 @@ class Claim(NamedTuple):
     active: bool  # the probability is on the right side for every state that is possible
     low: float  # lower bound of the probability; NaN: not computed
     high: float  # upper bound
-    reason: str  # why it is not active; empty when it is, or the probability is on the wrong side
+    reason: str  # why it is not active; empty when it is, or is known to be on the wrong side
 
     def bounds(self, form: str) -> str:
         """Return the bounds for people, empty where they were not computed."""
@@ -101,7 +109,8 @@ class Claims:
         self._bounds, self._timely = bounds, now == now  # noqa: PLR0124 - the test for NaN
         for at_least, hold_ns, step, (low, high) in zip(*self._plan, bounds):
             usable = self._timely or not hold_ns
-            step(now, -low if at_least else high, usable=usable)
+            worst, best = (-low, -high) if at_least else (high, low)
+            step(now, worst, usable=usable, best=best)
 
     def lose(self, reason: str) -> None:
         """Let nothing be active, whatever the probabilities are."""
@@ -122,7 +131,8 @@ class Claims:
             return ""
         if self._bounds is None:
             return self._reason
-        worst, best = (-pair[0], -pair[1]) if one.at_least else (pair[1], pair[0])
-        if worst <= one.limits.activate:
+        if not evidence.possible:
+            return ""
+        if (-pair[0] if one.at_least else pair[1]) <= one.limits.activate:
             return HOLD if self._timely else NO_TIME
-        return UNKNOWN_INPUTS if not self._known and best <= one.limits.activate else ""
+        return BETWEEN if self._known else UNKNOWN_INPUTS

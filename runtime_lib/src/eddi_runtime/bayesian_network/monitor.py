@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
 from ..clock import step_time
 from ..compatibility import ModelError
+from ..inputs import look_again
 from ..monitor import Json, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
@@ -95,6 +96,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
             list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
         """
+        look_again(eddi_input, t_ns)
         self._source = eddi_input
         last = self._last
         now: float = 0

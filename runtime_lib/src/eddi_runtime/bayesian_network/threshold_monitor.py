@@ -8,16 +8,9 @@ from typing import Iterable, Sequence
 
 from ..monitor import Field, Json, Standing, Tree
 from .bounds import Open
-from .claims import ERROR, HOLD, INCONSISTENT, NO_TIME, UNKNOWN, Claim, Claims, StateThreshold
+from .claims import ERROR, REASONS, UNKNOWN, Claim, Claims, StateThreshold
 from .knowledge import Facts
 from .monitor import BayesianNetworkMonitor, Output
-
-_REASONS = {
-    ERROR: "a hand-written method failed",
-    HOLD: "it holds, but not for long enough yet",
-    INCONSISTENT: "the evidence has probability zero",
-    NO_TIME: "the step has no time",
-}
 
 
 class ThresholdMonitor(BayesianNetworkMonitor):
@@ -130,7 +123,7 @@ def _why(one: Claim, facts: Facts) -> tuple[tuple[tuple[str, str], ...], str]:
         lacks = _lacks(facts)
         return tuple(lacks.items()), "" if lacks else one.reason
     if one.reason:
-        return (), _REASONS[one.reason]
+        return (), REASONS[one.reason]
     bounds = one.bounds(".4g")
     return (), f"the probability is {bounds}" if bounds else ""
 

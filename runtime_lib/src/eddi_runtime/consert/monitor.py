@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, Tuple, overload
 
 from ..compatibility import ModelError
-from ..inputs import InputSpec, accepted, states_of
+from ..inputs import InputSpec, accepted, look_again, states_of
 from ..monitor import Field, Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Guarantee, Reason, Sets
@@ -73,6 +73,7 @@ class ConSert(Monitor[Rows]):
         Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
         is UNKNOWN, and a guarantee is active only when it is TRUE. Never raises an Exception.
         """
+        look_again(eddi_input, t_ns)
         flags = self.step(eddi_input)
         return [{"id": one, "active": flag} for one, flag in zip(self.published_ids, flags)]
 

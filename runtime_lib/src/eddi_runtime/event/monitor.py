@@ -7,7 +7,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Uni
 
 from ..clock import step_time
 from ..expressions.conditions import Conditions, Value, reduced, scaled, stamp
-from ..inputs import accepted
+from ..inputs import accepted, look_again
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, is_nan, plain, read, show
 
@@ -49,6 +49,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
     _unknown: tuple[Value, ...]
     _verdicts: tuple[Value, ...]
     _reasons: list[str]
+    _waited = 0.0  # seconds from the last ``processing`` to the last step
 
     def __init__(self) -> None:
         self.reset()
@@ -64,6 +65,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
             A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
             ``verdict`` is True, False, or None for UNKNOWN.
         """
+        self._waited = look_again(eddi_input, t_ns)
         self._source = eddi_input
         t = step_time(t_ns)
         before, now = self._verdicts, self._unknown
@@ -104,7 +106,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
     def stamp(self, t: int, input_id: str) -> int:
         """Return when the sample of an input was received."""
         try:
-            return stamp(t, self._source.states[input_id].age)
+            return stamp(t, self._source.states[input_id].age + self._waited)
         except Exception:  # noqa: BLE001 - any object may be given as input
             return t
 

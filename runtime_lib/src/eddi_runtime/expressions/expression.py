@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from ..access import Step, follow
+from ..access import UNTOLD, NotGivenError, Step, follow, given
 from ..plain_values import one_line
 from .conditions import Conditions, Value, reduced
 
 Path = Sequence[Step]
 Check = Sequence[Any]
 """``within`` with the paths of two limits, or ``unless`` with a path and the value that marks that
-a value is no measurement."""
+a value is no measurement, or ``given`` with what shows that a monitor knows it: see there."""
 
 
 class Expression(Conditions):
@@ -36,8 +36,12 @@ class Expression(Conditions):
     def reset(self) -> None:
         """Forget everything of former steps."""
         self.reason = ""
-        self._reduced: dict[int, tuple[Any, Any]] = {}
+        self.forget_messages()
         self.restart()
+
+    def forget_messages(self) -> None:
+        """Read the messages of the next step anew, those of before as well."""
+        self._reduced: dict[int, tuple[Any, Any]] = {}
 
     def value(
         self, t: int, messages: Mapping[str, object], ages: Mapping[str, float] | None = None
@@ -71,9 +75,14 @@ class Expression(Conditions):
         try:
             value = read_path(message, path)
             for check in checks:
-                if not _is_measurement(message, value, check):
+                if check[0] == "given":
+                    value = _known(message, value, check[1:])
+                elif not _is_measurement(message, value, check):
                     field = ".".join(str(step) for step in check[1])
                     raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
+        except NotGivenError:
+            self.reason = self.reason or UNTOLD
+            return None
         except Exception as problem:  # noqa: BLE001 - messages are what the robot sends
             self.reason = self.reason or one_line(problem)
             return None
@@ -111,6 +120,18 @@ def read_path(message: object, path: Path) -> object:
     value = follow(message, path)
     to_sec = getattr(value, "to_sec", None)
     return value if to_sec is None else to_sec()
+
+
+def _known(message: object, value: object, known: Check) -> object:
+    """Return a value that a monitor tells, of a list each that it does.
+
+    Raises:
+        NotGivenError: the monitor does not know it.
+    """
+    if isinstance(value, list):
+        return [one if one in known else None for one in value]
+    told = [(follow(message, of[0]), *of[1:]) if isinstance(of, tuple) else of for of in known]
+    return given(value, *told)
 
 
 def _is_measurement(message: object, value: Any, check: Check) -> bool:

@@ -21,6 +21,8 @@ def number_of(raw: object) -> float:
     """Return a raw element as a number, NaN for UNKNOWN."""
     if type(raw) is float:
         return raw
+    if type(raw) is bytes and len(raw) == 1:  # a ``byte`` in rclpy
+        return float(raw[0])
     if isinstance(raw, (bool, str, bytes)):
         return math.nan
     try:

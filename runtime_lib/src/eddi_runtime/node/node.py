@@ -19,6 +19,7 @@ from .ending import Ending
 from .health import Diagnostics, Health, Status
 from .logs import LOG
 from .outputs import Converter, MessageError, Output, Publications, Publish, check_outputs, each
+from .pasted import PASTED, understood
 from .receipts import Input, Receipt, Receipts
 from .report import GraphFact
 from .schedule import Schedule, Waker
@@ -58,15 +59,16 @@ class Node:
         converter: Converter,
         options: Settings | None = None,
     ) -> None:
+        given: Any = monitor
+        self._core: Monitor[Any] = getattr(given, "monitor", given)
         self.monitor = monitor
-        self.eddi_input = eddi_input
+        self.eddi_input: EDDIInputBase = understood(eddi_input, self._core.inputs)
+        self._pasted = self.eddi_input is not eddi_input
         self.simulator_values: dict[str, Any] = {}  # the latest messages, at the present step
         self.options = options or Settings(self.FREQUENCY, startup_grace=self.STARTUP_GRACE)
         self.ending = Ending()
         self._simulated: int | None = None
         self._level_changed: Callable[[], None] = lambda: None  # where nobody reports
-        given: Any = monitor
-        self._core: Monitor[Any] = getattr(given, "monitor", given)
         self._converter = converter
         self._made_by_hand = type(self).create_ros_msg is not Node.create_ros_msg
         self._publications: Publications | None = None
@@ -82,7 +84,7 @@ class Node:
         self._schedule = Schedule(1.0 / self.options.frequency, on_change)
         self._receipts = Receipts(self._sources, self._waker.wake if on_change else lambda: None)
         self._health = Health(
-            self._core, eddi_input, self._schedule.period, self.options.startup_grace
+            self._core, self.eddi_input, self._schedule.period, self.options.startup_grace
         )
 
     # What a person adds, in the region ``RosNode.members``.
@@ -307,6 +309,8 @@ class Node:
             Path(__file__).resolve().parents[1],
             ", ".join(unlimited) or "none",
         )
+        if self._pasted:
+            LOG.warn("%s", PASTED)
 
     def prepare(self) -> None:
         """Do what can fail before anything is registered.

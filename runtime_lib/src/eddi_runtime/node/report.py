@@ -15,8 +15,8 @@ from ..monitor import Standing
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
 """Levels of ``diagnostic_msgs/DiagnosticStatus``."""
 
-FRESH, LATCHED, WAITING, NEVER, LATE, INVALID = (
-    "ok", "latched", "waiting", "missing", "stale", "invalid",
+FRESH, LATCHED, WAITING, NEVER, LATE, UNTOLD, INVALID = (
+    "ok", "latched", "waiting", "missing", "stale", "untold", "invalid",
 )  # fmt: skip
 """States of an input, as they are published."""
 
@@ -27,6 +27,7 @@ _LEVEL_OF_STATE = {
     WAITING: WARN,
     NEVER: ERROR,
     LATE: STALE,
+    UNTOLD: WARN,
     INVALID: ERROR,
 }
 _NAMED = 5

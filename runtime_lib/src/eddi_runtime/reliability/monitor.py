@@ -6,6 +6,7 @@ import math
 from typing import Any, Iterable, Mapping, Sequence
 
 from ..clock import NO_TIME, step_time
+from ..inputs import look_again
 from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
@@ -101,6 +102,7 @@ class Reliability(Monitor[ReliabilityResult]):
         None, NaN and what is of another kind are unknown. A time that is no whole number is none:
         the step is not valid.
         """
+        look_again(eddi_input, t_ns)
         self._source = eddi_input
         now = step_time(t_ns)
         self._faults = {}
@@ -133,7 +135,8 @@ class Reliability(Monitor[ReliabilityResult]):
             contributions[name] = found[1]
         evidence: dict[str, bool] = {}
         for one in self._evidence:
-            evidence[one.id] = one.step(self._last, high, usable=usable)
+            best = -math.inf if reason else low
+            evidence[one.id] = one.step(self._last, high, usable=usable, best=best)
         self._result = _new(
             ReliabilityResult,
             (
@@ -254,10 +257,15 @@ class Reliability(Monitor[ReliabilityResult]):
             "mttf_hours": given.mttf,
             "horizon_seconds": given.horizon * 3600.0,
             "unknown_inputs": list(given.unknown),
-            "reason": given.reason,
+            "reason": given.reason or self._undecided(),
             "evidence": evidence,
             "accepted": list(self.accepted()),
         }
+
+    def _undecided(self) -> str:
+        """Return which thresholds may hold although they are not active, empty for none."""
+        open_ = [one.id for one in self._evidence if one.possible and not one.active]
+        return f"not decided: {', '.join(open_)}" if open_ else ""
 
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""

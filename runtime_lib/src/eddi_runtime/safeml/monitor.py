@@ -9,6 +9,7 @@ import numpy as np
 
 from ..clock import NO_TIME, step_time
 from ..history import Messages
+from ..inputs import look_again
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from .arrays import NUMPY, Array, Numbers, array_of
@@ -90,6 +91,7 @@ class SafeML(Monitor[SafeMLResult]):
             t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time,
                 and the step is omitted then.
         """
+        look_again(eddi_input, t_ns)
         self._source = eddi_input
         time = step_time(t_ns)
         self._timeless = time is None and self.max_age is not None

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..history import Messages
+from ..plain_values import plain
 from .arrays import Array, rounded
 
 EMPTY = "empty"
@@ -73,7 +74,10 @@ def _array(message: Any) -> Any:
     if isinstance(message, (bytes, bytearray)):
         message = np.frombuffer(message, dtype=np.uint8)
     elif isinstance(message, (list, tuple)):
-        _check_elements(set(map(type, message)))
+        types = set(map(type, message))
+        _check_elements(types)
+        if bytes in types:  # each is a ``byte``, in rclpy
+            message = [plain(one) for one in message]
     found = np.asarray(message)
     if found.dtype.kind == "b":
         raise _NoNumbersError("Booleans")

@@ -8,7 +8,7 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: f791676effc3ff010177fa5806d0fe48f6ae9800547e313e761d06e0cb9478b2
+# sha256 of the lines below: 9ee96c9c32ad3cfa9f5be326c1651d0428c8802921b4562acaae59b1a728f5ee
 INF = float("inf")
 
 
@@ -101,6 +101,7 @@ class Monitor(consert.ConSert):
         )
 
     def execute_step(self, source, t_ns=None):
+        eddi_runtime.look_again(source, t_ns)
         FastDrive, SlowDrive, StandStill = self.step(source)
         return [
             {"id": "FastDrive", "active": FastDrive},

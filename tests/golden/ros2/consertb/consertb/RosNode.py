@@ -13,9 +13,8 @@ with installed('consertb', SOURCE):
     import eddi_messages.msg
     from std_msgs.msg import Bool
 
-from consertb.EDDIInput import EDDIInput  # noqa: E402
-
 with reported('consertb'):
+    from consertb.EDDIInput import EDDIInput
     from consertb.EDDIMonitor import EDDIMonitor
 
 # -----Manual edit begin-----  # region: RosNode.module of:e3b0c442

@@ -8,7 +8,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 8a582d4dd7286566cfc0e2d1ba21ed7c0bd6467d3cb18656770770643ccac076
+# sha256 of the lines below: ccd096db8a345b699029cb907fc82b630c3a0f65d7a18a187b37f7c5758dbd19
 
 
 class Monitor(consert.ConSert):
@@ -40,5 +40,6 @@ class Monitor(consert.ConSert):
         )
 
     def execute_step(self, source, t_ns=None):
+        eddi_runtime.look_again(source, t_ns)
         (System_A_G0_c2,) = self.step(source)
         return [{"id": "System_A_G0_c2", "active": System_A_G0_c2}]

@@ -11,9 +11,8 @@ from std_msgs.msg import Bool
 
 from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
 
-from conserta.EDDIInput import EDDIInput
-
 with reported('conserta'):
+    from conserta.EDDIInput import EDDIInput
     from conserta.EDDIMonitor import EDDIMonitor
 
 # -----Manual edit begin-----  # region: RosNode.module of:e3b0c442

@@ -11,9 +11,8 @@ from std_msgs.msg import Bool
 
 from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
 
-from consertb.EDDIInput import EDDIInput
-
 with reported('consertb'):
+    from consertb.EDDIInput import EDDIInput
     from consertb.EDDIMonitor import EDDIMonitor
 
 # -----Manual edit begin-----  # region: RosNode.module of:e3b0c442

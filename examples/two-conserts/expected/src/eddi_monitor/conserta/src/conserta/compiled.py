@@ -8,7 +8,7 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: fbe1311216c7e6189e4b1b241ae5b5e8cca97b5ae1ba41be0a5c9b9167fa6be1
+# sha256 of the lines below: 938b2ad061f36f8f86c60a98b81a5418206737815eeaf81f6bbcc41139e7ce5c
 
 
 class Monitor(consert.ConSert):
@@ -53,6 +53,7 @@ class Monitor(consert.ConSert):
         )
 
     def execute_step(self, source, t_ns=None):
+        eddi_runtime.look_again(source, t_ns)
         System_A_G0, System_A_G1 = self.step(source)
         return [
             {"id": "System_A_G0", "active": System_A_G0},

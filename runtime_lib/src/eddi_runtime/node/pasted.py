@@ -1,0 +1,76 @@
+"""An ``EDDIInput`` as the tools of SESAME D7.2 wrote it, in the place of the generated file."""
+
+from __future__ import annotations
+
+import sys
+import traceback
+from pathlib import Path
+from typing import Any, Mapping, Sequence
+
+from .. import inputs
+from ..inputs import InputSpec, InputState, invalid
+
+PASTED = (
+    "EDDIInput.py is a class of the D7.2 tools: an input that its `processing` does not assign in"
+    " a step, or whose messages are missing or old, is unknown; run `eddi-scaffold adopt`"
+)
+
+
+def understood(given: Any, specs: Sequence[InputSpec]) -> Any:
+    """Return an ``EDDIInput`` as it is, one of D7.2 with what it lacks: ages and states."""
+    return given if hasattr(given, "begin_step") else EDDIInputBase(given, specs)
+
+
+class EDDIInputBase(inputs.EDDIInputBase):
+    """An ``EDDIInput`` around one of D7.2.
+
+    It has the name of its own base: what begins with two underscores belongs to both.
+    """
+
+    def __init__(self, given: Any, specs: Sequence[InputSpec]) -> None:
+        super().__init__(specs)
+        self.__given = given
+
+    def processing(self, simulator_outputs: Mapping[str, object], t_ns: int | None = None) -> None:
+        """Have the fresh messages processed; what is not known then becomes None; never raises."""
+        self.begin_processing(t_ns)
+        received = {
+            name: self.__received(name, simulator_outputs, spec.requires)[2]
+            for name, spec in self.__specs.items()
+        }
+        required = {name for spec in self.__specs.values() for name in spec.requires}
+        good = [spec for name, spec in self.__specs.items() if received[name].state == "ok"]
+        fresh = {name for spec in good for name in spec.requires}
+        problem = self.__process(
+            {k: v for k, v in simulator_outputs.items() if k in fresh or k not in required}
+        )
+        for name, spec in self.__specs.items():
+            state, value = problem or received[name], None
+            if state.state == "ok":
+                value = getattr(self.__given, spec.attribute, None)
+                if value is None:
+                    state = InputState("invalid", "`processing` did not assign it", state.age)
+                elif spec.every_message and not self.__is_new(spec):
+                    from ..history import Messages  # noqa: PLC0415 - travels where it is needed
+
+                    value = Messages()
+            self.__leave(name, state, value)
+
+    def __is_new(self, spec: InputSpec) -> bool:
+        new = self.__arrived if self.__new is None else [k for k, v in self.__new.items() if v]
+        return any(name in new for name in spec.requires)
+
+    def __process(self, messages: Mapping[str, object]) -> InputState | None:
+        """Return the state of every input where ``processing`` raises."""
+        for spec in self.__specs.values():
+            setattr(self.__given, spec.attribute, None)
+        try:
+            self.__given.processing(messages)
+        except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
+            file = getattr(sys.modules.get(type(self.__given).__module__), "__file__", "")
+            calls = traceback.extract_tb(problem.__traceback__)
+            last = ([one for one in calls if one.filename == file] or calls)[-1]
+            state = invalid(problem, None)
+            where = f"{Path(last.filename).name} line {last.lineno}"
+            return state._replace(reason=f"{state.reason} in {where}")
+        return None

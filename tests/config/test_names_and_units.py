@@ -1,0 +1,95 @@
+"""Names and units that are right on one platform, or in one way of writing them."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import ROOT, Result, run
+
+FIELD = ROOT / "tests" / "data" / "oracles" / "field"
+
+
+def near(folder: Path, *more: str, old: str = "", new: str = "") -> Result:
+    for name in ("near.events", "near.yml"):
+        shutil.copy(FIELD / "ros1-digit-topic" / name, folder)
+    config = folder / "near.yml"
+    config.write_text(config.read_text("utf-8").replace(old, new), "utf-8")
+    return run("check", "near.events", "near.yml", *more, cwd=folder)
+
+
+@pytest.mark.parametrize("topic", ["/entity/1/nearest", "/1/nearest", "entity/1", "~1/2"])
+def test_a_part_of_a_name_may_begin_with_a_digit_on_ros1(topic: str, tmp_path: Path) -> None:
+    assert near(tmp_path, old="/entity/1/nearest", new=topic).status == 0
+
+
+@pytest.mark.parametrize("topic", ["1/nearest", "/entity//1", "/entity/", "/", "/a b", "/a-b"])
+def test_what_no_ros_takes(topic: str, tmp_path: Path) -> None:
+    found = near(tmp_path, old="topic: /entity/1/nearest", new=f'topic: "{topic}"')
+    assert "a ROS name is expected" in found.err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("", "", "3:47: error: /entity/1/nearest"),
+        ("near/events", "near/2", "7:25: error: near/2"),
+        ("/entity/1/nearest", "~1st", "3:47: error: ~1st"),
+    ],
+)
+def test_ros2_says_what_its_rule_is(old: str, new: str, where: str, tmp_path: Path) -> None:
+    found = near(tmp_path, "--platform", "ros2", old=old, new=new)
+    assert found.status == 1
+    assert f"{where}: on ROS 2 no part of a name may begin with a digit [K005]" in found.err
+
+
+def test_a_draft_passes_check(tmp_path: Path) -> None:
+    pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
+    from tests.replay.test_bags import written
+
+    shutil.copy(FIELD / "ros1-digit-topic" / "near.events", tmp_path)
+    float32 = "std_msgs/msg/Float32"
+    written(
+        tmp_path / "a.bag",
+        [(k / 10, "/entity/1/nearest", float32, {"data": 3.0}) for k in range(20)]
+        + [(k / 10, "/not-ros", float32, {"data": 3.0}) for k in range(20)],
+    )
+    words = ("connect", "near.events", "--bag", "a.bag", "-o", "near.yml")
+    assert run(*words, cwd=tmp_path).status in (0, 1)
+    text = (tmp_path / "near.yml").read_text("utf-8")
+    assert "/entity/1/nearest" in text
+    assert "/not-ros" not in text
+    assert "K005" not in run("check", "near.events", "near.yml", cwd=tmp_path).err
+
+
+def soc(folder: Path, unit: str, *, field: str = "percentage", declared: str = "") -> Result:
+    text = (FIELD / "unit-ratio" / "soc.events").read_text("utf-8")
+    (folder / "soc.events").write_text(text.replace("NUMBER", f"NUMBER {declared}"), "utf-8")
+    config = (FIELD / "unit-ratio" / "soc.yml").read_text("utf-8")
+    config = config.replace("fraction", unit).replace("percentage", field)
+    (folder / "soc.yml").write_text(config, "utf-8")
+    return run("check", "soc.events", "soc.yml", cwd=folder)
+
+
+@pytest.mark.parametrize("unit", ["fraction", "ratio", '""'])
+def test_a_number_without_a_unit_is_a_ratio(unit: str, tmp_path: Path) -> None:
+    found = soc(tmp_path, unit)
+    assert found.status == 0, found.err
+
+
+def test_percent_of_a_number_without_a_unit_is_not(tmp_path: Path) -> None:
+    assert "[K022]" in soc(tmp_path, "percent").err
+
+
+@pytest.mark.parametrize(("unit", "declared", "sign"), [("K", "degC", "-"), ("degC", "K", "+")])
+def test_temperatures_are_shifted(unit: str, declared: str, sign: str, tmp_path: Path) -> None:
+    found = soc(tmp_path, unit, field="temperature", declared=f"UNIT {declared}")
+    assert f"hint: write `expression: value {sign} 273.15` instead" in found.err
+    assert "dimension" not in found.err
+
+
+def test_a_temperature_in_degrees_is_not_one_in_kelvin(tmp_path: Path) -> None:
+    found = soc(tmp_path, "K", field="temperature", declared="UNIT K")
+    assert "degC and K are 273.15 apart, and a unit is only a factor [K052]" in found.err

@@ -1,0 +1,104 @@
+"""Plain packages of every kind lose what they know when messages, or calls, no longer come."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import ROOT, run
+
+pytestmark = pytest.mark.slow
+
+TUTORIAL = (ROOT / "docs" / "tutorials" / "first-guarantee.md").read_text("utf-8")
+CART = """
+from types import SimpleNamespace as Message
+from cart.EDDIInput import EDDIInput
+from cart.EDDIMonitor import EDDIMonitor
+
+def drives(step, fresh):
+    told, monitor, found = EDDIInput(), EDDIMonitor(), []
+    bumper, battery = Message(data=False), Message(percentage=0.8)
+    for k in range(61):
+        if fresh(k):
+            bumper, battery = Message(data=False), Message(percentage=0.8)
+        found += step(told, monitor, {"bumper": bumper, "battery": battery}, k * 10**8)
+    return [row["active"] for row in found]
+
+def whole(told, monitor, messages, t):
+    told.processing(messages, t)
+    return monitor.execute_step(told, t)
+
+def stuck(told, monitor, messages, t):
+    if t == 0:
+        told.processing(messages, t)
+    return monitor.monitor.execute_step(told, t)
+
+assert drives(whole, lambda k: True) == [True] * 61
+assert drives(whole, lambda k: False) == [True] * 6 + [False] * 55
+assert drives(whole, lambda k: k % 10 == 0) == ([True] * 6 + [False] * 4) * 6 + [True]
+assert drives(stuck, lambda k: True) == [True] * 6 + [False] * 55
+"""
+EVERY_KIND = """
+import importlib, json, sys
+from types import SimpleNamespace as Message
+
+class Any:
+    "A message with every field, whose values are good or bad for nothing."
+    def __getattr__(self, name):
+        return 0.5
+
+found = {}
+for package in sys.argv[1:]:
+    told = importlib.import_module(package + ".EDDIInput").EDDIInput()
+    monitor = importlib.import_module(package + ".EDDIMonitor").EDDIMonitor().monitor
+    limited = [spec for spec in monitor.inputs if spec.max_age not in (None, "none")]
+    names = {name for spec in monitor.inputs for name in spec.requires}
+    told.processing({name: Any() for name in names}, 0)
+    known = [spec for spec in limited if told.states[spec.id].state == "ok"]
+    monitor.execute_step(told, 10**8)
+    assert all(told.states[spec.id].state == "ok" for spec in known), package
+    monitor.execute_step(told, 10**10)
+    assert all(getattr(told, spec.attribute) is None for spec in known), package
+    found[monitor.kind] = found.get(monitor.kind, 0) + len(known)
+print(json.dumps(found))
+"""
+
+
+def program(text: str, folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", text, *arguments],
+        cwd=folder,
+        env={"PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert not done.returncode, done.stderr
+    return done.stdout
+
+
+def test_the_cart_of_the_tutorial(tmp_path: Path) -> None:
+    for name in ("cart.yml", "cart_config.yml"):
+        block = re.search(rf"<!-- file: {name} -->\n```yaml\n(.*?)```", TUTORIAL, re.DOTALL)
+        assert block is not None
+        text = block[1].replace("field: percentage,", "field: percentage, unit: fraction,")
+        (tmp_path / name).write_text(text, "utf-8")
+    plain = ("generate", "--platform", "plain", "-o", ".", "-c", "cart_config.yml")
+    assert run(*plain, cwd=tmp_path).status == 0
+    program(CART, tmp_path)
+
+
+def test_every_kind(tmp_path: Path) -> None:
+    example = ROOT / "examples" / "warehouse-robot"
+    plain = ("generate", "--platform", "plain", "-o", str(tmp_path))
+    configs = [arg for one in sorted(example.glob("*_config.yml")) for arg in ("-c", str(one))]
+    assert run(*plain, *configs, cwd=example).status == 0
+    packages = sorted(path.parent.name for path in tmp_path.glob("*/compiled.py"))
+    found = json.loads(program(EVERY_KIND, tmp_path, *packages))
+    assert len(found) == 5, found
+    assert all(found.values()), found

@@ -1,0 +1,303 @@
+"""Model files as people have them: what each of them means, or the one message that helps."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds.safeml.reference import read_reference
+from eddi_scaffold.monitors.binding import monitor_of
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.problems import EddiError
+from eddi_scaffold.source import Source, read_source
+from tests.cli.command import run
+from tests.data_files import data_file
+from tests.kinds.bayesian_network.networks import brute_force
+
+SPACES = (
+    'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
+    'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
+    'xmlns:f="http://www.deis-project.eu/ode/failureLogic" '
+    'xmlns:c="http://www.deis-project.eu/ode/consert"'
+)
+
+
+def told(text: str, name: str) -> list[tuple[str, int | None]]:
+    reading = read_models(Source(name, text.encode()))
+    return [(one.code, one.place.line) for one in reading.problems if one.level == "error"]
+
+
+@pytest.mark.parametrize(
+    ("file", "wanted"),
+    [
+        ("two_data.net", [("B231", 4)]),
+        ("two_rates.xml", [("X011", 9), ("X011", 14)]),
+        ("two_tables.xdsl", [("B232", 6)]),
+    ],
+)
+def test_the_second_of_two_values_is_named(file: str, wanted: list[tuple[str, int]]) -> None:
+    path = data_file(f"field/repeated-elements/{file}")
+    assert told(path.read_text(), file) == wanted
+
+
+TABLE = "<DEFINITION>\n<FOR>A</FOR>\n<TABLE>0.1 0.9</TABLE>\n</DEFINITION>"
+XMLBIF = (
+    "<BIF><NETWORK>\n<NAME>N</NAME>\n<VARIABLE>\n<NAME>A</NAME>\n"
+    f"<OUTCOME>y</OUTCOME><OUTCOME>n</OUTCOME></VARIABLE>\n{TABLE}</NETWORK></BIF>"
+)
+XDSL = (
+    '<smile id="N"><nodes><cpt id="A"><state id="y"/><state id="n"/>\n'
+    "<probabilities>0.1 0.9</probabilities></cpt>\n"
+    '<cpt id="B"><state id="y"/><state id="n"/>\n<parents>A</parents>\n'
+    "<probabilities>0.1 0.9 0.2 0.8</probabilities></cpt></nodes></smile>"
+)
+NET = 'net { }\nnode A { states = ("y" "n"); }\npotential (A) { data = (0.1 0.9); }\n'
+BIF = (
+    "network N {}\nvariable A { type discrete [2] { y, n }; }\n"
+    "probability (A) {\ntable 0.1, 0.9;\n}\n"
+)
+MEF = (
+    '<opsa-mef><define-fault-tree name="T"><define-gate name="G"><not><event name="E"/></not>'
+    '</define-gate>\n<define-basic-event name="E"><float value="0.1"/></define-basic-event>\n'
+    "</define-fault-tree></opsa-mef>"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "old", "new", "wanted"),
+    [
+        (XMLBIF, "n.xmlbif", "</TABLE>", "</TABLE>\n<TABLE>0.6 0.4</TABLE>", ("B232", 9)),
+        (XMLBIF, "n.xmlbif", "</FOR>", "</FOR>\n<FOR>A</FOR>", ("B232", 8)),
+        (XMLBIF, "n.xmlbif", "<NAME>A</NAME>", "<NAME>A</NAME>\n<NAME>B</NAME>", ("B232", 5)),
+        (XMLBIF, "n.xmlbif", "<NAME>N</NAME>", "<NAME>N</NAME>\n<NAME>B</NAME>", ("B232", 3)),
+        (XMLBIF, "n.xmlbif", "</NETWORK>", "</NETWORK>\n<NETWORK/>", ("B232", 10)),
+        (XDSL, "n.xdsl", "</parents>", "</parents>\n<parents>B</parents>", ("B232", 5)),
+        (NET, "n.net", "; }\np", '; states = ("a" "b"); }\np', ("B231", 2)),
+        (BIF, "n.bif", "table", "default 0.5, 0.5;\ntable", ("B231", 5)),
+        (BIF, "n.bif", "0.9;", "0.9;\ndefault 0.5, 0.5;", ("B231", 5)),
+        (BIF, "n.bif", "}; }", "};\ntype discrete [2] { a, b }; }", ("B231", 3)),
+        (
+            MEF,
+            "t.opsa",
+            "<float",
+            '<neg><float value="1"/><float value="2"/></neg><float',
+            ("R017", 2),
+        ),
+        (
+            MEF,
+            "t.opsa",
+            '<float value="0.1"/>',
+            '<neg><int value="1"/><int value="2"/></neg>',
+            ("R002", 2),
+        ),
+        (
+            MEF.replace("basic", "house"),
+            "t.opsa",
+            '<float value="0.1"/>',
+            '<constant value="true"/><constant value="true"/>',
+            ("R017", 2),
+        ),
+    ],
+)
+def test_no_second_value_is_dropped(
+    text: str, name: str, old: str, new: str, wanted: tuple[str, int]
+) -> None:
+    assert told(text, name) == [] or "house" in text
+    assert text.count(old) == 1
+    assert told(text.replace(old, new), name) == [wanted]
+
+
+def eddi(failure: str, event: str = "", maps: str = "") -> str:
+    return (
+        f'<f:FaultTree {SPACES} name="Pump">\n{maps}<failures name="Out" originType="Output"/>'
+        f'<failures name="A" {failure}</failures><failures name="B" failureRate="1e-5"/>\n'
+        '<causes xsi:type="f:Gate" name="Top" causeType="OutputEvent" failure="//@failures.0" '
+        'causes="//@causes.1"/>\n'
+        f'<causes name="a" causeType="BasicEvent" failure="//@failures.1{event}"/></f:FaultTree>'
+    )
+
+
+UNIT = '<keyValueMaps key="unit"><values value="1/h"/>'
+WEIBULL = '<failureProbDistribution type="Weibull"><parameters name="scale" value="5"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (eddi(f'failureRate="1e-4">{UNIT}\n<values value="1/s"/></keyValueMaps>'), 3),
+        (eddi(f'failureRate="1e-4">{UNIT}</keyValueMaps>\n{UNIT}</keyValueMaps>'), 3),
+        (eddi(f'>{WEIBULL}\n<parameters name="eta" value="7"/></failureProbDistribution>'), 3),
+        (eddi('failureRate="1e-4">', " //@failures.2"), 4),
+    ],
+)
+def test_no_second_value_of_an_eddi_is_dropped(text: str, line: int) -> None:
+    assert ("X011", line) in told(text, "m.xml")
+
+
+def test_a_rate_beside_a_distribution_is_told() -> None:
+    given = '<failureProbDistribution type="Fit"><parameters name="Value" value="1"/>'
+    for rate, wanted in (("1e-4", ["X018"]), ("0.0", [])):
+        text = eddi(f'failureRate="{rate}">{given}</failureProbDistribution>')
+        reading = read_models(Source("m.xml", text.encode()))
+        assert [one.code for one in reading.problems] == wanted
+
+
+@pytest.mark.parametrize("element", ["dimensionType", "serviceType"])
+def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
+    text = data_file("conserts/eddi_consert_example.xml").read_text()
+    end = text.index("/>", text.index(f"<{element}")) + 2
+    again = f'\n<{element} name="Other"/>'
+    assert [code for code, _ in told(text[:end] + again + text[end:], "m.xml")] == ["X011"]
+
+
+@pytest.mark.parametrize(
+    ("file", "node", "wanted"),
+    [
+        ("bif-interval-states/speed.bif", "Risk", [0.67, 0.33]),
+        ("one-state-node/site.net", "Fault", [0.1, 0.9]),
+        ("row-rounding/tank.bif", "Pump", [1.6 / 3, 1.4 / 3]),
+    ],
+)
+def test_networks_with_unusual_states_and_rows(file: str, node: str, wanted: list[float]) -> None:
+    reading = read_models(read_source(data_file(f"field/{file}")))
+    (model,) = reading.models
+    assert {one.level for one in reading.problems} <= {"warning"}
+    assert brute_force(model.data, {}, node) == pytest.approx(wanted, abs=1e-12)
+    monitor, _ = monitor_of(model, kinds()["bayesian_network"], None)
+    assert monitor is not None
+
+
+def test_intervals_of_bif() -> None:
+    text = (
+        "variable A { type discrete [4] { (-Inf, 0], (0,1), [1,2), low }; }\n"
+        "variable B { type discrete [2] { 0, 1 }; }\n"
+        "probability (A) { table 0.25, 0.25, 0.25, 0.25; }\nprobability (B | A) {\n"
+        "((-Inf,0]) 0.1, 0.9; ((0, 1)) 0.2, 0.8; ([1,2)) 0.3, 0.7; (low) 0.4, 0.6; }\n"
+        "variable C { type discrete [2] { y, n }; } probability (C | A B) {\n"
+        "default 0.5, 0.5; ((0,1), 0) 0.1, 0.9; }"
+    )
+    (model,) = read_models(Source("n.bif", text.encode())).models
+    assert model.data.node("A").states == ("(-Inf,0]", "(0,1)", "[1,2)", "low")
+    assert model.data.node("B").table == (0.1, 0.9, 0.2, 0.8, 0.3, 0.7, 0.4, 0.6)
+    assert model.data.node("C").table[4:6] == (0.1, 0.9)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "code"),
+    [
+        ("0.3333, 0.3333, 0.3333", "B114"),
+        ("3.333e-01, 3.333e-01, 3.333e-01", "B114"),
+        ("0.4, -1.2e-7, 0.6", "B114"),
+        ("1.00000012, -1.2e-7, 0", "B114"),
+        ("0.33, 0.33, 0.33", "B113"),
+        ("0.3333, 0.3334, 0.3331", "B113"),
+        ("0.4, -1.2e-2, 0.612", "B112"),
+        ("0e99999, 1e-99999999999999999999, 0.5", "B113"),
+    ],
+)
+def test_what_rounding_explains_is_read(numbers: str, code: str) -> None:
+    text = data_file("field/row-rounding/tank.bif").read_text()
+    reading = read_models(Source("n.bif", text.replace("0.3333, 0.3333, 0.3333", numbers).encode()))
+    assert [one.code for one in reading.problems] == [code]
+
+
+OTHERS = {
+    "x.xdsl": b"version https://git-lfs.github.com/spec/v1\noid sha256:1\n",
+    "x.xdsl.gz": gzip.compress(b"<smile/>"),
+    "x.zip": b"PK\x03\x04abc",
+    "x.dsc": b'belief network "ab"\nnode A {}\n',
+    "x.pgmx": b'<?xml version="1.0"?>\n<ProbModelXML formatVersion="1.0"/>',
+    "x.xbn": b"<?xml version='1.0'?>\n<ANALYSISNOTEBOOK/>",
+    "x.xml": b'<?xml version="1.0"?>\n<BIF VERSION="0.5"><NETWORK/></BIF>',
+    "x.dne": b"\xef\xbb\xbfbnet Pump {};",
+}
+NAMES = ("Git LFS", "gzip", "zip", "MSBN", "OpenMarkov", "MSBN", "XMLBIF 0.4 or 0.5", "Netica")
+
+
+@pytest.mark.parametrize(("file", "name"), list(zip(OTHERS, NAMES, strict=True)))
+def test_other_formats_are_named(file: str, name: str, tmp_path: Path) -> None:
+    (tmp_path / file).write_bytes(OTHERS[file])
+    with pytest.raises(EddiError) as found:
+        read_source(tmp_path / file)
+    (problem,) = found.value.problems
+    assert problem.code == "F003"
+    assert name in problem.message
+    assert problem.hint
+
+
+def test_a_reference_that_lies_in_git_lfs(tmp_path: Path) -> None:
+    (tmp_path / "time.csv").write_bytes(OTHERS["x.xdsl"])
+    config = data_file("field/reference-csv/time.yml").read_bytes()
+    (problem,) = read_models(read_at(tmp_path, config)).problems
+    assert (problem.code, problem.hint) == ("L004", "run `git lfs pull`")
+
+
+def read_at(folder: Path, config: bytes) -> Source:
+    (folder / "time.yml").write_bytes(config)
+    return read_source(folder / "time.yml")
+
+
+ROWS = [f"{(k * 7919) % 13},{(k * 31) % 17}" for k in range(30)]
+
+
+@pytest.mark.parametrize(
+    ("rows", "line", "said"),
+    [
+        (
+            data_file("field/reference-csv/time.csv").read_text().split("\n"),
+            1,
+            "column 1 holds times",
+        ),
+        ([",a,b", *(f"{k}.5,{row}" for k, row in enumerate(ROWS))], 1, "row 1 is a header"),
+        (["recorded on Monday", *ROWS], 1, "row 1 has 1 cell, row 2 has 2"),
+        ([f"{k},{row}" for k, row in enumerate(ROWS)], 1, "column 1 rises by the same step"),
+        ([f"{1e9 + k / 8},{row}" for k, row in enumerate(ROWS)], 1, "column 1 rises by the same"),
+        ([f"pump,{row}" for row in ROWS], 1, "column 1 holds texts, not numbers: 'pump'"),
+    ],
+)
+def test_one_cause_in_a_reference_is_one_message(rows: list[str], line: int, said: str) -> None:
+    _, problems = read_reference(Source("r.csv", "\n".join(rows).encode()))
+    (problem,) = problems
+    assert (problem.code, problem.place.line) == ("L004", line)
+    assert problem.message.startswith(said)
+
+
+def test_common_causes_are_told_before_what_they_leave_undefined() -> None:
+    text = data_file("field/ccf-members/pumps.xml").read_text()
+    assert told(text, "pumps.xml") == [("R017", 5)]
+    assert told(text.replace("define-CCF-group", "define-x"), "pumps.xml") == [("R001", 3)]
+
+
+def test_the_quote_that_is_not_closed() -> None:
+    text = data_file("field/wrong-xml-error/drone.xml").read_text()
+    assert told(text, "drone.xml") == [("X001", 3)]
+
+
+TREE = data_file("field/root-fault-tree/pump.xml").read_text()
+CHAIN = (
+    f'<f:markovChain {SPACES} name="Chain"><states name="a" isInitialState="true"/>'
+    '<states name="b" isFailState="true"/><transitions fromStates="//@states.0" '
+    'toStates="//@states.1" transition="1e-4"/></f:markovChain>'
+)
+CONSERT = (
+    f'<c:ConSert {SPACES} name="Safe"><guarantees name="G" isDefaultGuarantee="true">'
+    '<dependabilityProperty><dimension xsi:type="c:BinaryDimension"><dimensionType name="Safe"/></dimension>'
+    "</dependabilityProperty></guarantees></c:ConSert>"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"), [(TREE, "reliability"), (CHAIN, "reliability"), (CONSERT, "consert")]
+)
+def test_a_model_may_be_the_root(text: str, kind: str, tmp_path: Path) -> None:
+    reading = read_models(Source("m.xml", text.encode()))
+    assert [(one.kind, one.place.path) for one in reading.models] == [(kind, "/")]
+    assert "X015" not in {one.code for one in reading.problems}
+    (tmp_path / "m.xml").write_text(text)
+    assert run("show", "m.xml", cwd=tmp_path).status == 0
+    assert run("check", "m.xml", cwd=tmp_path).status == 0
+    words = ("answers", "-m", "m.xml", "--platform", "plain", "-o", "a")
+    assert run(*words, cwd=tmp_path).status == 0

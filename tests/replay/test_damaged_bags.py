@@ -1,0 +1,121 @@
+"""Bags of the field: channels that nothing names, no metadata, cut off, strange times."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.cli.command import ROOT, Result, run
+
+rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
+
+from rosbags.rosbag2 import StoragePlugin, Writer  # noqa: E402 - after the check
+from rosbags.typesys import Stores, get_typestore  # noqa: E402 - the same
+
+FIELD = ROOT / "tests" / "data" / "oracles" / "field"
+UNUSED, MESSAGES = FIELD / "bag-unused-channel", FIELD / "bag-messages"
+VERDICTS = """\
+     0.000  PathClear unknown
+     0.900  PathClear active
+     3.000  PathClear inactive
+     4.900  PathClear active
+"""
+CHANNELS = ("with_json.mcap", "service_event.mcap", "missing_type.bag")
+
+
+def played(folder: Path, bag: str) -> Result:
+    return run("run", "lidar_config.yml", "--bag", bag, cwd=folder)
+
+
+@pytest.mark.parametrize("bag", CHANNELS)
+def test_a_channel_that_nothing_names_spoils_nothing(bag: str) -> None:
+    found = played(UNUSED, bag)
+    assert (found.status, found.out, found.err) == (0, VERDICTS, "")
+
+
+@pytest.mark.parametrize("bag", CHANNELS)
+def test_it_can_be_connected_too(bag: str, tmp_path: Path) -> None:
+    shutil.copy(UNUSED / "lidar.events", tmp_path)
+    found = run("connect", "lidar.events", "--bag", str(UNUSED / bag), "--dry-run", cwd=tmp_path)
+    assert "/lidar/nearest" in found.out, found.err
+    assert "I011" not in found.err
+
+
+@pytest.mark.parametrize("bag", CHANNELS)
+def test_it_can_be_watched_too(bag: str) -> None:
+    found = run("watch", "--bag", bag, cwd=UNUSED)
+    assert "no monitor's verdicts are in the bag" in found.err
+
+
+def test_no_channel_of_a_bag_without_a_wanted_topic_is_read(tmp_path: Path) -> None:
+    for name in ("lidar.events", "lidar_config.yml"):
+        shutil.copy(UNUSED / name, tmp_path)
+    config = tmp_path / "lidar_config.yml"
+    config.write_text(config.read_text("utf-8").replace("/lidar/nearest", "/other2"), "utf-8")
+    found = played(tmp_path, str(UNUSED / "with_json.mcap"))
+    assert found.status == 0
+    assert "no message of /other2 in the bag" in found.err
+
+
+def test_a_channel_that_is_named_must_be_readable(tmp_path: Path) -> None:
+    for name in ("lidar.events", "lidar_config.yml"):
+        shutil.copy(UNUSED / name, tmp_path)
+    config = tmp_path / "lidar_config.yml"
+    text = config.read_text("utf-8").replace("std_msgs.Float32", "pump_msgs.State")
+    config.write_text(text.replace("/lidar/nearest", "/other"), "utf-8")
+    found = played(tmp_path, str(UNUSED / "missing_type.bag"))
+    assert found.status == 2
+    assert "other_msgs/msg/Thing" in found.err
+
+
+def test_without_metadata_its_files_are_read() -> None:
+    found = played(MESSAGES, "no_metadata")
+    assert (found.status, found.out, found.err) == (0, VERDICTS, "")
+
+
+def test_another_format_in_the_metadata(tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    shutil.copytree(MESSAGES / "no_metadata", bag)
+    text = (MESSAGES / "cut_off" / "metadata.yaml").read_text("utf-8")
+    (bag / "metadata.yaml").write_text(
+        text.replace("cut_off", "no_metadata").replace("_format: cdr", "_format: json"), "utf-8"
+    )
+    assert "json" in (bag / "metadata.yaml").read_text("utf-8")
+    found = played(MESSAGES, str(bag))
+    assert (found.status, found.out, found.err) == (0, VERDICTS, "")
+
+
+def test_what_was_cut_off_can_be_saved() -> None:
+    found = played(MESSAGES, "cut_off")
+    assert found.status == 2
+    assert "hint: was the recording cut off? `mcap recover cut_off/cut_off.mcap" in found.err
+
+
+def test_a_message_from_before_the_clock_was_set() -> None:
+    found = played(MESSAGES, "clock_zero")
+    assert (found.status, found.out) == (0, VERDICTS)
+    assert "warning: the first message has the time stamp 0, and is left out [I011]" in found.err
+
+
+def test_a_simulation_that_was_reset(tmp_path: Path) -> None:
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    time, header, scan = (
+        store.types[name]
+        for name in ("builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/Range")
+    )
+    with Writer(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        channel = writer.add_connection("/near", "sensor_msgs/msg/Range", typestore=store)
+        for k, made in enumerate((10, 11, 12, 1, 2)):
+            message = scan(header(time(made, 0), ""), 0, 0.1, 0.0, 40.0, 3.0)
+            data = bytes(store.serialize_cdr(message, "sensor_msgs/msg/Range"))
+            writer.write(channel, 10**18 + k * 10**9, data)
+    shutil.copy(MESSAGES / "lidar.events", tmp_path)
+    config = (MESSAGES / "lidar_config.yml").read_text("utf-8")
+    config = config.replace("std_msgs.Float32", "sensor_msgs.Range")
+    config = config.replace("/lidar/nearest", "/near").replace("unit: m,", "unit: m, field: range,")
+    (tmp_path / "lidar_config.yml").write_text(config, "utf-8")
+    found = played(tmp_path, "bag")
+    assert found.status == 0, found.err
+    assert "the time in the messages of /near jumps back" in found.err
