@@ -66,7 +66,6 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
     outcome = write_packages(group.root, packages, own_template(), dry_run=True)
-    limitless = list(without_limits(group.present, packages))
     reports = []
     for folder in group.present:
         root = group.root / folder

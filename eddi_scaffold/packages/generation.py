@@ -196,14 +196,16 @@ def _tell_open(package: PackageAnswers, target: Path, work: _Work) -> None:
 
 
 def _refuse(plans: Iterable[Plan]) -> None:
-    problems = [
-        error("H010", one.reason, Place(str(plan.root / one.file), one.line))
-        for plan in plans
-        for one in plan.refusals
-    ]
+    problems = []
+    for plan in plans:
+        for one in plan.refusals:
+            file = plan.root / one.file
+            hint = ADOPT if is_of_d72(file) else None
+            problems.append(error("H010", one.reason, Place(str(file), one.line), hint))
     if problems:
-        hint = "Nothing was changed; mend this, and run the command again"
-        raise EddiError(*problems[:-1], replace(problems[-1], hint=hint))
+        last = problems[-1]
+        hint = last.hint or "Nothing was changed; mend this, and run the command again"
+        raise EddiError(*problems[:-1], replace(last, hint=hint))
 
 
 def _write(planned: Mapping[str, Plan], renames: Renames, root: Path) -> None:

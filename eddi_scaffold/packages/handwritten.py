@@ -57,7 +57,7 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     needed = {
         monitor.package: {
             *(binding.regions[0] for binding in monitor.inputs if not binding.is_given),
-            *(method.region for method in monitor.needed_methods),
+            *(method.name for method in monitor.needed_methods),
         }
         for monitor in monitors
     }

@@ -69,7 +69,7 @@ def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
         edit(package, "self.enabled", known)
         assert run("regions", "--check", cwd=package).status == 0, known
         edit(package, f"and {known}", "and self.enabled")
-    edit(package, "super().__init__()\n", "super().__init__(); vars(self)\n")
+    edit(package, "super().__init__(Monitor.inputs)\n", "super().__init__(); vars(self)\n")
     assert run("regions", "--check", cwd=package).status == 0  # nobody can tell
 
 

@@ -544,11 +544,11 @@ _SYNC = {
     "comments": lambda n: _package(2) + "# a\n" * n,
     "blank lines": lambda n: _package(2) + "\n" * n,
     "steps of a function": lambda n: _package(2).replace(
-        "        super().__init__()\n",
-        "        super().__init__()\n" + _each("        x# = 1\n", n),
+        "        super().__init__(Monitor.inputs)\n",
+        "        super().__init__(Monitor.inputs)\n" + _each("        x# = 1\n", n),
     ),
     "equal steps of a function": lambda n: _package(2).replace(
-        "        super().__init__()\n", "        super().__init__()\n" + "        x = 1\n" * n
+        "        super().__init__(Monitor.inputs)\n", "        super().__init__()\n" + "        x = 1\n" * n
     ),
     "minus": lambda n: _package(2) + f"x = {'-' * n}1\n",
     "plus": lambda n: _package(2) + f"x = 1{' + 1' * n}\n",

@@ -284,7 +284,8 @@ CHAIN = (
 )
 CONSERT = (
     f'<c:ConSert {SPACES} name="Safe"><guarantees name="G" isDefaultGuarantee="true">'
-    '<dependabilityProperty><dimension xsi:type="c:BinaryDimension"><dimensionType name="Safe"/></dimension>'
+    '<dependabilityProperty><dimension xsi:type="c:BinaryDimension">'
+    '<dimensionType name="Safe"/></dimension>'
     "</dependabilityProperty></guarantees></c:ConSert>"
 )
 

@@ -13,7 +13,7 @@ from tests.diagnosed import assert_example
 
 SOURCES = ("two_conserts.xml", "-c", "consert_a_config.yml")
 BODY = "self.RtE_A_E0 = RtE_E0.data"
-DEMAND = "self.RtE_A_D0 = by_id(consertb.guarantees, 'System_A_G0_c2').active"
+DEMAND = "self.RtE_A_D0 = given(by_id(consertb.guarantees, 'System_A_G0_c2').active, True)"
 ANY_DEMAND = "self.RtE_A_D0 = any(one.active for one in consertb.guarantees)"
 
 
@@ -136,7 +136,7 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     ("change", "words"),
     [
         (("class EDDIInput(", "import no_such_module\nclass EDDIInput("), "no_such_module"),
-        (("super().__init__()", "raise RuntimeError('broken')"), "RuntimeError: broken"),
+        (("super().__init__(Monitor.inputs)", "raise RuntimeError('broken')"), "RuntimeError: broken"),
     ],
 )
 def test_code_that_cannot_be_loaded(
