@@ -154,14 +154,12 @@ class World:
 
     def imports(self) -> None:
         """Import EDDIInput, and make one."""
-        module = self.file("EDDIInput.py")
+        module, runtime = self.file("EDDIInput.py"), Path(__file__).parents[2] / "runtime_lib/src"
         script = textwrap.dedent(f"""
-            import importlib.util, sys
+            import importlib, sys
             sys.dont_write_bytecode = True
-            sys.path.insert(0, {str(Path(__file__).parents[2] / "runtime_lib/src")!r})
-            spec = importlib.util.spec_from_file_location("EDDIInput", {str(module)!r})
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
+            sys.path[:0] = {[str(module.parents[1]), str(runtime)]!r}
+            module = importlib.import_module("{module.parent.name}.EDDIInput")
             module.EDDIInput()
         """)
         subprocess.run([sys.executable, "-c", script], check=True)
