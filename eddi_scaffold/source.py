@@ -206,6 +206,12 @@ def refuse_input(path: Path) -> None:
         raise EddiError(error("F014", message, Place(str(path)), hint))
 
 
+def saved_meanwhile(path: Path) -> EddiError:
+    """Return what to say of a file that was saved between its reading and its writing (F013)."""
+    message = "it was saved while this command was running; Nothing was changed"
+    return EddiError(error("F013", message, Place(str(path)), "run the command again"))
+
+
 def _identity(status: os.stat_result) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 

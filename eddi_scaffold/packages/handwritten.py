@@ -22,6 +22,7 @@ from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import Plan
 from eddi_scaffold.regions.write import SavedError
+from eddi_scaffold.source import saved_meanwhile
 
 
 @dataclass(frozen=True)
@@ -262,9 +263,7 @@ def write_plans(plans: Sequence[Plan]) -> None:
         for plan in plans:
             plan.finish()
     except SavedError as saved:
-        message = "it was saved while this command was running; Nothing was changed"
-        place = Place(str(saved))
-        raise EddiError(error("F013", message, place, "run the command again")) from None
+        raise saved_meanwhile(Path(str(saved))) from None
     except OSError as problem:
         reason = problem.strerror or str(problem)
         place = Place(str(problem.filename or plans[0].root))

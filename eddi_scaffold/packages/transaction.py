@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import kind_of
 from eddi_scaffold.regions.write import Step, put_aside
-from eddi_scaffold.source import refuse_input
+from eddi_scaffold.source import refuse_input, saved_meanwhile
 
 NEW, NEW_PROGRAM = 0o644, 0o755
 """Permissions of files that were not there before."""
@@ -58,9 +58,7 @@ def write(
         put_aside(root, steps, staging)
         for path, data in read.items():
             if (root / path).read_bytes() != data:
-                message = "it was changed while this command was running; nothing was written"
-                hint = "run the command again"
-                raise EddiError(error("F013", message, Place(str(root / path)), hint))
+                raise saved_meanwhile(root / path)
         for number, step in enumerate(steps):
             (root / step.path).parent.mkdir(parents=True, exist_ok=True)
             (staging / str(number)).replace(root / step.path)

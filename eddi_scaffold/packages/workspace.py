@@ -56,10 +56,10 @@ def alone(folders: Iterable[Path]) -> Iterator[None]:
     Raises:
         EddiError: one is at work there (F012).
     """
-    there = (next(filter(Path.is_dir, (one, *one.parents))) for one in map(Path.resolve, folders))
+    there = [next(filter(Path.is_dir, (one, *one.parents))) for one in folders]
     try:
         with ExitStack() as stack:
-            for folder in dict.fromkeys(there):
+            for folder in {one.resolve(): one for one in there}.values():
                 stack.enter_context(locked(folder))
             yield
     except BusyError as busy:

@@ -97,7 +97,7 @@ def refuse_saved(root: Path, stamps: Mapping[str, tuple[int, ...]]) -> None:
     for name, stamp in stamps.items():
         if stamp_of(root / name) != stamp:
             shutil.rmtree(root / PUT, ignore_errors=True)
-            raise SavedError(name)
+            raise SavedError(root / name)
 
 
 def move_in(root: Path, steps: Sequence[Step]) -> None:
