@@ -20,6 +20,7 @@ from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
+from eddi_scaffold.regions.package import EDDI, KEPT
 from eddi_scaffold.regions.sync import Plan
 from eddi_scaffold.regions.write import SavedError
 from eddi_scaffold.source import saved_meanwhile
@@ -178,9 +179,10 @@ def packages_below(folder: Path) -> list[Path]:
     """
     found = []
     for root, folders, files in os.walk(folder):
-        if ANSWERS_FILE in files and (".eddi" in folders or read_answers(Path(root))):
+        made = ANSWERS_FILE in files and (EDDI in folders or read_answers(Path(root)))
+        if made or Path(root, KEPT).is_dir():  # one that has left, with texts of a person
             found.append(Path(root))
-        skipped = {".git", "build", "devel", "install", ".eddi"}
+        skipped = {".git", "build", "devel", "install", EDDI}
         folders[:] = sorted(name for name in folders if name not in skipped)
     if not found:
         hint = "name a workspace, or the folder of a package"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import shutil
-import tempfile
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,23 +38,25 @@ class Renames:
         """Return where the package is that gets a folder."""
         # one of the old name that is made anew begins with nothing
         leaves = folder in self.former.values() and folder not in self.former
-        return root / (f".{folder}" if leaves else self.former.get(folder, folder))
+        former = root / (f".{folder}" if leaves else self.former.get(folder, folder))
+        return former if leaves or former.is_dir() else root / folder
 
     def reverse(self) -> Renames:
         """Return what takes these back."""
         return Renames({old: new for new, old in self.former.items()})
 
     def move(self, root: Path) -> None:
-        """Give all folders their new names."""
-        if not self.former:
-            return
-        aside = Path(tempfile.mkdtemp(prefix=".eddi-rename-", dir=root))
-        for old in self.former.values():
-            (root / old).rename(aside / old)
-        for new, old in self.former.items():
-            shutil.rmtree(root / new, ignore_errors=True)  # of which nothing was written by hand
-            (aside / old).rename(root / new)
-        aside.rmdir()
+        """Give all folders their new names; one that has gone was moved by a killed run."""
+        left = {new: old for new, old in self.former.items() if (root / old).is_dir()}
+        while left:
+            new = next((one for one in left if one not in left.values()), None)
+            if new is not None:
+                shutil.rmtree(root / new, ignore_errors=True)  # nothing of it is by hand
+                (root / left.pop(new)).rename(root / new)
+                continue
+            new = next(iter(left))  # names in a circle: one steps aside
+            (root / new).rename(root / f".{new}.renamed")
+            left = {one: f".{new}.renamed" if old == new else old for one, old in left.items()}
 
     def move_inside(self, root: Path) -> None:
         """Move a person's files out of folders inside that have the old name of the package."""
@@ -111,11 +112,13 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
     """
     former: dict[str, str] = {}
     present = existing(root, made) if words else {}
-    for word in words:
-        old, new = (package_name(part) for part in word.partition("=")[::2])
+    pairs = [[package_name(part) for part in word.partition("=")[::2]] for word in words]
+    targets = {new for _, new in pairs}
+    for word, (old, new) in zip(words, pairs, strict=True):
         if not (old and new):
             raise _refused(f"{word!r} is not OLD=NEW", "--rename ConSertA=ConSertB")
-        if old not in present:
+        moved = new in present and old not in targets  # by a run that was killed
+        if old not in present and not moved:
             known = ", ".join(sorted(present)) or "none"
             raise _refused(f"there is no package {old!r} to rename", f"there are: {known}", root)
         if new not in made:
@@ -126,7 +129,7 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
         former[new] = old
     for new, old in former.items():
         _check_movable(root / old)
-        if new not in former.values() and not _is_as_made(root / new):
+        if old in present and new not in former.values() and not _is_as_made(root / new):
             message = f"{new!r} is there already, and something in it was written by hand"
             hint = "move what you need of it away, remove the folder, and run this again"
             raise _refused(message, hint, root / new)

@@ -31,6 +31,7 @@ from .marked_file import MarkedFile, Region, parse
 from .markers import Digests, Look, encode_id, normal, text_digest
 from .package import (
     ANSWERS,
+    EDDI,
     KEPT,
     MANIFEST,
     NEW,
@@ -118,10 +119,13 @@ class Plan:
         refuse_saved(self.root, self.stamps)
 
     def finish(self) -> None:
-        """Move everything to its place."""
+        """Move everything to its place; of a package that leaves no empty folder stays."""
         refuse_saved(self.root, self.stamps)
         move_in(self.root, self.steps)
         shutil.rmtree(self.root / NEW, ignore_errors=True)
+        for folder in (self.root / EDDI, self.root):
+            if folder.is_dir() and not any(folder.iterdir()):
+                folder.rmdir()
 
 
 def plan_sync(
@@ -231,9 +235,9 @@ class _Sync:
         for name, file in self.files.items():
             for id_, body in self._regions(name, file).items():
                 other = present.get(id_)
-                if other is None or self._leaves(other.file, body, other):
+                if other is None or self._moved(other, body):
                     present[id_] = body
-                elif not self._leaves(name, other, body):
+                elif not self._moved(body, other):
                     first = f"{other.file}:{other.region.line}"
                     reason = f"second region {id_!r}, the first is in {first}; keep one"
                     self._refuse(name, body.region.line, reason)
@@ -245,10 +249,14 @@ class _Sync:
                 self.notes.append(Note(name, None, "no region can be read in it; look at it"))
         return Bodies(present, {**kept, **self.adopted})
 
-    def _leaves(self, file: str, stays: Body, goes: Body) -> bool:
-        """Whether a region is there twice because a run was killed that moves it to a new file."""
-        same = normal(stays.region.body) == normal(goes.region.body)
-        return file not in self.new and stays.file in self.new and same
+    def _moved(self, old: Body, new: Body) -> bool:
+        """Whether a region is there twice because a run was killed that moves it to a file."""
+        same = normal(old.region.body) == normal(new.region.body)
+        return same and self._has(new) and not self._has(old)
+
+    def _has(self, body: Body) -> bool:
+        """Whether the rendering has this region in the same file."""
+        return body.file in self.new and body.region.id in self.new[body.file].marked.regions
 
     def _regions(self, name: str, file: PackageFile) -> dict[str, Body]:
         """Return the regions of a file; of a conflict, those that one side alone has written."""
@@ -323,13 +331,14 @@ class _Sync:
             file = self.files[name]
             place = self._keep(name, file.data)
             new = self.new.get(name)
-            lines = _other_lines(file.sides[0], new.marked if new is not None else MarkedFile(()))
-            regions = list(new.marked.regions) if new is not None else []
-            where = "no region is in this file: write it in a file of your own"
-            if regions:
-                where = f"write it in a region: {', '.join(regions[:_MOST_LINES])}"
-            text = f"edited outside regions{lines}; your file is kept in {place}; {where}"
-            self.notes.append(Note(name, None, text))
+            text = f"; your file is kept in {place}"
+            if new is None:
+                text = f", and is not generated any more{text}"
+            else:
+                regions = ", ".join([*new.marked.regions][:_MOST_LINES])
+                where = f"in a region: {regions}" if regions else "in a file of your own"
+                text = f"{_other_lines(file.sides[0], new.marked)}{text}; write it {where}"
+            self.notes.append(Note(name, None, f"edited outside regions{text}"))
 
     def _keep_bodies(
         self, bodies: Bodies, chosen: Mapping[str, Choice], content: Mapping[str, Placed]
@@ -350,11 +359,14 @@ class _Sync:
                 continue
             if (id_, normal(body.region.body)) in holds:
                 continue  # a killed run has moved it already
-            text = saved_text(body.region)
-            place = self._keep(f"{encode_id(id_)}.region", bytes_of(text))
+            place = self._keep_region(body)
             gone = "is not generated any more" if id_ not in content else "has another body now"
             reason = f"region {id_!r} {gone}; your text is kept in {place}"
             self.notes.append(Note(body.file, body.region.line, reason))
+        for id_, choice in chosen.items():  # a body is kept while it moves from file to file
+            moved = choice.body if content[id_].written else None
+            if moved and moved.file in self.new.keys() - {self._file_of(id_)}:
+                self.last.append(Step(self._keep_region(moved), None))
         for name, saved in kept_regions(self.root):
             if saved is None:
                 continue
@@ -364,6 +376,11 @@ class _Sync:
             if placed_ or same:
                 self.stamps[name] = stamp_of(self.root / name)
                 self.last.append(Step(name, None))
+
+    def _keep_region(self, body: Body) -> str:
+        """Plan to keep a region; return where it is then."""
+        name = f"{encode_id(body.region.id)}.region"
+        return self._keep(name, bytes_of(saved_text(body.region)))
 
     def _keep(self, name: str, data: bytes) -> str:
         """Plan to keep a text; return where it is then."""
@@ -426,7 +443,9 @@ class _Sync:
         mixed = "".join(f"{line}\n" for line in sorted(listed)).encode()
         between = [Step(MANIFEST, mixed)] if middle and old != final else []
         manifest = [Step(MANIFEST, final)] if old != final else []
-        steps = [*beside, *self.first, *between, *middle, *self.last, *manifest]
+        new = [step for step in beside if step.data is not None]
+        gone = [step for step in reversed(beside) if step.data is None]  # the answers last of all
+        steps = [*new, *self.first, *between, *middle, *self.last, *manifest, *gone]
         before = {name: file.data for name, file in self.files.items()}
         for step in [*beside, *self.last]:
             if (data := self._bytes(step.path)) is not None:
