@@ -182,6 +182,7 @@ class _Sync:
         self.stamps: dict[str, tuple[int, ...]] = {}
         self.refusals: list[Refusal] = []
         self.notes: list[Note] = []
+        self.doubles: list[Body] = []  # in a file that is moved, where the new one has another
         self.first: list[Step] = []  # copies and saved bodies
         self.last: list[Step] = []  # saved bodies that are back in their places
 
@@ -234,13 +235,20 @@ class _Sync:
         present: dict[str, Body] = {}
         for name, file in self.files.items():
             for id_, body in self._regions(name, file).items():
-                other = present.get(id_)
-                if other is None or self._moved(other, body):
-                    present[id_] = body
-                elif not self._moved(body, other):
+                other = present.setdefault(id_, body)
+                if other is body:
+                    continue
+                # A region moves: a run was killed in between, or a branch wrote in the old file.
+                stays, goes = (body, other) if self._has(body) else (other, body)
+                known = goes.untouched or (id_, normal(goes.region.body)) in self._held()
+                if self._has(goes) or not self._has(stays) or (goes.file in self.new and not known):
                     first = f"{other.file}:{other.region.line}"
                     reason = f"second region {id_!r}, the first is in {first}; keep one"
                     self._refuse(name, body.region.line, reason)
+                elif stays.untouched and not known:
+                    stays, goes = goes, stays
+                present[id_] = stays
+                self.doubles.append(goes)
         kept: dict[str, Body] = {}
         for name, found in kept_regions(self.root):
             if found is not None:
@@ -249,14 +257,20 @@ class _Sync:
                 self.notes.append(Note(name, None, "no region can be read in it; look at it"))
         return Bodies(present, {**kept, **self.adopted})
 
-    def _moved(self, old: Body, new: Body) -> bool:
-        """Whether a region is there twice because a run was killed that moves it to a file."""
-        same = normal(old.region.body) == normal(new.region.body)
-        return same and self._has(new) and not self._has(old)
-
     def _has(self, body: Body) -> bool:
         """Whether the rendering has this region in the same file."""
         return body.file in self.new and body.region.id in self.new[body.file].marked.regions
+
+    def _held(self) -> set[tuple[str, str]]:
+        """Return the bodies that are where the rendering has their regions, by each former id."""
+        found = {
+            Body(one, name)
+            for name, file in self.files.items()
+            for side in file.sides
+            for one in side.regions.values()
+        }
+        mine = (body.region for body in found if self._has(body))
+        return {(id_, normal(one.body)) for one in mine for id_ in (one.id, *one.was)}
 
     def _regions(self, name: str, file: PackageFile) -> dict[str, Body]:
         """Return the regions of a file; of a conflict, those that one side alone has written."""
@@ -354,7 +368,9 @@ class _Sync:
             if one.written
             for name in names[id_]
         }
-        for id_, body in {**self.adopted, **bodies.present}.items():
+        present = {**self.adopted, **bodies.present}.values()
+        for body in [*present, *self.doubles]:
+            id_ = body.region.id
             if id(body) in used or body.untouched:
                 continue
             if (id_, normal(body.region.body)) in holds:
