@@ -153,7 +153,7 @@ def placed(
     used = words_of([own.body])
     doubted = {*former_names, *(own.now.missing if own.now is not None else ())}
     missing = tuple(sorted((doubted & used) - new_words))
-    if choice.former is not None or own.digests.of is None or own.digests != today or missing:
+    if own.digests != today or missing:
         now = Look(today, missing)
         news = own.now != now or choice.former is not None or body.kept
         return Placed(own.body, True, own.digests, now, news)
