@@ -1,8 +1,8 @@
 """Random lives of a package: what a person does, and a model of where each text must be then.
 
 The model knows nothing of ids that move: a region belongs to an input, or to a place of the
-template, and its text goes where that goes. ``Bare`` renders a small package by itself, thousands of
-times a minute; ``Real`` is a workspace with our commands and Copier's.
+template, and its text goes where that goes. ``Bare`` renders a small package by itself, which takes
+milliseconds; ``Real`` is a workspace with our commands and Copier's.
 """
 
 from __future__ import annotations
@@ -238,9 +238,9 @@ class Life:
     count: int = 0
     log: list[str] = field(default_factory=list)
 
-    def begin(self) -> Life:
+    def begin(self, command: str = "generate") -> Life:
         self.who = {one.id: f"input {one.id}" for one in self.place.inputs}
-        self.sync("generate")
+        self.sync(command)
         return self
 
     def body_of(self, id_: str) -> str:
@@ -282,7 +282,7 @@ class Life:
         self.log.append(f"{command} -> {done.status}")
         stolen = [name for name in self.own if name in shown and name not in self.shown]
         if stolen:
-            assert done.status == 2 and "is yours" in done.said, done.said
+            assert (done.status, "is yours" in done.said) == (2, True), done.said
             if isinstance(self.place, Bare) or command in {"generate", "upgrade"}:
                 assert snapshot(self.place.package) == before
             for name in stolen:
@@ -456,7 +456,11 @@ def template(life: Life) -> None:
 
 def write(life: Life) -> None:
     """Write in a region of any file, or go on writing there."""
-    id_ = life.chance.choice([one for one in life.owners if _is_there(life, one)])
+    write_in(life, life.chance.choice([one for one in life.owners if _is_there(life, one)]))
+
+
+def write_in(life: Life, id_: str) -> None:
+    """Write in one region; the text is a comment of the file's language."""
     name, region = life.regions()[id_]
     sign = ("<!-- ", " -->") if name.endswith((".xml", ".launch", ".md")) else ("# ", "")
     other = life.chance.choice(IDS)
@@ -536,8 +540,21 @@ def delete(life: Life) -> None:
 
 
 OPERATIONS: dict[Callable[[Life], None], int] = {
-    **{add: 3, remove: 2, rename: 4, forget: 1, retype: 1, reorder: 1, template: 2},
-    **{write: 8, revert: 1, outside: 1, accept: 2, own_file: 1, tidy: 1, line_ends: 1, delete: 1},
+    add: 3,
+    remove: 2,
+    rename: 4,
+    forget: 1,
+    retype: 1,
+    reorder: 1,
+    template: 2,
+    write: 8,
+    revert: 1,
+    outside: 1,
+    accept: 2,
+    own_file: 1,
+    tidy: 1,
+    line_ends: 1,
+    delete: 1,
 }
 
 
