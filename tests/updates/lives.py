@@ -83,6 +83,7 @@ def render(inputs: tuple[Input, ...], template: str) -> dict[str, str]:
         "launch/monitor.launch": launch,
         "package.xml": ["<package>", depends, *region("package.own", "xml"), "</package>"],
         "CMakeLists.txt": ["install()" if second else "project(rover)", *region("cmake.own", own)],
+        "setup.cfg": ["[metadata]"],
         "model.json": [template, *(f"{one.id} {one.type}" for one in inputs)],
         ".gitattributes": ["/.copier-answers.yml -merge", "/.eddi/manifest merge=union"],
     }
