@@ -17,7 +17,7 @@ from eddi_scaffold.packages.assembly import assemble, monitors_of, only
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
-from eddi_scaffold.packages.workspace import at_work, packages_root
+from eddi_scaffold.packages.workspace import alone, packages_root
 from eddi_scaffold.platforms import choices, chosen
 from eddi_scaffold.problems import EddiError, Place, Problem
 from eddi_scaffold.replay.parts import columns, of_values, rhythm
@@ -111,12 +111,12 @@ def generate(
     target = chosen(platform)
     place = Path(folder)
     root = packages_root(target, place)
-    with at_work(() if dry_run else [root, place]) as finished:
+    with alone(() if dry_run else [root]):
         monitors, problems = monitors_of(_paths(model), _paths(configs), root=root)
         asked = choices(runtime, single_process)
         made = assemble(monitors, target, root, problems, asked)
-        done = write_packages(root, made.packages, own_template(), within=place, dry_run=dry_run)
-    notes = list(dict.fromkeys([*finished, *done.notes]))
+        done = write_packages(root, made.packages, own_template(), dry_run=dry_run)
+    notes = list(dict.fromkeys(done.notes))
     return replace(done, notes=notes)
 
 

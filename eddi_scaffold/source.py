@@ -16,8 +16,13 @@ from typing import BinaryIO
 
 from eddi_scaffold.other_formats import HEAD_BYTES, other_format
 from eddi_scaffold.problems import EddiError, Place, Problem, error, nearest
-from eddi_scaffold.regions.files import MAX_BYTES, NotRegularError, open_regular, read_regular
-from eddi_scaffold.regions.paths import inside
+from eddi_scaffold.regions.files import (
+    MAX_BYTES,
+    NotRegularError,
+    inside,
+    open_regular,
+    read_regular,
+)
 
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory next to what is made of them."""
@@ -199,6 +204,12 @@ def refuse_input(path: Path) -> None:
         message = "this file is an input of the command, and would be overwritten"
         hint = "name another file or folder for the output"
         raise EddiError(error("F014", message, Place(str(path)), hint))
+
+
+def saved_meanwhile(path: Path) -> EddiError:
+    """Return what to say of a file that was saved between its reading and its writing (F013)."""
+    message = "it was saved while this command was running; Nothing was changed"
+    return EddiError(error("F013", message, Place(str(path)), "run the command again"))
 
 
 def _identity(status: os.stat_result) -> tuple[int, int]:

@@ -18,12 +18,14 @@ from eddi_scaffold.adopting.wiring import (
     published_ids,
     read_wiring,
 )
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.identifiers import attribute, package_name
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
-from eddi_scaffold.regions.result import Orphan
+from eddi_scaffold.regions.choosing import Body as SavedBody
+from eddi_scaffold.regions.marked_file import Region
+from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 from eddi_scaffold.source import read_source
 
 _BY_CLASS: Mapping[str, JsonValue] = {"guarantee_ids": "class"}
@@ -52,9 +54,8 @@ class Adoption:
     model_file: Path
     model_name: str
     wiring: Wiring
-    bodies: tuple[Orphan, ...]
+    bodies: tuple[SavedBody, ...]
     fitting: frozenset[str]
-    headers: dict[str, str]
     rejects: dict[str, str]
     notes: tuple[str, ...]
 
@@ -89,30 +90,26 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     published = published_ids(old.monitor)
     by_class = _options(published, model, kind)
     uses = _uses(old.config, {one.id for one in wiring.inputs if one.known_type == "bool"})
-    nodes = _names(model, kind, "node")
+    nodes = _nodes(model, kind)
     observed = [nodes[name] for name, use in uses.items() if use.observed and name in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
     wiring = replace(wiring, options=options)
     notes: list[str] = []
-    bodies: list[Orphan] = []
-    headers: dict[str, str] = {}
+    bodies: list[SavedBody] = []
     rejects: dict[str, str] = {}
-    for module, prefix, region in (
-        (old.eddi_input, "process_", "input"),
-        (old.config, "node_", "node"),
-    ):
+    for module, prefix in ((old.eddi_input, "process_"), (old.config, "node_")):
         if module is None:
             continue
-        names = _names(model, kind, region)
-        bodies += _bodies(module, prefix, region, names)
-        headers[module.path.name] = module.header
+        bodies += _bodies(module, prefix)
+        if module.header.strip():
+            bodies.append(_saved(f"{module.path.stem}.module", module, "", module.header))
         text = "\n\n".join(
             f"# line {getattr(one, 'lineno', 0)}\n{module.commented(one)}"
             for one in foreign(module, prefix)
         )
         if text:
             rejects[module.path.name] = text + "\n"
-            notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/rejects")
+            notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/kept")
         notes += [
             f"{module.path}: this import is not carried over: {module.segment(one)}"
             for one in module.imports
@@ -135,7 +132,6 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         wiring=wiring,
         bodies=tuple(bodies),
         fitting=frozenset(fitting),
-        headers=headers,
         rejects=rejects,
         notes=tuple(notes),
     )
@@ -168,7 +164,7 @@ def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str
     for one in wiring.inputs:
         method = module.methods.get(f"process_{one.id}") if module is not None else None
         if method is not None and method.arguments == one.requires:
-            yield f"input:{one.id}"
+            yield f"process_{attribute(one.id)}"
 
 
 def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model]) -> Iterator[str]:
@@ -176,7 +172,7 @@ def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model])
     for new in (one for each in kind.functions.modules(model) for one in each.methods):
         method = module.methods.get(new.name) if module is not None else None
         if method is not None and {*_outcomes(method.tree), "dra_data"} == {*new.uses}:
-            yield new.region
+            yield new.name
 
 
 def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]:
@@ -232,30 +228,29 @@ def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
 
 
-def _names(model: Model, kind: Kind[Model], region: str) -> dict[str, str]:
-    """Return name in Python -> id of the region's element: the name itself, then its identifier."""
-    if region == "input":
-        return {}
+def _nodes(model: Model, kind: Kind[Model]) -> dict[str, str]:
+    """Return name in Python -> id of each node."""
     methods = [method for module in kind.functions.modules(model) for method in module.methods]
-    return {
-        method.name.removeprefix("node_"): method.region.partition(":")[2] for method in methods
-    }
+    return {method.name.removeprefix("node_"): method.about for method in methods}
 
 
-def _bodies(
-    module: ParsedModule, prefix: str, region: str, names: dict[str, str]
-) -> Iterator[Orphan]:
+def _bodies(module: ParsedModule, prefix: str) -> Iterator[SavedBody]:
     for method in module.methods.values():
         if not method.name.startswith(prefix):
             continue
-        name = method.name.removeprefix(prefix)
         body: Body | None = method.body
         if body is None and prefix == "process_":
             body = whole_body(method, module)
         if body is not None and body.text.strip():
-            yield Orphan(
-                f"{region}:{names.get(name, name)}", module.path.name, None, body.indent, body.text
-            )
+            yield _saved(method.name, module, body.indent, body.text)
+
+
+def _saved(region: str, module: ParsedModule, indent: str, text: str) -> SavedBody:
+    """Return a body as it would have been saved from a package of ours."""
+    begin, end = f"{indent}{begin_marker(region)}", f"{indent}{end_marker(region)}"
+    text = text if text.endswith("\n") else f"{text}\n"
+    made = Region(region, Digests(), (), None, 1, begin, text, end)
+    return SavedBody(made, module.path.name, kept=True)
 
 
 def _uses(config: ParsedModule | None, truths: Collection[str]) -> dict[str, BodyUse]:

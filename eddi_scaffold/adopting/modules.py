@@ -13,9 +13,9 @@ from itertools import takewhile
 from pathlib import Path
 
 from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.python_text import parse_shallow
 from eddi_scaffold.regions.marked_file import split_lines
 from eddi_scaffold.regions.markers import indent_of, read_marker
-from eddi_scaffold.regions.python_text import parse_shallow
 from eddi_scaffold.source import read_source
 
 _CODING = re.compile(r"#.*coding[:=]")

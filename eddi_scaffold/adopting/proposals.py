@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from eddi_scaffold.adopting.modules import Body
 from eddi_scaffold.positioned_yaml.writer import dump_plain, quoted
-from eddi_scaffold.regions.python_text import parse_shallow
+from eddi_scaffold.python_text import parse_shallow
 
 _Position = tuple[float, int]
 """A number, and where next to it: just below (-1), at it (0), just above (1)."""

@@ -18,7 +18,6 @@ from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.packages.workspace import packages_root
 from eddi_scaffold.platforms import PackageAnswers, Platform
 from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.source import read_source
 
 
@@ -65,17 +64,16 @@ def write_adopted(
             assembly = assemble(monitors, platform, root, problems)
         except EddiError as failed:
             raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
-    signatures = dict(_signatures(one for one in assembly.packages if one.folder == package))
+    regions = set(_regions(one for one in assembly.packages if one.folder == package))
     packages = [
-        _with_bodies(one, signatures, adoption) if one.folder == package else one
-        for one in assembly.packages
+        _with_bodies(one, adoption) if one.folder == package else one for one in assembly.packages
     ]
     outcome = write_packages(root, packages, template, dry_run=dry_run)
     notes: list[str] = []
     if not dry_run:
-        write(place, new, {})
-        notes = _report(adoption, signatures, [place / name for name in files])
-    lost = any(one.id not in signatures for one in adoption.bodies)
+        write(place, new)
+        notes = _report(adoption, regions, [place / name for name in files])
+    lost = any(one.region.id not in regions for one in adoption.bodies)
     look = outcome.attention or bool(adoption.rejects) or bool(adoption.wiring.lost) or lost
     shown = [_shown(one, place) for one in assembly.problems]
     return Result(replace(outcome, attention=look), shown, notes)
@@ -91,33 +89,33 @@ def _is_new(file: Path, data: bytes) -> bool:
     return False
 
 
-def _with_bodies(
-    one: PackageAnswers, signatures: Mapping[str, str | None], adoption: Adoption
-) -> PackageAnswers:
-    rejects = {name: text.encode() for name, text in adoption.rejects.items()}
-    fitting = {id_: sig for id_, sig in signatures.items() if id_ in adoption.fitting}
-    bodies = [replace(body, sig=fitting.get(body.id)) for body in adoption.bodies]
-    return replace(one, saved=bodies, adopted=rejects, headers=adoption.headers)
+def _with_bodies(one: PackageAnswers, adoption: Adoption) -> PackageAnswers:
+    rejects = {f"{name}.adopted": text.encode() for name, text in adoption.rejects.items()}
+    fitting = {*adoption.fitting, *(id_ for id_ in _ids(adoption) if id_.endswith(".module"))}
+    bodies = [replace(body, fits=body.region.id in fitting) for body in adoption.bodies]
+    return replace(one, saved=bodies, adopted=rejects)
 
 
-def _signatures(packages: Iterable[PackageAnswers]) -> Iterator[tuple[str, str | None]]:
-    """Yield the regions of packages with what their bodies may use."""
+def _ids(adoption: Adoption) -> Iterator[str]:
+    return (body.region.id for body in adoption.bodies)
+
+
+def _regions(packages: Iterable[PackageAnswers]) -> Iterator[str]:
+    """Yield the regions of the modules of packages."""
     for package in packages:
         answers: Mapping[str, Any] = package.answers
-        methods = (method for module in answers["modules"] for method in module["methods"])
-        for one in (*answers["inputs"], *methods):
-            marker = read_marker(one["region_begin"], 1)
-            if isinstance(marker, Marker) and marker.id is not None:
-                yield marker.id, marker.sig
+        yield "EDDIInput.module"
+        yield from (f"process_{one['attribute']}" for one in answers["inputs"])
+        for module in answers["modules"]:
+            yield f"{module['name']}.module"
+            yield from (method["name"] for method in module["methods"])
 
 
 def _report(adoption: Adoption, regions: Container[str], written: Sequence[Path]) -> list[str]:
     lines = [f"written: {path}" for path in written]
-    for body in adoption.bodies:
-        if body.id in regions:
-            lines.append(f"{body.id}: the body is in its region")
-        else:
-            lines.append(f"{body.id}: no region of that name, the body is kept in .eddi/orphans")
+    for id_ in _ids(adoption):
+        place = "in its region" if id_ in regions else "kept in .eddi/kept: it has no region here"
+        lines.append(f"{id_}: the body is {place}")
     needed = "are not needed any more, and"
     if adoption.wiring.lost:
         needed = "are needed until you have written what was not recovered; they"

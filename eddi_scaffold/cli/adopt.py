@@ -45,15 +45,13 @@ def adopt(
 
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
     """
-    from dataclasses import replace
-
     from eddi_scaffold.adopting.adopt import adopt as adopted
     from eddi_scaffold.adopting.writing import write_adopted
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import at_work, packages_root
+    from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
     from eddi_scaffold.problems import EddiError, error
 
@@ -64,10 +62,9 @@ def adopt(
     found = adopted(package, model, name)
     for line in found.notes:
         console.say(line)
-    with at_work(() if dry_run else [packages_root(target, place)]) as finished:
+    with alone(() if dry_run else [packages_root(target, place)]):
         result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
     for line in result.notes:
         console.say(line)
-    notes = list(dict.fromkeys([*finished, *result.outcome.notes]))
-    finish(replace(result.outcome, notes=notes), dry_run=dry_run)
+    finish(result.outcome, dry_run=dry_run)

@@ -22,7 +22,6 @@ from eddi_scaffold.cli import (
     explain,
     export,
     generate,
-    merge_driver,
     parse_rossystem,
     regions,
     run,
@@ -130,7 +129,6 @@ COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
     },
     "Old packages, git and Copier": {
         "adopt": adopt.adopt,
-        "merge-driver": merge_driver.merge_driver,
         "answers": answers.answers,
     },
 }

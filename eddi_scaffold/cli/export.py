@@ -79,7 +79,7 @@ def export(
         before = read_source(into)
         old = FileState(before.data, stat.S_IMODE(into.stat().st_mode))
         new = replace(old, data=written_into(before, at, chosen))
-        write(into.parent, {into.name: new}, {into.name: old})
+        write(into.parent, {into.name: new}, {into.name: before.data})
         console.data(str(into))
         return
     assert output is not None

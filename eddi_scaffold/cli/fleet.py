@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.cli.console import console
@@ -13,7 +12,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import own_template
-from eddi_scaffold.packages.workspace import at_work
+from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.source import read_source
 
@@ -44,7 +43,7 @@ def generate_fleet(
     if folder is None:
         raise EddiError(error("G006", "a deployment file needs -o FOLDER"))
     sites, problems = sites_of(source, checked_models)
-    with at_work(() if dry_run else places_of(sites, folder)) as finished:
+    with alone(() if dry_run else places_of(sites, folder)):
         outcome, found = write_sites(
             sites,
             folder,
@@ -59,7 +58,6 @@ def generate_fleet(
         return [place / name for place in places if (place / name).is_dir()]
 
     console.problems(until_written([*problems, *found], packages))
-    outcome = replace(outcome, notes=list(dict.fromkeys([*finished, *outcome.notes])))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:
         steps += [f"{site.name}: {one}" for one in site.next_steps(folder / site.name)]

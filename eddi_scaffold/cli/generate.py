@@ -93,7 +93,7 @@ def generate(
     from eddi_scaffold.packages.identity import exchanged, left_behind
     from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.workspace import at_work, packages_root
+    from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import choices, chosen
     from eddi_scaffold.robot.beside_configs import beside_configs
 
@@ -101,7 +101,7 @@ def generate(
     place = destination(target, workspace, output)
     root = packages_root(target, place)
     marks = default_guarantee or ()
-    with at_work(() if dry_run else [root, place]) as finished:
+    with alone(() if dry_run else [root]):
         with beside_configs(system, models) as (robot, problems):
             monitors, found = monitors_of(
                 model, config or [], name, marks, robot, root, rename or ()
@@ -118,7 +118,6 @@ def generate(
             root,
             assembly.packages,
             own_template(),
-            within=place,
             renames=renames,
             force=force,
             dry_run=dry_run,
@@ -132,7 +131,7 @@ def generate(
             *(text for text, is_new in older if is_new),
         ],
         notes=[
-            *dict.fromkeys([*finished, *outcome.notes]),
+            *outcome.notes,
             *(text for text, is_new in older if not is_new),
         ],
     )

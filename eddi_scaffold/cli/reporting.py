@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import typer
 
@@ -11,11 +11,9 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages.generation import Outcome
 from eddi_scaffold.problems import counted
-from eddi_scaffold.regions.bases import BASES, bases_of
 
 _SHOWN = 12
 _RECORDS = "/.eddi/"
-_BASES = f"{_RECORDS}{BASES}"
 _SIGNS = {"new": "+", "changed": "~", "removed": "-"}
 
 
@@ -78,34 +76,20 @@ def _list_changes(outcome: Outcome) -> None:
         console.success(f"nothing to change below {outcome.root}")
         return
     console.success(f"{outcome.root}: {_size(outcome)}")
-    editable = dict(_editable(outcome))
-    yours = [path for path in outcome.changes if editable.get(path)]
+    yours = outcome.editable
     if yours:
         console.say("  yours to edit:")
         for path in sorted(yours, key=lambda path: (not path.endswith(".py"), path))[:_SHOWN]:
             console.say(f"    {_SIGNS[_change(outcome, path)]} {path}")
         if len(yours) > _SHOWN:
             console.say(f"    ... and {len(yours) - _SHOWN} more")
-    others = sorted(outcome.changes.keys() - _records(outcome) - {*yours})
+    others = sorted(outcome.changes.keys() - _records(outcome) - yours)
     if others:
         counts = Counter(_change(outcome, path) for path in others)
         what = ", ".join(f"{counts[change]} {change}" for change in _SIGNS if counts[change])
         folders = list(dict.fromkeys(path.partition("/")[0] for path in others))
         more = f" and {len(folders) - _SHOWN} more" if len(folders) > _SHOWN else ""
         console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")
-
-
-def _editable(outcome: Outcome) -> Iterator[tuple[str, bool]]:
-    """Yield the files with a new base, and whether the package has code of people: a monitor."""
-    for path, state in outcome.changes.items():
-        if path.endswith(_BASES) and state is not None:
-            old, new = (
-                bases_of(one.text or "") for one in (outcome.before.get(path, state), state)
-            )
-            has_code = any(name.endswith(".py") for name in new)
-            for name, text in new.items():
-                if path not in outcome.before or old.get(name) != text:
-                    yield f"{path.removesuffix(_BASES)}/{name}", has_code
 
 
 def _change(outcome: Outcome, path: str) -> str:

@@ -44,7 +44,7 @@ def upgrade(
     from eddi_scaffold.packages.identity import exchanged
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
-    from eddi_scaffold.packages.workspace import at_work, linked_package
+    from eddi_scaffold.packages.workspace import alone, linked_package
     from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.robot.beside_configs import beside_configs
 
@@ -54,9 +54,8 @@ def upgrade(
     outcomes: list[Outcome] = []
     template = own_template()
     places = roots(workspace, packages or [])
-    places += [] if packages else [workspace or Path()]
     with (
-        at_work(() if dry_run else places) as finished,
+        alone(() if dry_run else places),
         beside_configs(system, models) as (robot, unsure),
     ):
         found = groups(workspace, packages or [])
@@ -70,12 +69,10 @@ def upgrade(
                 group.root,
                 wanted,
                 template,
-                within=group.within,
                 force=force,
                 dry_run=dry_run,
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            notes = list(dict.fromkeys([*finished, *done.notes])) if not outcomes else done.notes
-            outcomes.append(replace(done, left=[*links, *done.left, *swapped], notes=notes))
+            outcomes.append(replace(done, left=[*links, *done.left, *swapped]))
     finish_all(outcomes, dry_run=dry_run)

@@ -9,9 +9,7 @@ from typing import NamedTuple
 from eddi_scaffold.compiling.compilation import compile_model, tables_of
 from eddi_scaffold.compiling.document import ModelError, ModelFile, parse_model
 from eddi_scaffold.compiling.text import text_literal
-from eddi_scaffold.regions.files import read_regular
-from eddi_scaffold.regions.generated import GENERATED, listed_generated
-from eddi_scaffold.regions.store import write_file
+from eddi_scaffold.regions.files import entries, read_regular
 
 _COMPILED = "compiled.py"
 _BESIDE = "EDDIMonitor.py"
@@ -25,14 +23,13 @@ raise ModelError(__file__, {1})
 '''
 
 
-def write_compiled(root: Path) -> str | None:
+def write_compiled(rendering: Path) -> str | None:
     """Compile the model of a rendered package, if it has one, next to what uses it.
 
-    A model that cannot be compiled gives a file that raises the reason when it is imported: a
-    failing task would make Copier drop hand edits.
+    A model that cannot be compiled gives a file that raises the reason when it is imported.
 
     Args:
-        root: the package, with ``.eddi/generated``: there the model is read and the result written.
+        rendering: folder of all files: there the model is read and the result written.
 
     Returns:
         Why the model cannot be compiled, None when all is well.
@@ -40,26 +37,27 @@ def write_compiled(root: Path) -> str | None:
     Raises:
         OSError: a file cannot be read or written.
     """
-    place = _place(root)
+    place = _place(rendering)
     if place is None:
         return None
     problem = None
     try:
-        text = compile_model(_model(root, place), place.runtime)
+        text = compile_model(_model(rendering, place), place.runtime)
     except (ModelError, UnicodeDecodeError) as refused:
         problem = str(refused)
         text = _REFUSING.format(place.runtime, text_literal(problem))
-    write_file(root, f"{GENERATED}/{place.beside}{_COMPILED}", text.encode("ascii"))
+    (rendering / place.beside / _COMPILED).write_bytes(text.encode("ascii"))
     return problem
 
 
-def place_tables(root: Path, given: Path | None) -> list[str]:
+def place_tables(root: Path, rendering: Path, given: Path | None) -> list[str]:
     """Put the files of numbers that the monitor of a rendered package reads beside it.
 
-    Copier renders texts only. The file of the rendering before stays if it is the right one.
+    Copier renders texts only. The file of the rendering before is taken if it is the right one.
 
     Args:
-        root: the package, with ``.eddi/generated``.
+        root: the package.
+        rendering: folder of all its new files.
         given: folder with these files, as ``eddi-scaffold answers`` wrote it; ``None`` for none.
 
     Returns:
@@ -68,18 +66,14 @@ def place_tables(root: Path, given: Path | None) -> list[str]:
     Raises:
         OSError: a file cannot be written.
     """
-    place = _place(root)
+    place = _place(rendering)
     if place is None:
         return []
     try:
-        wanted = tables_of(_model(root, place))
+        wanted = tables_of(_model(rendering, place))
     except (ModelError, UnicodeDecodeError):
         return []  # told where it is compiled
-    folder = f"{GENERATED}/{place.beside}"
-    old = [one for one in (root / folder).glob(f"*{_TABLE}") if one.name not in wanted]
-    for path in old:
-        path.unlink()
-    places = [root / folder, root / place.beside, *([given] if given is not None else [])]
+    places = [root / place.beside, *([given] if given is not None else [])]
     missing = []
     for name, digest in wanted.items():
         found = (_bytes_of(one / name, digest) for one in places)
@@ -87,12 +81,12 @@ def place_tables(root: Path, given: Path | None) -> list[str]:
         if data is None:
             missing.append(name)
         else:
-            write_file(root, f"{folder}{name}", data)
+            (rendering / place.beside / name).write_bytes(data)
     return missing
 
 
 class _Place(NamedTuple):
-    """Where a package has its monitor: paths below ``.eddi/generated``.
+    """Where a package has its monitor.
 
     Attributes:
         model: of ``model.json``.
@@ -105,8 +99,8 @@ class _Place(NamedTuple):
     runtime: str
 
 
-def _place(root: Path) -> _Place | None:
-    listed = listed_generated(root)
+def _place(rendering: Path) -> _Place | None:
+    listed = [name for name, kind in entries(rendering) if kind is None]
     names = {name.rpartition("/")[2]: name for name in listed}
     if _BESIDE not in names or _MODEL not in names:
         return None
@@ -115,8 +109,8 @@ def _place(root: Path) -> _Place | None:
     return _Place(names[_MODEL], beside, "." if inside else "")
 
 
-def _model(root: Path, place: _Place) -> ModelFile:
-    return parse_model((root / GENERATED / place.model).read_text("utf-8"), place.model)
+def _model(rendering: Path, place: _Place) -> ModelFile:
+    return parse_model((rendering / place.model).read_text("utf-8"), place.model)
 
 
 def _bytes_of(path: Path, digest: str) -> bytes | None:

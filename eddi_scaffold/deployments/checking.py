@@ -205,7 +205,7 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
             text = f"{BY_HAND}{listed([method.name for method in needed])}"
             place = monitor.config.place("Model")
             hint = "without them these inputs have no effect; a `discretisation:` needs no code"
-            regions = tuple(method.region for method in needed)
+            regions = tuple(method.name for method in needed)
             yield UntilWritten("warning", "K050", text, place, hint, None, monitor.package, regions)
         index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:

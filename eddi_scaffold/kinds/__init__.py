@@ -225,11 +225,11 @@ class EditableMethod:
 
     Attributes:
         name: an identifier.
+        about: id of the element of the model.
         arguments: names behind ``self``.
         returns: annotation, ``None`` for none.
         comments: lines below the signature, without ``#``.
         before: lines of Python before the region.
-        region: id of the region (``node:Critical``).
         was: former ids, whose body moves along.
         uses: what a body may use; a change asks for a look at a hand-written one.
         body: default lines inside the region.
@@ -238,7 +238,7 @@ class EditableMethod:
     """
 
     name: str
-    region: str
+    about: str
     body: tuple[str, ...]
     arguments: tuple[str, ...] = ()
     returns: str | None = None

@@ -19,9 +19,10 @@ from eddi_scaffold.escaping import (
     python_comment,
     python_literal,
 )
+from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
-from eddi_scaffold.regions import markers
+from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
 ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 """Functions of the runtime that generated lines of ``process_<input>`` call."""
@@ -86,16 +87,17 @@ def _module_answers(module: EditableModule) -> dict[str, JsonValue]:
 
 
 def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
-    sig = _hash([method.name, *method.arguments, *method.uses])
+    uses = _hash([method.name, *method.arguments, *method.uses])
     return {
         "name": method.name,
+        "about": python_literal(method.about),
         "arguments": list(method.arguments),
         "returns": f" -> {method.returns}" if method.returns else "",
         "comments": list(method.comments),
         "before": list(method.before),
-        "region_begin": markers.begin_marker(method.region, was=list(method.was), sig=sig),
+        "region_begin": begin_marker(method.name, digests=Digests(uses=uses), was=method.was),
         "body": list(method.body),
-        "region_end": markers.end_marker(method.region),
+        "region_end": end_marker(method.name),
         "after": list(method.after),
     }
 
@@ -125,8 +127,9 @@ def identity_answers(package: str, description: str, config: Config | None) -> d
 
 def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
     item = binding.model
-    region = f"input:{item.id}"
-    was = [f"input:{binding.renamed_from}"] if binding.renamed_from else []
+    region = f"process_{binding.attribute}"
+    was = [f"process_{attribute(binding.renamed_from)}"] if binding.renamed_from else []
+    uses = Digests(uses=_signature(binding))
     return {
         "id": python_literal(item.id),
         "title": markdown_code(item.id),
@@ -137,8 +140,8 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "arguments": list(binding.arguments),
         "requires": python_literal(tuple(source.id for source in binding.requires)),
         "comments": _comments(binding),
-        "region_begin": markers.begin_marker(region, was=was, sig=_signature(binding)),
-        "region_end": markers.end_marker(region),
+        "region_begin": begin_marker(region, digests=uses, was=was),
+        "region_end": end_marker(region),
         "body": _body(binding),
         "sources": ", ".join(f"`{markdown_code(s.topic or s.id)}`" for s in binding.requires)
         or "nothing",

@@ -117,7 +117,8 @@ class InputBinding:
     @property
     def regions(self) -> tuple[str, ...]:
         """The id of its region, and the one before where it was renamed."""
-        return tuple(f"input:{id_}" for id_ in (self.model.id, self.renamed_from) if id_)
+        names = filter(None, (self.model.id, self.renamed_from))
+        return tuple(f"process_{attribute(name)}" for name in names)
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,6 @@ from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.handwritten import until_written
-from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import existing, is_compiled, needed_parts
 from eddi_scaffold.platforms import (
@@ -38,7 +37,7 @@ from eddi_scaffold.platforms import (
     owner_of,
 )
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
-from eddi_scaffold.regions.generated import recorded_generated
+from eddi_scaffold.regions.package import manifest_of
 
 _IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
@@ -182,7 +181,6 @@ def assemble(
     renewed = {monitor.package for monitor in monitors}
     before = existing(root, renewed)
     present = {name: of for name, of in before.items() if name not in gone}
-    _refuse_moved(monitors, platform, root)
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
     packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
     found += more
@@ -214,30 +212,6 @@ def assemble(
     shared = support(platform, root, before, wanted, config, gone)
     told = until_written(found, lambda package: [root / package])
     return Assembly([*packages, *shared], new, told, before)
-
-
-def _refuse_moved(monitors: Sequence[BoundMonitor], platform: Platform, root: Path) -> None:
-    """Refuse to make a package anew that a person moved to another place of the workspace.
-
-    Raises:
-        EddiError: that is so (G003).
-    """
-    is_new = any(not (root / one.package).exists() for one in monitors)
-    moved = moved_out(root) if is_new and platform.workspace is not None else {}
-    found = [one for one in monitors if one.package in moved]
-    taken = platform.taken_names(root) if found else ()  # one may be hidden from the build tool
-    problems = [
-        error(
-            "G003",
-            f"this is the package that eddi-scaffold generated for {one.package}; it was moved",
-            Place(str(moved[one.package])),
-            f"move it back: {way_back(moved[one.package], root / one.package)}",
-        )
-        for one in found
-        if one.package in taken
-    ]
-    if problems:
-        raise EddiError(*problems)
 
 
 def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterator[Problem]:
@@ -379,7 +353,7 @@ def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
     Keys that begin with ``_`` are Copier's own: where the templates came from.
     """
     kept = {key: value for key, value in answers.items() if not key.startswith("_")}
-    tables = [name for name in recorded_generated(package) if name.endswith(".bin")]
+    tables = [name for name in manifest_of(package).files if name.endswith(".bin")]
     files = {name: (package / name).read_bytes() for name in tables if (package / name).is_file()}
     return PackageAnswers(package.name, {**kept, "generator_version": __version__}, files)
 

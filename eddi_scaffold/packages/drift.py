@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import looked_at
-from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
-from eddi_scaffold.regions.generated import changed_generated
 
 
 @dataclass(frozen=True)
@@ -23,7 +21,7 @@ class Drift:
     Attributes:
         folder: name of the package folder, with that of its robot where there are several.
         outdated: files that a regeneration would change.
-        edited: generated-only files that were edited.
+        edited: generated files that were edited outside regions.
         regions: state (``untouched``, ``edited``, ...) -> how many regions.
         review: hand-written bodies that need a look.
     """
@@ -48,7 +46,7 @@ class Drift:
             f"{self.folder}: {'differs' if self.drifted else 'up to date'} (regions: {counts})"
         ]
         lines += [f"  would change: {path}" for path in self.outdated]
-        lines += [f"  edited, but generated: {path}" for path in self.edited]
+        lines += [f"  edited outside regions: {path}" for path in self.edited]
         lines += [f"  look at: {finding}" for finding in self.review]
         return "\n".join(lines)
 
@@ -67,9 +65,7 @@ class Drift:
 def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
-    outcome = write_packages(
-        group.root, packages, own_template(), within=group.within, dry_run=True
-    )
+    outcome = write_packages(group.root, packages, own_template(), dry_run=True)
     reports = []
     for folder in group.present:
         root = group.root / folder
@@ -80,17 +76,19 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             and "/.eddi/" not in path
             and not path.endswith(f"/{ANSWERS_FILE}")
         )
-        edited = [str(path) for path in changed_generated(root)]
         regions = looked_at(root)
-        states = Counter(str(region.state) for region in regions)
+        edited = [one.file for one in regions if one.state == "outside"]
+        states = Counter(one.state for one in regions if one.id)
         findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
         findings += [
-            ": ".join(filter(None, (r.file, r.id, "; ".join(r.notes)))) for r in regions if r.review
+            ": ".join(filter(None, (one.file, one.id, "; ".join(one.notes))))
+            for one in regions
+            if one.review and one.state != "outside"
         ]
         reports.append(
             Drift(
                 group.shown(folder),
-                [p for p in changed if p not in edited],
+                [path for path in changed if path not in edited],
                 edited,
                 dict(states),
                 findings,
@@ -99,12 +97,4 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
     links = (
         Drift(group.shown(link.name), [], [], {}, [linked_package(link)]) for link in group.links
     )
-    return [*reports, *links, *_moved(group)]
-
-
-def _moved(group: PackageGroup) -> Iterator[Drift]:
-    """Yield the packages that a person moved to another place of the workspace."""
-    moved = moved_out(group.root) if group.within is not None and group.root != group.within else {}
-    for name, place in moved.items():
-        finding = f"it was moved to {place}: {way_back(place, group.root / name)}"
-        yield Drift(group.shown(name), [], [], {}, [finding])
+    return [*reports, *links]

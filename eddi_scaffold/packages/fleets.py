@@ -17,9 +17,8 @@ from eddi_scaffold.problems import Problem
 
 
 def places_of(sites: Sequence[Site], folder: Path) -> list[Path]:
-    """Return the folders that are written: of all robots, of each one, and of its packages."""
-    own = [folder / one.name for one in sites]
-    return [folder, *own, *(_root(one, folder) for one in sites)]
+    """Return the folders that are written: of all robots, and of the packages of each."""
+    return [folder, *(_root(one, folder) for one in sites)]
 
 
 def write_sites(

@@ -18,9 +18,12 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
-from eddi_scaffold.regions.bases import read_bases
-from eddi_scaffold.regions.check import Doubts, RegionStatus, accept, list_regions, regions_of
+from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
+from eddi_scaffold.regions.package import EDDI, KEPT
+from eddi_scaffold.regions.sync import Plan
+from eddi_scaffold.regions.write import SavedError
+from eddi_scaffold.source import saved_meanwhile
 
 
 @dataclass(frozen=True)
@@ -47,19 +50,23 @@ class HandwrittenRegion:
         }
 
 
+_WHAT = {"process": "input", "node": "node"}
+"""First word of the id of a region -> what a person writes in it."""
+
+
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     """Return what a person must still write, and where: inputs, methods of a kind."""
     needed = {
         monitor.package: {
             *(binding.regions[0] for binding in monitor.inputs if not binding.is_given),
-            *(method.region for method in monitor.needed_methods),
+            *(method.name for method in monitor.needed_methods),
         }
         for monitor in monitors
     }
     return [
-        f"this {status.id.partition(':')[0]}: {root / package / status.file}:{status.line}"
+        f"this {_WHAT[status.id.partition('_')[0]]}: {root / package / status.file}:{status.line}"
         for package, ids in needed.items()
-        for status in (regions_of(root / package) if ids else ())
+        for status in (list_regions(root / package) if ids else ())
         if status.id in ids and status.state == "untouched"
     ]
 
@@ -72,24 +79,23 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         before: its former answers.
         after: its answers.
     """
-    made = {marker.id: line for marker, line in _statements(before)}
-    lost = {}
-    for marker, line in _statements(after):
+    made = {marker.id: line for marker, line, _ in _statements(before)}
+    lost, titles = {}, {}
+    for marker, line, title in _statements(after):
         names = (marker.id, *marker.was)
         was = next((made[name] for name in names if made.get(name)), None)
         if was is not None and not line:
-            lost[names] = was
-    edited = {one.id for one in regions_of(package) if one.state == "edited"} if lost else set()
+            lost[names], titles[names] = was, title
+    edited = set(written(package)) if lost else set()
     return [
-        f"input {str(names[0]).removeprefix('input:')!r} has no source any more: "
-        f"it was made by `{was}`"
+        f"input {titles[names]!r} has no source any more: it was made by `{was}`"
         for names, was in lost.items()
         if not edited.intersection(names)
     ]
 
 
-def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str]]:
-    """Return each input and the generated statement that sets it, none where a person must.
+def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
+    """Return each input, its generated statement, none where a person must write it, and its id.
 
     Answers may be of an older release, or damaged: what is not there says nothing.
     """
@@ -100,7 +106,7 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str]]:
             marker = _marker(one)
             if marker is not None:
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
-                found.append((marker, "" if waits else str(body[-1])))
+                found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
     return found
 
 
@@ -117,7 +123,7 @@ def _marker(entry: Mapping[str, Any]) -> Marker | None:
 
 def written(package: Path) -> list[str]:
     """Return the ids of the regions of a package in which somebody has written."""
-    return [status.id for status in regions_of(package) if status.state == "edited"]
+    return [one.id for one in list_regions(package) if one.state == "edited"]
 
 
 def until_written(
@@ -173,9 +179,10 @@ def packages_below(folder: Path) -> list[Path]:
     """
     found = []
     for root, folders, files in os.walk(folder):
-        if ANSWERS_FILE in files and (".eddi" in folders or read_answers(Path(root))):
+        made = ANSWERS_FILE in files and (EDDI in folders or read_answers(Path(root)))
+        if made or Path(root, KEPT).is_dir():  # one that has left, with texts of a person
             found.append(Path(root))
-        skipped = {".git", "build", "devel", "install", ".eddi"}
+        skipped = {".git", "build", "devel", "install", EDDI}
         folders[:] = sorted(name for name in folders if name not in skipped)
     if not found:
         hint = "name a workspace, or the folder of a package"
@@ -221,32 +228,45 @@ def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
     ]
 
 
-def accept_regions(folder: Path, words: Iterable[str]) -> Sequence[str]:
-    """Confirm that bodies, or files that do not fit their base, were reviewed and are correct.
+def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
+    """Confirm that bodies were looked at and are right.
 
     Args:
         folder: a package, or a folder that holds packages.
-        words: ids of regions, and paths of files as :func:`inventory` has them.
+        ids: of regions.
 
     Raises:
-        EddiError: there is nothing of such a name to accept (U004).
+        EddiError: there is nothing of such a name to accept (U004), or a package cannot be written.
     """
-    wanted, accepted = set(words), set[str]()
+    wanted, accepted = set(ids), set[str]()
     packages = packages_below(folder)
-    with alone(package.parent for package in packages):
+    with alone(packages):
         for package in packages:
-            names = {_name_in(package, word): word for word in sorted(wanted)}
-            accepted |= {names[done] for done in accept(package, names)}
+            plan, found = plan_accept(package, wanted)
+            write_plans([plan])
+            accepted |= {*found}
     for missing in sorted(wanted - accepted):
         message = f"there is nothing {missing!r} to accept below {folder}"
-        ids = [one.id for package in packages for one in regions_of(package)]
-        near = next((id_ for id_ in ids if id_.partition(":")[2] == missing), missing)
-        hint = did_you_mean(near, ids) if missing not in ids else None
+        known = [one.id for package in packages for one in list_regions(package) if one.id]
+        hint = did_you_mean(missing, known) if missing not in known else None
         raise EddiError(error("U004", message, Place(str(folder)), hint))
     return sorted(accepted)
 
 
-def _name_in(package: Path, word: str) -> str:
-    """Return a file's name in a package, any other word as it is."""
-    place = Path(os.path.relpath(word, package))
-    return place.as_posix() if place.as_posix() in read_bases(package) else word
+def write_plans(plans: Sequence[Plan]) -> None:
+    """Write what was planned for packages: first every byte beside its place, then only renames.
+
+    Raises:
+        EddiError: one cannot be written (F002), or a file was saved meanwhile (F013).
+    """
+    try:
+        for plan in plans:
+            plan.prepare()
+        for plan in plans:
+            plan.finish()
+    except SavedError as saved:
+        raise saved_meanwhile(Path(str(saved))) from None
+    except OSError as problem:
+        reason = problem.strerror or str(problem)
+        place = Place(str(problem.filename or plans[0].root))
+        raise EddiError(error("F002", f"cannot write: {reason}", place)) from None

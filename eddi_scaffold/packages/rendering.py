@@ -21,7 +21,7 @@ from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.packages.versions import is_newer
 from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
 from eddi_scaffold.problems import EddiError, error
-from eddi_scaffold.regions.conflicts import conflict_lines
+from eddi_scaffold.regions.marked_file import sides_of
 from eddi_scaffold.source import read_source
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def read_answers(package: Path) -> dict[str, Any] | None:
     node, problems = read_document(source, "T005")
     if node is None:
         hint = "put it back: git checkout -- FILE, or copy the package again with plain copier copy"
-        if conflict_lines(source.data.decode(errors="replace")):
+        if len(sides_of(source.data.decode(errors="replace"))) > 1:
             hint = f"take one side and generate again: git checkout --ours {path}"
         raise EddiError(*(replace(problem, hint=hint) for problem in problems))
     data = value_11(node)
@@ -220,13 +220,14 @@ def _worker() -> type[Worker]:
             return dict(super()._render_context() if self._known is None else self._known)
 
         def _render_path(self, relpath: Path) -> Iterable[tuple[Path, dict[str, Any] | None]]:
-            name = str(relpath)
+            stage = str(self.data.get("stage", "{{ stage }}"))
+            known, name = str(relpath), str(relpath).replace("{{ stage }}", stage)
             if "{" in name:
                 yield from super()._render_path(relpath)
                 return
             self.jinja_env.preprocess(name)  # in which Copier forgets the `yield` of another one
             suffix = self.template.templates_suffix
-            if not (self.template_copy_root / f"{name}{suffix}").exists():
+            if not (self.template_copy_root / f"{known}{suffix}").exists():
                 yield Path(name.removesuffix(suffix)), None
 
         def _render_string(self, string: str, extra_context: dict[str, Any] | None = None) -> str:

@@ -9,14 +9,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from eddi_scaffold.packages.mistakes import Inputs, Messages
+from eddi_scaffold.python_text import parse_python
 from eddi_scaffold.regions.marked_file import Region
-from eddi_scaffold.regions.python_text import parse_python
 
 NO_MESSAGES = Messages()
 _BASE = "EDDIInputBase"
 _INHERITED = (
     *("begin_processing", "begin_step", "bind", "end_step", "expression", "look_again"),
-    *("processing", "received", "states"),
+    *("processed", "processing", "received", "setup", "states"),
     *("update", "update_each", "update_expression"),
     *dir(object),
 )
@@ -54,6 +54,8 @@ def doubtful_names(
     functions = _Scopes([n for n in nodes if isinstance(n, ast.FunctionDef | ast.AsyncFunctionDef)])
     found = {}
     for region in regions:
+        if not region.id.startswith(("process_", "node_")):
+            continue
         lines = range(region.line + 1, region.line + region.body.count("\n") + 1)
         owner, function = classes.around(lines), functions.around(lines)
         notes = [
@@ -61,9 +63,9 @@ def doubtful_names(
             *(_unset(owner, lines) if owner else ()),
             *(_locals(function, lines) if function else ()),
         ]
-        if region.id.startswith("input:") and region.function is not None:
-            notes += inputs.mistakes(region.function, lines, messages)
-            notes += () if notes else inputs.sets_nothing(region.function, lines)
+        if region.id.startswith("process_"):
+            notes += inputs.mistakes(f"EDDIInput.{region.id}", lines, messages)
+            notes += () if notes else inputs.sets_nothing(f"EDDIInput.{region.id}", lines)
         if notes:
             found[region.id] = tuple(dict.fromkeys(notes))
     return found

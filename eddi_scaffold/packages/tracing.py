@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,7 +16,6 @@ from typing import Any
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions import markers
 
 _LINE = re.compile(r"line ([0-9]+)")
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
@@ -315,13 +315,7 @@ def _elements(
 def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
     """Yield (id of an element, method in which a person may write about it)."""
     for item in answers.get("inputs") or ():
-        yield _about(item["region_begin"]), f"EDDIInput.process_{item['attribute']}"
+        yield literal_eval(item["id"]), f"EDDIInput.process_{item['attribute']}"
     for module in answers.get("modules") or ():
         for method in module["methods"]:
-            yield _about(method["region_begin"]), f"{module['name']}.{method['name']}"
-
-
-def _about(begin: str) -> str:
-    marker = markers.read_marker(begin, 1)
-    region = marker.id if isinstance(marker, markers.Marker) and marker.id else ""
-    return region.partition(":")[2]
+            yield literal_eval(method["about"]), f"{module['name']}.{method['name']}"

@@ -27,7 +27,6 @@ from eddi_scaffold.packages.assembly import (
     with_choices,
 )
 from eddi_scaffold.packages.handwritten import until_written
-from eddi_scaffold.packages.moved import moved_out, way_back
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import existing, linked, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
@@ -43,14 +42,12 @@ class PackageGroup:
         root: the folder.
         present: package folder -> answers.
         links: links to packages, which are left alone.
-        within: the workspace, ``None`` where packages were named.
         robot: name of that workspace, where it is one of several robots; else empty.
     """
 
     root: Path
     present: dict[str, dict[str, Any]]
     links: tuple[Path, ...] = ()
-    within: Path | None = None
     robot: str = ""
 
     def shown(self, folder: str) -> str:
@@ -124,7 +121,7 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
         ]
     place = workspace or Path()
     found = [
-        PackageGroup(root, existing(root), linked(root), one, "" if one is place else one.name)
+        PackageGroup(root, existing(root), linked(root), "" if one is place else one.name)
         for one in _workspaces(place)
         for root in _roots(one)
     ]
@@ -134,9 +131,6 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
         hint = "name a workspace with -w, or the folder of a package"
         if above is not None:
             hint = f"name the workspace above: -w {above}"
-        for root in _roots(place):
-            for name, moved in moved_out(root).items() if root != place else ():
-                hint = f"{name} was moved; move it back: {way_back(moved, root / name)}"
         raise EddiError(
             error("U001", "there are no generated packages here", Place(str(place)), hint)
         )

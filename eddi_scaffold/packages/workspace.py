@@ -11,15 +11,13 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.compiling.parts import needed_by
 from eddi_scaffold.packages.answers_check import check_answers
-from eddi_scaffold.packages.obstacles import shown
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.transaction import PREFIX, recover
 from eddi_scaffold.packages.versions import is_newer, release
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.files import stays
-from eddi_scaffold.regions.generated import recorded_generated
-from eddi_scaffold.regions.lock import BusyError, locked
+from eddi_scaffold.regions.package import MANIFEST, manifest_of
+from eddi_scaffold.regions.write import BusyError, locked
 
 
 def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:
@@ -30,12 +28,14 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
         renewed: packages that get new answers; they are left out where theirs are damaged.
 
     Raises:
-        EddiError: the answers of another package are damaged (T005).
+        EddiError: the answers of another package are damaged (T005), or not there (H012).
     """
     found = {}
     for folder in _folders(root):
         answers = read_answers(folder)
         if answers is None:
+            if (folder / MANIFEST).is_file():
+                raise lacks_answers(folder)
             continue
         try:
             check_answers(folder, answers)
@@ -48,35 +48,30 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
 
 
 @contextmanager
-def alone(roots: Iterable[Path]) -> Iterator[None]:
-    """Keep other commands from writing into folders of packages, from before they are read.
+def alone(folders: Iterable[Path]) -> Iterator[None]:
+    """Keep other commands from writing into folders, from before they are read.
+
+    In place of a folder that is not there, the nearest one above is locked.
 
     Raises:
         EddiError: one is at work there (F012).
     """
+    there = [next(filter(Path.is_dir, (one, *one.parents))) for one in folders]
     try:
         with ExitStack() as stack:
-            for root in dict.fromkeys(map(os.path.realpath, roots)):
-                stack.enter_context(locked(Path(root)))
+            for folder in {one.resolve(): one for one in there}.values():
+                stack.enter_context(locked(folder))
             yield
     except BusyError as busy:
         hint = "run the command again when that one has ended"
         raise EddiError(error("F012", str(busy), hint=hint)) from None
 
 
-@contextmanager
-def at_work(roots: Iterable[Path]) -> Iterator[list[str]]:
-    """Keep other commands out, and finish what a killed one began before anything is read.
-
-    Yields:
-        What was finished, one sentence each.
-
-    Raises:
-        EddiError: another command is at work there (F012).
-    """
-    places = list(dict.fromkeys(roots))
-    with alone(places):
-        yield [note for place in places for note in recover(place)]
+def lacks_answers(package: Path) -> EddiError:
+    """Return what to say of a package that does not know what it was made of."""
+    message = f"this package lacks its {ANSWERS_FILE}, which says what it was made of"
+    hint = f"`git -C {package} checkout -- {ANSWERS_FILE}` brings it back; or move the folder away"
+    return EddiError(error("H012", message, Place(str(package)), hint))
 
 
 def refuse_newer(packages: Iterable[Path]) -> None:
@@ -108,7 +103,7 @@ def refuse_newer(packages: Iterable[Path]) -> None:
 
 def is_compiled(package: Path) -> bool:
     """Return whether the package of a monitor has a compiled monitor, as all new ones have."""
-    names = (name.rpartition("/")[2] for name in recorded_generated(package))
+    names = (name.rpartition("/")[2] for name in manifest_of(package).files)
     return "compiled.py" in names
 
 
@@ -117,7 +112,7 @@ def needed_parts(package: Path) -> Sequence[str]:
 
     None where it was damaged: then it does not start.
     """
-    names = [name for name in recorded_generated(package) if name.endswith("compiled.py")]
+    names = [name for name in manifest_of(package).files if name.endswith("compiled.py")]
     try:
         return [part for name in names for part in needed_by((package / name).read_text("ascii"))]
     except (OSError, SyntaxError, ValueError):
@@ -175,7 +170,7 @@ def linked(root: Path) -> tuple[Path, ...]:
 
 def linked_package(link: Path) -> str:
     """Report that the package behind a link is left alone."""
-    return f"{shown(link.name)} is a link: it is left alone; name the folder that it leads to"
+    return f"{link.name} is a link: it is left alone; name the folder that it leads to"
 
 
 def _folders(root: Path) -> list[Path]:
@@ -183,8 +178,5 @@ def _folders(root: Path) -> list[Path]:
     return [
         path
         for path in folders
-        if path.is_dir()
-        and not path.is_symlink()
-        and not path.name.startswith(PREFIX)
-        and os.access(path, os.X_OK)
+        if path.is_dir() and not path.is_symlink() and os.access(path, os.X_OK)
     ]

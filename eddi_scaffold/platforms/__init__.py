@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.problems import Problem
-    from eddi_scaffold.regions.result import Orphan
+    from eddi_scaffold.regions.choosing import Body
 
 DEFAULT = "ros1"
 """The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
@@ -132,16 +132,14 @@ class PackageAnswers:
             a package that leaves.
         files: path in the package -> bulk data that Copier does not render.
         saved: bodies that are waiting for their regions.
-        adopted: module -> lines of an adopted one that have no place in the package.
-        headers: module -> comments of an adopted one that stay above all else in it.
+        adopted: name -> lines of an adopted module that have no place in the package.
     """
 
     folder: str
     answers: Mapping[str, JsonValue]
     files: Mapping[str, bytes] = field(default_factory=dict)
-    saved: Sequence[Orphan] = ()
+    saved: Sequence[Body] = ()
     adopted: Mapping[str, bytes] = field(default_factory=dict)
-    headers: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,9 @@
-"""Command line for Copier's tasks and migrations, ``python <this folder> sync|check``, and people.
-
-Old templates call this for years: the two words and their meaning stay. The working directory is
-the package. ``sync`` ends with 0 whatever it finds, because a failing task would make Copier drop
-edits of other files; ``check`` ends with 1 when markers are damaged, so that Copier stops before
-it has changed anything.
-"""
+"""Command line for Copier's tasks and migrations, and people: ``python <this folder> WORD ...``."""
 
 from __future__ import annotations
 
 import sys
-import traceback
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
@@ -24,96 +16,107 @@ if not __package__:  # run as a folder, of any name: become a package, leave no 
     __package__ = _spec.name
     sys.modules[__package__] = module_from_spec(_spec)
 
-from . import names
+from .check import list_regions, plan_accept
+from .files import is_relative
+from .package import NEW, manifest_of, obstacle, read_file
+from .sync import Plan, plan_sync
+from .write import BusyError, SavedError, locked
 
-if sys.argv[1:2] == ["--folder"] and __package__ == "copier_regions":
-    names.choose(*sys.argv[2:3])
-    del sys.argv[1:3]
-
-from .check import accept, broken_files, list_regions, mixed_renderings
-from .driver import merge_driver
-from .generated import keep_edits_of_old_layout
-from .git import committed_text
-from .interrupted import begin_update
-from .lock import BusyError, locked
-from .manifest import ANSWERS
-from .sync import AGAIN, SyncReport, sync_package
-
-_WAIT_S = 10.0
 _USAGE = """\
-usage: python <this folder> [--folder .NAME] sync|check|status   (in the package's folder)
-       python <this folder> [--folder .NAME] accept ID|FILE ...   (in the package's folder)
-       python <this folder> [--folder .NAME] merge-driver %O %A %B %P   (by git)
+usage: python <this folder> sync PACKAGE STAGE   place the rendering in PACKAGE/.eddi/new/STAGE
+       python <this folder> damage PACKAGE       tell whether markers are damaged
+       python <this folder> status PACKAGE       list what is open; status 3 when something is
+       python <this folder> accept PACKAGE ID... note that bodies were looked at
 """
 
 
-def main(arguments: Sequence[str] | None = None, root: Path | None = None) -> int:
-    """Run one command in ``root`` (default: the working directory); returns the exit status."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    root = root or Path.cwd()
-    if words == ["sync"]:
-        try:
-            with locked(root.parent, _WAIT_S):
-                lines = describe(sync_package(root, partial(committed_text, root)))
-        except BusyError as busy:
-            lines = [f"{root}: error: {busy}: nothing was merged; when it has ended, {AGAIN}"]
-        except Exception:  # noqa: BLE001 - a failing task makes Copier drop edits of other files
-            lines = [traceback.format_exc(), f"{root}: error: our bug; hand edits are not lost"]
-        sys.stderr.write("".join(f"{line}\n" for line in lines))
+    if words[:1] in (["-h"], ["--help"]):
+        sys.stdout.write(_USAGE)
         return 0
-    if words == ["check"]:
-        try:
-            with locked(root.parent, _WAIT_S):
-                lines = _check(root)
-        except BusyError as busy:
-            lines = [f"{root}: error: {busy}: nothing was changed; when it has ended, update again"]
-        sys.stderr.write("".join(f"{line}\n" for line in lines))
-        return 1 if lines else 0
-    if words == ["status"]:
-        lines = _to_be_reviewed(root)
+    if len(words) < 2 or words[0] not in {"sync", "damage", "status", "accept"}:
+        sys.stderr.write(_USAGE)
+        return 2
+    root = Path(words[1]).resolve()
+    if words[0] == "status":
+        lines = list(_open(root))
         sys.stdout.write("".join(f"{line}\n" for line in lines))
         return 3 if lines else 0
-    if words[:1] == ["accept"] and len(words) > 1:
+    if words[0] == "damage":
+        lines = list(_damage(root))
+        sys.stderr.write("".join(f"{line}\n" for line in lines))
+        return 1 if lines else 0
+    try:
+        with locked(root):
+            if words[0] == "accept":
+                plan, found = plan_accept(root, words[2:])
+                missing = sorted({*words[2:]} - {*found})
+                sys.stderr.write("".join(f"{word}: error: nothing to accept\n" for word in missing))
+                return run(plan) or (1 if missing else 0)
+            stage = words[2] if words[2:] else ""
+            rendering = root / NEW / stage
+            if not is_relative(stage) or not rendering.is_dir():
+                sys.stderr.write(f"{rendering}: error: there is no rendering\n")
+                return 2
+            return run(plan_sync(root, rendering))
+    except BusyError as busy:
+        sys.stderr.write(f"error: {busy}: run the command again when that one has ended\n")
+        return 1
+
+
+def run(plan: Plan) -> int:
+    """Do what was planned, and say it; returns 1 where nothing could be done."""
+    failed = describe_refusals(plan)
+    if not failed:
         try:
-            with locked(root.parent, _WAIT_S):
-                missing = {*words[1:]} - {*accept(root, words[1:])}
-        except BusyError as busy:
-            missing = {str(busy)}
-        sys.stderr.write("".join(f"{word}: error: not accepted\n" for word in sorted(missing)))
-        return 1 if missing else 0
-    if len(words) == 5 and words[0] == "merge-driver":
-        base, ours, theirs = (root / word for word in words[1:4])
-        return merge_driver(base, ours, theirs, words[4])
-    sys.stderr.write(_USAGE)
-    return 0 if words in (["-h"], ["--help"]) else 2
+            plan.prepare()
+            plan.finish()
+        except SavedError as saved:
+            failed = [f"{saved}: error: it was saved while this command was running"]
+        except OSError as refused:
+            failed = [f"{refused.filename or plan.root}: error: {refused.strerror}"]
+    lines = failed or describe_notes(plan)
+    sys.stderr.write("".join(f"{line}\n" for line in lines))
+    if failed:
+        sys.stderr.write("Nothing was changed: no file of yours. Mend that, and run this again.\n")
+    return 1 if failed else 0
 
 
-def _check(root: Path) -> list[str]:
-    """Prepare an update; return what stands in its way."""
-    broken = broken_files(root)
-    if not broken:
-        keep_edits_of_old_layout(root)
-        stop = begin_update(root, lambda: mixed_renderings(root, partial(committed_text, root)))
-        return [f"{ANSWERS}:1: error: {stop}"] if stop else []
-    return [f"{refusal.file}:{refusal.line}: error: {refusal.reason}" for refusal in broken]
+def describe_refusals(plan: Plan) -> list[str]:
+    """Return a line for each reason why nothing is written."""
+    return [f"{_place(one.file, one.line)}: error: {one.reason}" for one in plan.refusals]
 
 
-def _to_be_reviewed(root: Path) -> list[str]:
+def describe_notes(plan: Plan) -> list[str]:
+    """Return a line for each thing that happened to a person's text."""
     return [
-        f"{one.file}{f':{one.line}' if one.line else ''}: {one.state}: "
-        f"{': '.join(filter(None, (one.id, '; '.join(one.notes))))}"
-        for one in list_regions(root)
-        if one.review
+        f"{_place(one.file, one.line)}: {'warning' if one.attention else 'note'}: {one.text}"
+        for one in plan.notes
     ]
 
 
-def describe(report: SyncReport) -> list[str]:
-    """Return the lines that report what a sync did to hand edits."""
-    lines = [f"{r.file}:{r.line}: error: {r.reason}; left alone" for r in report.refused]
-    for note in report.notes:
-        place = note.file if note.line is None else f"{note.file}:{note.line}"
-        lines.append(f"{place}: {'warning' if note.attention else 'info'}: {note.text}")
-    return lines
+def _place(file: str, line: int | None) -> str:
+    return file if line is None else f"{file}:{line}"
+
+
+def _open(root: Path) -> Iterator[str]:
+    for one in list_regions(root):
+        if one.review:
+            words = ": ".join(filter(None, (one.state, one.id, "; ".join(one.notes))))
+            yield f"{_place(one.file, one.line)}: {words}"
+
+
+def _damage(root: Path) -> Iterator[str]:
+    for name in sorted(manifest_of(root).files):
+        stop = obstacle(root, name)
+        if stop is not None:
+            yield f"{name}: error: {stop}"
+            continue
+        file = read_file(root, name)
+        for fault in file.faults if file is not None else ():
+            yield f"{name}:{fault.line}: error: {fault.reason}"
 
 
 def program() -> None:

@@ -10,17 +10,14 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-from .paths import is_relative
 
 _NAME = ".git"
 _LIMIT_S = 60.0
 _SIDES = ("MERGE_HEAD", "CHERRY_PICK_HEAD", "REBASE_HEAD")
 """The other branch of a merge under way."""
-_MOST_VERSIONS = 20
 _SETTINGS = (
     "safe.bareRepository=explicit",
     "core.hooksPath=/dev/null",
@@ -115,68 +112,57 @@ def repository_of(folder: Path) -> Repository | None:
     return None
 
 
-def committed_bytes(folder: Path, path: str, commit: str = "HEAD") -> bytes | None:
-    """Return a file's bytes in a commit, ``None`` without git or without the file.
-
-    Args:
-        folder: a real package, no scratch copy.
-        path: the file, relative to it.
-        commit: a name that git gave, by default that of the last one.
-    """
-    found = repository_of(folder)
-    if found is None or not is_relative(path):
-        return None
-    place = Path(os.path.realpath(folder)).relative_to(found.work_tree) / path
-    try:
-        return git("cat-file", "blob", f"{commit}:{place.as_posix()}", repository=found.git_dir)
-    except (OSError, GitError):
-        return None
-
-
-def committed_text(folder: Path, path: str, commit: str = "HEAD") -> str | None:
-    """Return the same as text, ``None`` as well where it is not UTF-8."""
-    data = committed_bytes(folder, path, commit)
-    try:
-        return data.decode() if data is not None else None
-    except UnicodeDecodeError:
-        return None
-
-
-def former_texts(folder: Path, path: str) -> dict[str, str]:
-    """Return the versions that a file had in the history, by commit, the newest first.
+def former_lines(folder: Path, path: str) -> list[bytes]:
+    """Return every line that a file of ours ever had, in any commit of any branch.
 
     Args:
         folder: a real package, no scratch copy.
         path: the file, relative to it.
     """
-    commits = _history(folder, path) if is_relative(path) else []
-    texts = {commit[:12]: committed_text(folder, path, commit) for commit in commits}
-    return {commit: text for commit, text in texts.items() if text is not None}
+    words = (
+        "log",
+        "--all",
+        "-p",
+        "-m",
+        "--no-color",
+        "--no-ext-diff",
+        "--no-textconv",
+        "--no-show-signature",
+        "--format=",
+    )
+    history = _asked(folder, path, lambda place: (*words, "--", place))
+    lines = (line for line in history.splitlines() if line[:1] == b"+")
+    return [line[1:] for line in lines if line[:4] != b"+++ "]
 
 
-def last_commit_with(folder: Path, path: str) -> str | None:
-    """Return the last commit that changed a folder and left a file in it.
-
-    Args:
-        folder: a package that was there, maybe.
-        path: the file, relative to it.
-    """
-    found = (one for one in _history(folder) if committed_bytes(folder, path, one) is not None)
-    return next((commit[:12] for commit in found), None)
+def ancestor_bytes(folder: Path, path: str) -> bytes:
+    """Return the common ancestor of a file in conflict, nothing where there is none."""
+    return _shown(folder, path, ":1")
 
 
-def _history(folder: Path, path: str = "") -> list[str]:
-    """Return the commits that changed something, the newest first."""
+def side_bytes(folder: Path, path: str) -> list[bytes]:
+    """Return the versions of a file on both sides of a merge: under way, or the last commit."""
     found = repository_of(folder)
     if found is None:
         return []
+    heads = [name for name in _SIDES if (found.git_dir / name).is_file()]
+    sides = ("HEAD", heads[0]) if heads else ("HEAD^1", "HEAD^2")
+    return [data for side in sides if (data := _shown(folder, path, side))]
+
+
+def _shown(folder: Path, path: str, commit: str) -> bytes:
+    return _asked(folder, path, lambda place: ("cat-file", "blob", f"{commit}:{place}"))
+
+
+def _asked(folder: Path, path: str, words: Callable[[str], Sequence[str]]) -> bytes:
+    found = repository_of(folder)
+    if found is None:
+        return b""
     place = (Path(os.path.realpath(folder)).relative_to(found.work_tree) / path).as_posix()
-    sides = [name for name in _SIDES if (found.git_dir / name).is_file()]
-    words = ("rev-list", "--full-history", f"--max-count={_MOST_VERSIONS}", "HEAD", *sides)
     try:
-        return git(*words, "--", place, repository=found.git_dir).decode().split()
+        return git(*words(place), repository=found.git_dir)
     except (OSError, GitError):
-        return []
+        return b""
 
 
 def _git_dir(place: Path) -> Path | None:

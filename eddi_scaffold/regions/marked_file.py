@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from .conflicts import CONFLICT, conflict_lines
-from .markers import Marker, decode_id, encode_id, indent_of, read_marker
+from .markers import Digests, Look, Marker, encode_id, indent_of, read_marker, text_digest
 
-_DEFINITION = re.compile(r"^([ \t]*)(?:async\s+)?(def|class)\s+(\w+)")
-_PLACEHOLDER = re.compile(r"^\s*'''eddi region (\S+)'''\s*$")
+_DEFINITION = re.compile(r"[ \t]*(?:async\s+)?(def|class)\s+(\w+)")
+_SIDE = re.compile(r"^(?:<{7}|>{7})(?=\s|$)", re.MULTILINE)
+_HUNK = re.compile(
+    r"^<{7}(?: [^\n]*)?\n(.*?)(?:^\|{7}(?: [^\n]*)?\n.*?)?^={7}\r?\n"
+    r"(.*?)^>{7}(?: [^\n]*)?(?:\n|\Z)",
+    re.MULTILINE | re.DOTALL,
+)
 
 
 @dataclass(frozen=True)
@@ -33,11 +36,10 @@ class Region:
     """One editable region of a file.
 
     Attributes:
-        id: ``<kind>:<id>``, decoded; of a region without id ``function:<Class.method>``.
-        explicit: whether a marker names the id.
-        function: qualified name of the enclosing function, empty outside of functions.
+        id: decoded; of a region without id (D7.2) the name of the enclosing function.
+        digests: what the body stood for when it was written.
         was: ids under which the element was known before, the newest first.
-        sig: hash of what the body may use when it was written, ``None`` when not given.
+        now: why a person must look at the body.
         line: line of the begin marker, counted from 1.
         begin: the begin marker's line, without line end.
         body: the text between the markers, byte for byte.
@@ -45,10 +47,9 @@ class Region:
     """
 
     id: str
-    explicit: bool
-    function: str
+    digests: Digests
     was: tuple[str, ...]
-    sig: str | None
+    now: Look | None
     line: int
     begin: str
     body: str
@@ -76,36 +77,14 @@ class MarkedFile:
         return {part.id: part for part in self.parts if isinstance(part, Region)}
 
     @cached_property
-    def skeleton(self) -> list[str]:
-        """The lines with one placeholder line for each region: what is compared and merged."""
-        return [p if isinstance(p, str) else placeholder(p.id, p.indent) for p in self.parts]
+    def outside(self) -> list[str]:
+        """The lines with one line for each region: what no person writes."""
+        return [p if isinstance(p, str) else f"region {encode_id(p.id)}\n" for p in self.parts]
 
-
-@dataclass(frozen=True)
-class Scope:
-    """A line that begins a class or function, with the definition around it."""
-
-    line: int
-    indent: int
-    kind: str
-    name: str
-    parent: Scope | None
-
-    @property
-    def qualified(self) -> str:
-        """The name with those of the definitions around it."""
-        return f"{self.parent.qualified}.{self.name}" if self.parent else self.name
-
-
-def placeholder(region_id: str, indent: str = "") -> str:
-    """Return the skeleton line that represents a region; a statement, so that Python parses."""
-    return f"{indent}'''eddi region {encode_id(region_id)}'''\n"
-
-
-def placeholder_id(line: str) -> str | None:
-    """Return the region that a skeleton line represents, ``None`` for every other line."""
-    match = _PLACEHOLDER.match(line)
-    return decode_id(match[1]) if match else None
+    @cached_property
+    def digest(self) -> str:
+        """Of all that stands outside of regions."""
+        return text_digest("".join(self.outside))
 
 
 def split_lines(text: str) -> list[str]:
@@ -115,22 +94,24 @@ def split_lines(text: str) -> list[str]:
     return [*ends, lines[-1]] if lines[-1] else ends
 
 
-def parse(text: str) -> tuple[MarkedFile, list[Fault]]:
+def sides_of(text: str) -> tuple[str, ...]:
+    """Return the text, or one for each side of the conflicts that git left in it."""
+    if not _SIDE.search(text):
+        return (text,)
+    ours, theirs = _HUNK.sub(r"\1", text), _HUNK.sub(r"\2", text)
+    return (text,) if _SIDE.search(ours) else (ours, theirs)
+
+
+@lru_cache(maxsize=32)
+def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     """Split a file's text at its markers.
 
     Returns:
         The document, and the faults; with any fault the document must not be used.
     """
-    document, faults = _parsed(text)
-    return document, list(faults)
-
-
-@lru_cache(maxsize=32)  # a sync looks at a rendering and a person's text several times
-def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
     lines = split_lines(text)
-    faults = [Fault(number, CONFLICT) for number in conflict_lines(text)]
+    faults: list[Fault] = []
     parts: list[str | Region] = []
-    around = scopes(lines)
     begin: Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -142,22 +123,20 @@ def _parsed(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
             body.append(line) if begin else parts.append(line.replace("\r\n", "\n"))
         elif marker.what == "begin":
             if begin and _is_stray(begin, marker, lines):
-                faults.append(Fault(number, f"{_inside(begin)}; remove this line"))
+                inside = f"begin marker inside the region that begins in line {begin.line}"
+                faults.append(Fault(number, f"{inside}; remove this line"))
                 continue
             if begin:
-                faults.append(_nested(begin, marker, lines))
+                faults.append(_missing_end(begin, number, lines))
             begin, body = marker, []
         elif begin is None:
-            faults.append(
-                Fault(number, "end marker without begin; put the begin marker back above it")
-            )
+            reason = "end marker without begin; put the begin marker back above it"
+            faults.append(Fault(number, reason))
         else:
-            parts.append(_region(begin, marker, "".join(body), around, faults))
+            parts.append(_region(begin, marker, "".join(body), lines, faults))
             begin = None
     if begin:
-        faults.append(
-            Fault(begin.line, "the region has no end marker; put it back below the hand code")
-        )
+        faults.append(_missing_end(begin, len(lines) + 1, lines))
     faults.extend(_duplicates(parts))
     return MarkedFile(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
@@ -167,29 +146,28 @@ def _is_stray(outer: Marker, inner: Marker, lines: Sequence[str]) -> bool:
     if outer.id is None or outer.id == inner.id:
         return outer.id is not None
     following = (read_marker(lines[at], at + 1) for at in range(inner.line, len(lines)))
-    marker = next((one for one in following if one is not None), None)
-    return isinstance(marker, Marker) and (marker.what, marker.id) == ("end", outer.id)
+    after = next((one for one in following if isinstance(one, Marker)), None)
+    return after is not None and (after.what, after.id) == ("end", outer.id)
 
 
-def _inside(outer: Marker) -> str:
-    return f"begin marker inside the region that begins in line {outer.line}"
-
-
-def _nested(outer: Marker, inner: Marker, lines: Sequence[str]) -> Fault:
+def _missing_end(outer: Marker, limit: int, lines: Sequence[str]) -> Fault:
     """Report a region without its end marker, where that belongs."""
-    body, indent = range(outer.line, inner.line - 1), len(indent_of(outer.text))
+    indent = len(indent_of(outer.text))
+    body = range(outer.line, limit - 1)
     outside = (at for at in body if lines[at].strip() and len(indent_of(lines[at])) < indent)
-    at = next(outside, inner.line - 1)
+    at = next(outside, limit - 1)
     while at > outer.line and not lines[at - 1].strip():
         at -= 1
-    begins = f"begins in line {outer.line}"
-    name = f"region {outer.id!r}, which {begins}," if outer.id else f"the region that {begins}"
-    reason = f"the end marker of {name} is missing; put it back before line {at + 1}"
+    name = f"region {outer.id!r}" if outer.id else "the region"
+    reason = (
+        f"the end marker of {name}, which begins in line {outer.line}, is missing; "
+        f"put it back before line {at + 1}"
+    )
     return Fault(at + 1, reason)
 
 
 def _region(
-    begin: Marker, end: Marker, body: str, around: Sequence[Scope], faults: list[Fault]
+    begin: Marker, end: Marker, body: str, lines: Sequence[str], faults: list[Fault]
 ) -> Region:
     if begin.id and end.id and begin.id != end.id:
         reason = (
@@ -197,64 +175,33 @@ def _region(
             f"{begin.id!r}; give both the same id"
         )
         faults.append(Fault(end.line, reason))
-    function = _enclosing_function(around, begin)
-    region_id = begin.id or end.id
-    if region_id is None and not function:
-        reason = "a marker without id must be inside a function; write '# region: <kind>:<id>'"
+    region_id = begin.id or end.id or _enclosing_function(lines, begin)
+    if not region_id:
+        reason = "a marker without id must be inside a function; write '# region: ID' behind it"
         faults.append(Fault(begin.line, reason))
     return Region(
-        id=region_id or f"function:{function}",
-        explicit=region_id is not None,
-        function=function,
-        was=begin.was,
-        sig=begin.sig,
-        line=begin.line,
-        begin=begin.text,
-        body=body,
-        end=end.text,
+        region_id, begin.digests, begin.was, begin.now, begin.line, begin.text, body, end.text
     )
 
 
-def scopes(lines: Sequence[str]) -> list[Scope]:
-    """Return where definitions begin, with the nearest one above that is indented less."""
-    found: list[Scope] = []
-    for number, line in enumerate(lines, 1):
-        match = _DEFINITION.match(line)
-        if match:
-            indent, above = len(match[1]), found[-1] if found else None
-            while above is not None and above.indent >= indent:
-                above = above.parent
-            found.append(Scope(number, indent, match[2], match[3], above))
-    return found
-
-
-def _enclosing_function(around: Sequence[Scope], begin: Marker) -> str:
+def _enclosing_function(lines: Sequence[str], begin: Marker) -> str:
     # An editor may have stripped the marker's blanks: then any definition above encloses it.
     limit = len(indent_of(begin.text)) or 10**6
-    names: list[str] = []
-    before = bisect_left(around, begin.line, key=lambda scope: scope.line)
-    scope = around[before - 1] if before else None
-    while scope is not None:
-        if scope.indent < limit:
-            if not names and scope.kind == "class":
-                return ""
-            names.append(scope.name)
-            limit = scope.indent
-            if limit == 0:
-                break
-        scope = scope.parent
-    return ".".join(reversed(names))
+    for line in reversed(lines[: begin.line - 1]):
+        match = _DEFINITION.match(line)
+        if match and len(indent_of(line)) < limit:
+            return match[2] if match[1] == "def" else ""
+    return ""
 
 
 def _duplicates(parts: Iterable[str | Region]) -> list[Fault]:
     seen: dict[str, int] = {}
     faults = []
     for part in parts:
-        if isinstance(part, Region):
+        if isinstance(part, Region) and part.id:
             if part.id in seen:
-                what = "region" if part.explicit else "region without id in this function"
                 reason = (
-                    f"second {what} {part.id!r}, the first is in line {seen[part.id]}; "
+                    f"second region {part.id!r}, the first is in line {seen[part.id]}; "
                     "keep one or give it another id"
                 )
                 faults.append(Fault(part.line, reason))

@@ -1,19 +1,21 @@
-"""The marker lines of editable regions.
+"""The marker lines of editable regions, and the digests in them.
 
 Written forms, one per kind of file (``--`` is not allowed inside an XML comment, so the dashes
 of SESAME D7.2 Fig 15 give way to a bar there)::
 
-    '''-----Manual edit begin-----'''  # region: input:RtE_A_E0 was: input:old sig: 1a2b3c4d
-    '''-----Manual edit end-----'''  # region: input:RtE_A_E0
-    <!-- Manual edit begin | region: xml:depends -->
-    # -----Manual edit begin-----  # region: cmake:install
+    '''-----Manual edit begin-----'''  # region: process_Ea of:1a2b3c4d for:81fdda7e was:process_E
+    '''-----Manual edit end-----'''  # region: process_Ea
+    # -----Manual edit begin-----  # region: cmake.own of:e3b0c442
+    <!-- Manual edit begin | region: launch.node of:7fdce92c -->
 
 Read as well: no id (D7.2), three or more dashes, any quotes or none, any indentation.
 """
 
 from __future__ import annotations
 
+import hashlib
 import re
+import textwrap
 import urllib.parse
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -33,9 +35,37 @@ _ALIKE = re.compile(
     r"|<!--(?:(?!<!--)[^>])*Manual edit (?:begin|end)"
 )
 _WORDS = "Manual edit "
-_SIG = re.compile(r"(?<!\s)\s+sig:\s*[0-9a-f]{8}(?=\s|$)")
-_SIG_AT_END = re.compile(r"(?:^|(?<!\s)\s+)sig:\s*([0-9a-f]{8})$")
-_WAS = "was:"
+_HEX = "[0-9a-f]{8}"
+_TAIL = re.compile(
+    rf"(?P<id>\S+)(?:\s+of:(?P<of>{_HEX}))?(?:\s+for:(?P<uses>{_HEX}))?"
+    rf"(?:\s+was:(?P<was>\S+))?(?:\s+now:(?P<now>{_HEX}/(?:{_HEX})?(?:/\S+)?))?"
+)
+
+
+@dataclass(frozen=True)
+class Digests:
+    """What a body stands for.
+
+    Attributes:
+        of: digest of the generated body that it replaces, ``None`` when not known.
+        uses: digest of what it may use, ``None`` where nothing is used.
+    """
+
+    of: str | None = None
+    uses: str | None = None
+
+
+@dataclass(frozen=True)
+class Look:
+    """Why a person must look at a body.
+
+    Attributes:
+        digests: those of today's rendering.
+        missing: names that the body uses and nothing generates any more.
+    """
+
+    digests: Digests
+    missing: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -46,27 +76,29 @@ class Marker:
         what: ``begin`` or ``end``.
         line: line in the file, counted from 1.
         text: the line without its end.
-        id: ``<kind>:<id>``, decoded, ``None`` when not given.
+        id: decoded, ``None`` when not given.
+        digests: ``of:`` and ``for:``.
         was: former ids.
-        sig: signature, ``None`` when not given.
+        now: why a person must look at the body, ``None`` when nobody must.
     """
 
     what: str
     line: int
     text: str
     id: str | None
-    was: tuple[str, ...]
-    sig: str | None
+    digests: Digests = Digests()
+    was: tuple[str, ...] = ()
+    now: Look | None = None
 
 
 def encode_id(region_id: str) -> str:
-    """Return the id as it is written in a marker line.
+    """Return the id as it is written in a marker line, and as a part of a file's name.
 
-    Ids come from models and may hold anything: blanks, quotes, commas, line ends. Letters and
-    digits of any script stay readable; ``--`` is broken up because XML comments forbid it.
+    Ids may hold anything: blanks, quotes, commas, line ends. Letters and digits of any script
+    stay readable; ``--`` is broken up because XML comments forbid it.
     """
     text = "".join(
-        c if c.isalnum() or c in "_.:/-" else urllib.parse.quote(c, safe="", errors="surrogatepass")
+        c if c.isalnum() or c in "_.:-" else urllib.parse.quote(c, safe="", errors="surrogatepass")
         for c in region_id
     )
     return text.replace("--", "-%2D")
@@ -80,20 +112,54 @@ def decode_id(text: str) -> str:
         return text
 
 
+def normal(body: str) -> str:
+    """Return a body without what editors, formatters and git change: blanks, indentation, ends."""
+    lines = [line.rstrip() for line in body.split("\n")]
+    return textwrap.dedent("\n".join(lines)).strip("\n")
+
+
+def digest(body: str) -> str:
+    """Return the digest of a body's normal form, 8 hex digits."""
+    return _hash(normal(body))[:8]
+
+
+def text_digest(text: str) -> str:
+    """Return the digest of a text in which blanks at line ends do not count, 16 hex digits."""
+    return _hash("\n".join(line.rstrip() for line in text.removeprefix("\ufeff").split("\n")))[:16]
+
+
+def _hash(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+
+
 def begin_marker(
-    region_id: str, style: Style = "python", was: Iterable[str] = (), sig: str | None = None
+    region_id: str,
+    style: Style = "python",
+    digests: Digests = Digests(),
+    was: Iterable[str] = (),
+    now: Look | None = None,
 ) -> str:
     """Return the line that opens a region, without indentation and line end.
 
     Args:
-        region_id: ``<kind>:<id>``.
-        style: ``python``, ``xml`` (manifests and launch files) or ``hash`` (CMake).
+        region_id: any text.
+        style: ``python`` (in a function), ``xml`` or ``hash``.
+        digests: ``of:`` is written by the sync, ``for:`` by the template.
         was: former ids, the newest first.
-        sig: 8 hex digits over what the body may use.
+        now: why a person must look at the body.
     """
-    former = ", ".join(encode_id(old) for old in was)
-    tail = encode_id(region_id) + (f" was: {former}" if former else "")
-    return _written("begin", style, tail + (f" sig: {sig}" if sig else ""))
+    return _written("begin", style, encode_id(region_id) + tail_of(digests, was, now))
+
+
+def tail_of(digests: Digests, was: Iterable[str] = (), now: Look | None = None) -> str:
+    """Return what a begin marker has behind its id."""
+    former = ",".join(encode_id(old) for old in was)
+    parts = [("of", digests.of), ("for", digests.uses), ("was", former)]
+    if now is not None:
+        names = ",".join(encode_id(name) for name in now.missing)
+        shown = f"{now.digests.of}/{now.digests.uses or ''}{'/' if names else ''}{names}"
+        parts.append(("now", shown))
+    return "".join(f" {key}:{value}" for key, value in parts if value)
 
 
 def end_marker(region_id: str, style: Style = "python") -> str:
@@ -101,14 +167,14 @@ def end_marker(region_id: str, style: Style = "python") -> str:
     return _written("end", style, encode_id(region_id))
 
 
-def with_sig(begin: str, sig: str | None) -> str:
-    """Return a begin marker's line with another signature, or none."""
-    bare = _SIG.sub("", begin, count=1)
-    if sig is None:
-        return bare
-    plain = bare.rstrip()
-    at = len(plain.removesuffix("-->").rstrip())
-    return f"{bare[:at]} sig: {sig}{bare[at:]}"
+def with_tail(begin: str, region_id: str, tail: str) -> str:
+    """Return a begin marker's line of any style with this id and what follows it."""
+    plain = begin.rstrip()
+    close = " -->" if plain.endswith("-->") else ""
+    head, found, _ = plain.removesuffix("-->").partition("region:")
+    if not found:
+        head = head.rstrip() + (" | " if close else "  # ")
+    return f"{head}region: {encode_id(region_id)}{tail}{close}"
 
 
 def indent_of(line: str) -> str:
@@ -129,19 +195,28 @@ def read_marker(line: str, number: int) -> Marker | str | None:
     if _WORDS not in line:
         return None
     text = line.rstrip("\r\n")
-    bare = text.strip()
+    bare = text.strip().removeprefix("\ufeff")
     match = _DASHED.fullmatch(bare) or _XML.fullmatch(_commented(bare))
     if match is None:
         alone = "a marker must be alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
-    if not (match["tail"] or "").strip():
-        return Marker(match["what"], number, text, None, (), None)
-    tail = _read_tail(match["tail"].strip())
-    if tail is None:
-        form = "<kind>:<id> [was: <old>] [sig: <8 hex digits>]"
+    tail = (match["tail"] or "").strip()
+    if not tail:
+        return Marker(match["what"], number, text, None)
+    found = _TAIL.fullmatch(tail)
+    if found is None or (match["what"] == "end" and found["id"] != tail):
+        form = "ID [of:8 HEX DIGITS] [for:8 HEX DIGITS] [was:ID,...]"
         return f"text behind 'region:' is not '{form}'; put the generated line back"
-    region_id, was, sig = tail
-    return Marker(match["what"], number, text, region_id, was, sig)
+    was = tuple(decode_id(name) for name in (found["was"] or "").split(",") if name)
+    digests = Digests(found["of"], found["uses"])
+    look = _look(found["now"]) if found["now"] else None
+    return Marker(match["what"], number, text, decode_id(found["id"]), digests, was, look)
+
+
+def _look(text: str) -> Look:
+    of, uses, *names = text.split("/")
+    missing = tuple(decode_id(name) for name in ",".join(names).split(",") if name)
+    return Look(Digests(of, uses or None), missing)
 
 
 def _commented(text: str) -> str:
@@ -149,18 +224,3 @@ def _commented(text: str) -> str:
     if len(text) < len("<!---->") or not (text.startswith("<!--") and text.endswith("-->")):
         return ""
     return text[4:-3].strip().lstrip("-").strip()
-
-
-def _read_tail(text: str) -> tuple[str, tuple[str, ...], str | None] | None:
-    """Return id, former ids and signature, ``None`` for another text."""
-    region_id, *rest = text.split(None, 1)
-    left = rest[0] if rest else ""
-    sig = _SIG_AT_END.search(left)
-    left = left[: sig.start()].rstrip() if sig else left
-    was = left.removeprefix(_WAS).strip()
-    former = [name.strip() for name in was.split(",") if name.strip()]
-    is_list = left.startswith(_WAS) and was[:1] not in {"", ","}
-    if left and (not is_list or any(name.split()[1:] for name in former)):
-        return None
-    ids = tuple(decode_id(name) for name in former)
-    return decode_id(region_id), ids, sig[1] if sig else None

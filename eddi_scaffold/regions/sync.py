@@ -1,398 +1,549 @@
-"""Bring a package's editable files to the newest rendering, with every hand edit in its place.
+"""Bring a package to a new rendering: every region keeps its body, nothing else is merged.
 
-Order of writes: saved bodies, rejected edits, what becomes the base, the files, saved bodies that
-are back in their files, the base. A process that is killed anywhere leaves a state from which the
-next run arrives at the same result.
+A person's text and generated text share a file only in regions. What was edited outside of them is
+kept as a copy, and said. Planning changes nothing; what was planned is written in one go.
 """
 
 from __future__ import annotations
 
 import difflib
-import hashlib
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
-from functools import partial
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import names
-from .bases import BASES, FORMER, editable_files, read_bases, write_bases
-from .conflicts import other_side
-from .files import read_regular, stays
-from .generated import GENERATED, listed_generated, place_generated, recorded_generated
-from .interrupted import end_update
-from .manifest import changed_bases, record_bases
-from .marked_file import Fault, parse
-from .merge import may_return, merge, retire
-from .result import Merged, Note, Orphan, RefusedFile
-from .store import (
-    EDDI,
-    IGNORED,
-    PRISTINE,
-    ChangedMeanwhileError,
-    clean_temporaries,
-    discard,
-    files_below,
-    is_hidden,
-    linked_records,
-    load_orphans,
-    read_text,
-    refuse_changed,
-    remove_file,
-    save_orphan,
-    save_reject,
-    without_sentinel,
-    write_file,
+from .choosing import (
+    Bodies,
+    Body,
+    Choice,
+    Placed,
+    choose,
+    compose,
+    defined_names,
+    eol_of,
+    placed,
+    saved_text,
+    words_of,
 )
+from .files import entries
+from .git import ancestor_bytes
+from .marked_file import MarkedFile, Region, parse
+from .markers import Digests, Look, encode_id, normal, text_digest
+from .package import (
+    ANSWERS,
+    EDDI,
+    KEPT,
+    MANIFEST,
+    NEW,
+    PUT,
+    Manifest,
+    PackageFile,
+    bytes_of,
+    digest_of,
+    free_name,
+    kept_names,
+    kept_regions,
+    made_by_git,
+    manifest_of,
+    manifest_text,
+    obstacle,
+    read_file,
+    stamp_of,
+    text_of,
+)
+from .write import Step, move_in, put_aside, refuse_saved
 
-AGAIN = f"then {names.upgrade}commit and run `copier update --trust`"
-"""What a person does to have a package merged once more."""
-_SAVES = 5
-"""Each starts the merge anew; one who saves more often in a second is no person."""
+_MOST_LINES = 6
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """A file that was left alone.
+    """Why nothing is written.
 
     Attributes:
-        file: file relative to the package.
-        line: line in it, counted from 1.
-        reason: why, and what to do.
+        file: relative to the package.
+        line: in the file, ``None`` when there is none.
+        reason: one sentence, with what to do about it.
     """
 
     file: str
-    line: int
+    line: int | None
     reason: str
 
 
 @dataclass(frozen=True)
-class SyncReport:
-    """What a sync did.
+class Note:
+    """One thing that happened to a person's text.
 
     Attributes:
-        touched: editable files that were written or removed.
-        notes: what happened to hand edits.
-        refused: files that were left alone.
+        file: relative to the package.
+        line: in the file, ``None`` when there is none.
+        text: one sentence without a full stop.
+        attention: whether a person must look at it.
     """
 
-    touched: tuple[str, ...] = ()
-    notes: tuple[Note, ...] = ()
-    refused: tuple[Refusal, ...] = ()
-
-    @property
-    def needs_attention(self) -> bool:
-        """Whether a person must look at something (exit status 3 of our commands)."""
-        return bool(self.refused) or any(note.attention for note in self.notes)
+    file: str
+    line: int | None
+    text: str
+    attention: bool = True
 
 
 @dataclass(frozen=True)
-class _Texts:
-    path: str
-    base: str | None
-    there: str | None  # what the file holds
-    mine: str | None  # the same, or what the last commit has
-    alike: bool  # base and file may have been changed alike
-    theirs: str | None  # None: not rendered any more
+class Plan:
+    """What a sync does, or why it does nothing.
+
+    Attributes:
+        root: the package.
+        refusals: with any of them nothing may be written.
+        notes: what happens to a person's texts.
+        steps: in the order in which they are made.
+        before: path -> bytes, of the files that the steps change.
+        stamps: of all files that were read.
+    """
+
+    root: Path
+    refusals: Sequence[Refusal] = ()
+    notes: Sequence[Note] = ()
+    steps: Sequence[Step] = ()
+    before: Mapping[str, bytes] = field(default_factory=dict)
+    stamps: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+    def prepare(self) -> None:
+        """Write all new bytes beside their places.
+
+        Raises:
+            OSError: the disk is full, or a folder is not writable; nothing of a person changed.
+            SavedError: a person saved a file meanwhile.
+        """
+        put_aside(self.root, self.steps, self.root / PUT)
+        refuse_saved(self.root, self.stamps)
+
+    def finish(self) -> None:
+        """Move everything to its place; of a package that leaves no empty folder stays."""
+        refuse_saved(self.root, self.stamps)
+        move_in(self.root, self.steps)
+        shutil.rmtree(self.root / NEW, ignore_errors=True)
+        for folder in (self.root / EDDI, self.root):
+            if folder.is_dir() and not any(folder.iterdir()):
+                folder.rmdir()
 
 
-@dataclass(frozen=True)
-class _Planned:
-    texts: _Texts
-    merged: Merged
-
-
-def _nothing(_: str) -> None:
-    return None
-
-
-def sync_package(root: Path, committed: Callable[[str], str | None] = _nothing) -> SyncReport:
-    """Merge the new rendering of every editable file of a package with the person's text.
-
-    A second run changes nothing. Files with damaged markers are left alone.
+def plan_sync(
+    root: Path,
+    rendering: Path,
+    beside: Mapping[str, bytes | None] | None = None,
+    adopted: Sequence[Body] = (),
+    kept: Mapping[str, bytes] | None = None,
+) -> Plan:
+    """Plan to bring a package to a rendering.
 
     Args:
-        root: the package's folder, with ``.eddi/pristine``; may be a scratch copy.
-        committed: text of a file before the rendering, mostly of the last commit.
+        root: the package; it need not be there.
+        rendering: folder with all its generated files.
+        beside: files of ours that have no place in it, such as the answers; ``None``: it goes.
+        adopted: bodies of a former package, which count as saved ones.
+        kept: more texts of a person to keep, by name.
     """
-    linked = linked_folders(root)
-    if linked:
-        return SyncReport(refused=linked)
-    refused: list[Refusal] = []
-    touched: list[str] = []
-    notes: list[Note] = []
-    try:
-        for _ in range(_SAVES):  # a person may save a file while it is merged
-            refused.clear()
-            with suppress(ChangedMeanwhileError):
-                _sync(root, committed, refused, touched, notes)
-                break
-        else:
-            refused.clear()
-            _sync(root, committed, refused, touched, notes)
-        notes.extend(place_generated(root))
-        if not refused:
-            _clear(root)
-        end_update(root)
-    except OSError as problem:
-        reason = f"{problem.strerror or problem}; nothing is lost; remove the reason, {AGAIN}"
-        refused.append(Refusal(_relative(root, problem.filename), 1, reason))
-    return SyncReport(tuple(dict.fromkeys(touched)), tuple(dict.fromkeys(notes)), tuple(refused))
+    return _Sync(root, rendering, beside or {}, adopted).plan(kept or {})
 
 
-def _sync(
-    root: Path,
-    committed: Callable[[str], str | None],
-    refused: list[Refusal],
-    touched: list[str],
-    notes: list[Note],
-) -> None:
-    """Merge once.
+@dataclass(frozen=True)
+class _New:
+    """A file of the rendering."""
 
-    Raises:
-        ChangedMeanwhileError: a person saved a file in between; it is merged again from there.
+    data: bytes
+    marked: MarkedFile
+    mode: int
+
+    @property
+    def digest(self) -> str:
+        return digest_of(self.data, self.marked)
+
+    @property
+    def texts(self) -> list[str]:
+        """All text that is generated."""
+        return [part if isinstance(part, str) else part.body for part in self.marked.parts]
+
+
+class _Sync:
+    def __init__(
+        self,
+        root: Path,
+        rendering: Path,
+        beside: Mapping[str, bytes | None],
+        adopted: Sequence[Body],
+    ) -> None:
+        self.root = root
+        self.beside = beside
+        self.adopted = {body.region.id: body for body in adopted}
+        self.manifest: Manifest = manifest_of(root)
+        self.new = {name: _new(rendering / name) for name in _names(rendering)}
+        self.files: dict[str, PackageFile] = {}
+        self.stamps: dict[str, tuple[int, ...]] = {}
+        self.refusals: list[Refusal] = []
+        self.notes: list[Note] = []
+        self.doubles: list[Body] = []  # in a file that is moved, where the new one has another
+        self.first: list[Step] = []  # copies and saved bodies
+        self.last: list[Step] = []  # saved bodies that are back in their places
+
+    def plan(self, kept: Mapping[str, bytes]) -> Plan:
+        self._read()
+        bodies = self._bodies()
+        edited = [name for name in sorted(self.files) if self._is_edited(name)]
+        if self.refusals:
+            return Plan(self.root, self.refusals)
+        rendered = {
+            id_: region for new in self.new.values() for id_, region in new.marked.regions.items()
+        }
+        chosen = choose(rendered, bodies)
+        content = self._content(rendered, chosen)
+        for name, data in kept.items():
+            self.notes.append(Note(name, None, f"kept in {self._keep(name, data)}"))
+        self._keep_files(edited)
+        self._keep_bodies(bodies, chosen, content)
+        self._tell_missing()
+        middle = [*self._written(rendered, chosen, content), *self._removed()]
+        return self._plan(middle)
+
+    def _refuse(self, file: str, line: int | None, reason: str) -> None:
+        self.refusals.append(Refusal(file, line, reason))
+
+    def _read(self) -> None:
+        """Read all files that are, or were, generated; refuse what is none, or damaged."""
+        ours = [*self.beside, MANIFEST, f"{KEPT}/x"]
+        for name in sorted({*self.new, *self.manifest.files, *ours}):
+            found = obstacle(self.root, name)
+            if found is not None:
+                hint = "move it away, nothing is written through it or over it"
+                self._refuse(name, None, f"{found}; {hint}")
+                continue
+            self.stamps[name] = stamp_of(self.root / name)
+            if name in ours:
+                continue
+            try:
+                file = read_file(self.root, name)
+            except OSError as refused:
+                self._refuse(name, None, f"cannot be read: {refused.strerror}")
+                continue
+            if file is not None:
+                self.files[name] = file
+                for fault in file.faults:
+                    self._refuse(name, fault.line, fault.reason)
+
+    def _bodies(self) -> Bodies:
+        """Return the bodies in the package by id."""
+        present: dict[str, Body] = {}
+        for name, file in self.files.items():
+            for id_, body in self._regions(name, file).items():
+                other = present.setdefault(id_, body)
+                if other is body:
+                    continue
+                # A region moves: a run was killed in between, or a branch wrote in the old file.
+                stays, goes = (body, other) if self._has(body) else (other, body)
+                known = goes.untouched or (id_, normal(goes.region.body)) in self._held()
+                if self._has(goes) or not self._has(stays) or (goes.file in self.new and not known):
+                    first = f"{other.file}:{other.region.line}"
+                    reason = f"second region {id_!r}, the first is in {first}; keep one"
+                    self._refuse(name, body.region.line, reason)
+                elif stays.untouched and not known:
+                    stays, goes = goes, stays
+                present[id_] = stays
+                self.doubles.append(goes)
+        kept: dict[str, Body] = {}
+        for name, found in kept_regions(self.root):
+            if found is not None:
+                kept[found.region.id] = found
+            else:
+                self.notes.append(Note(name, None, "no region can be read in it; look at it"))
+        return Bodies(present, {**kept, **self.adopted})
+
+    def _has(self, body: Body) -> bool:
+        """Whether the rendering has this region in the same file."""
+        return body.file in self.new and body.region.id in self.new[body.file].marked.regions
+
+    def _held(self) -> set[tuple[str, str]]:
+        """Return the bodies that are where the rendering has their regions, by each former id."""
+        found = {
+            Body(one, name)
+            for name, file in self.files.items()
+            for side in file.sides
+            for one in side.regions.values()
+        }
+        mine = (body.region for body in found if self._has(body))
+        return {(id_, normal(one.body)) for one in mine for id_ in (one.id, *one.was)}
+
+    def _regions(self, name: str, file: PackageFile) -> dict[str, Body]:
+        """Return the regions of a file; of a conflict, those that one side alone has written."""
+        found = [{id_: Body(one, name) for id_, one in side.regions.items()} for side in file.sides]
+        if len(found) == 1:
+            return found[0]
+        ours, theirs = found
+        common = parse(text_of(ancestor_bytes(self.root, name)))[0].regions
+        merged = {**theirs, **ours}
+        for id_ in ours.keys() & theirs.keys():
+            a, b = ours[id_], theirs[id_]
+            if normal(a.region.body) == normal(b.region.body) or b.untouched:
+                continue
+            before = common.get(id_)
+            was = None if before is None else normal(before.body)
+            if a.untouched or normal(a.region.body) == was:
+                merged[id_] = b
+            elif normal(b.region.body) != was:
+                line = next(
+                    (n for n, text in enumerate(file.text.split("\n"), 1) if f": {id_}" in text), 1
+                )
+                reason = f"both branches wrote in region {id_!r}; resolve this conflict by hand"
+                self._refuse(name, line, reason)
+        return merged
+
+    def _is_edited(self, name: str) -> bool:
+        """Return whether a file is not as it was made; refuse one that is a person's."""
+        file = self.files[name]
+        known = self.manifest.files.get(name, frozenset())
+        made = known | ({self.new[name].digest} if name in self.new else frozenset())
+        if made.issuperset(file.digests):
+            return False
+        if made_by_git(self.root, name, file.digests, known):
+            return False
+        if not known and self.manifest.exists and name in self.new:
+            reason = "this file is yours, and a generated one has this name now; give yours another"
+            self._refuse(name, None, reason)
+        return True
+
+    def _content(
+        self, rendered: Mapping[str, Region], chosen: Mapping[str, Choice]
+    ) -> dict[str, Placed]:
+        """Return what each region of the rendering holds."""
+        changed = [
+            file
+            for name, file in self.files.items()
+            if name not in self.new or file.digests != [self.new[name].digest]
+        ]
+        names: set[str] = set()
+        words: set[str] = set()
+        if changed and any(one.body and not one.body.untouched for one in chosen.values()):
+            names = defined_names(text for file in changed for text in _generated(file))
+            words = words_of(text for new in self.new.values() for text in new.texts)
+        content = {}
+        for id_, region in rendered.items():
+            choice = chosen[id_]
+            one = content[id_] = placed(region, choice, names, words)
+            if choice.body is not None and choice.body.kept and id_ not in self.adopted:
+                self.notes.append(Note(self._file_of(id_), None, f"region {id_!r} is back", False))
+            if one.now is not None:
+                reasons = look_reasons(one.digests, one.now, choice.former)
+                text = f"region {id_!r}: look at it: {reasons}"
+                self.notes.append(Note(self._file_of(id_), None, text))
+        return content
+
+    def _file_of(self, id_: str) -> str:
+        return next(name for name, new in self.new.items() if id_ in new.marked.regions)
+
+    def _keep_files(self, edited: Sequence[str]) -> None:
+        """Keep a copy of each file that was edited outside of its regions."""
+        for name in edited:
+            file = self.files[name]
+            place = self._keep(name, file.data)
+            new = self.new.get(name)
+            text = f"; your file is kept in {place}"
+            if new is None:
+                text = f", and is not generated any more{text}"
+            else:
+                regions = ", ".join([*new.marked.regions][:_MOST_LINES])
+                where = f"in a region: {regions}" if regions else "in a file of your own"
+                text = f"{_other_lines(file.sides[0], new.marked)}{text}; write it {where}"
+            self.notes.append(Note(name, None, f"edited outside regions{text}"))
+
+    def _keep_bodies(
+        self, bodies: Bodies, chosen: Mapping[str, Choice], content: Mapping[str, Placed]
+    ) -> None:
+        """Save the written bodies that have no place, and forget the saved ones that have one."""
+        used = {id(one.body) for one in chosen.values() if one.body is not None}
+        names = {
+            id_: [id_, *self.new[self._file_of(id_)].marked.regions[id_].was] for id_ in content
+        }
+        holds = {
+            (name, normal(one.body))
+            for id_, one in content.items()
+            if one.written
+            for name in names[id_]
+        }
+        present = {**self.adopted, **bodies.present}.values()
+        for body in [*present, *self.doubles]:
+            id_ = body.region.id
+            if id(body) in used or body.untouched:
+                continue
+            if (id_, normal(body.region.body)) in holds:
+                continue  # a killed run has moved it already
+            place = self._keep_region(body)
+            gone = "is not generated any more" if id_ not in content else "has another body now"
+            reason = f"region {id_!r} {gone}; your text is kept in {place}"
+            self.notes.append(Note(body.file, body.region.line, reason))
+        for id_, choice in chosen.items():  # a body is kept while it moves from file to file
+            moved = choice.body if content[id_].written else None
+            if moved and moved.file in self.new.keys() - {self._file_of(id_)}:
+                self.last.append(Step(self._keep_region(moved), None))
+        for name, saved in kept_regions(self.root):
+            if saved is None:
+                continue
+            placed_ = (saved.region.id, normal(saved.region.body)) in holds
+            default = saved.region.id in content and not content[saved.region.id].written
+            same = default and normal(content[saved.region.id].body) == normal(saved.region.body)
+            if placed_ or same:
+                self.stamps[name] = stamp_of(self.root / name)
+                self.last.append(Step(name, None))
+
+    def _keep_region(self, body: Body) -> str:
+        """Plan to keep a region; return where it is then."""
+        name = f"{encode_id(body.region.id)}.region"
+        return self._keep(name, bytes_of(saved_text(body.region)))
+
+    def _keep(self, name: str, data: bytes) -> str:
+        """Plan to keep a text; return where it is then."""
+        place = free_name(self.root, name, data, [step.path for step in self.first])
+        if place is not None:
+            self.first.append(Step(place, data))
+        return place or f"{KEPT}/{name}"
+
+    def _tell_missing(self) -> None:
+        """Tell of each generated file that a person removed."""
+        for name in sorted(self.manifest.files.keys() & self.new.keys() - self.files.keys()):
+            if not self.manifest.mixed:
+                regions = bool(self.new[name].marked.regions)
+                yours = f"; `git log -- {name}` has yours" if regions else ""
+                text = f"you removed this file; it is written again{yours}"
+                self.notes.append(Note(name, None, text, regions))
+
+    def _written(
+        self,
+        rendered: Mapping[str, Region],
+        chosen: Mapping[str, Choice],
+        content: Mapping[str, Placed],
+    ) -> Iterator[Step]:
+        """Yield the files that get new bytes."""
+        sources = {id_: one.body for id_, one in chosen.items() if one.body is not None}
+        for name, new in sorted(self.new.items()):
+            old = self.files.get(name)
+            data = new.data
+            if new.marked.regions or new.digest == new.marked.digest:
+                text = old.text if old is not None else ""
+                data = bytes_of(
+                    text[: text.startswith("\ufeff")]
+                    + compose(new.marked, content, sources, eol_of(text))
+                )
+                if old is not None and _same(text_of(data), text):
+                    data = old.data
+            mode = new.mode if old is None else _mode(old.mode, new.mode)
+            if old is None or old.data != data or old.mode != mode:
+                yield Step(name, data, mode)
+
+    def _removed(self) -> Iterator[Step]:
+        for name in sorted(self.manifest.files.keys() - self.new.keys()):
+            if name in self.files:
+                yield Step(name, None)
+
+    def _plan(self, middle: list[Step]) -> Plan:
+        """Put the steps into their order: answers, saved texts, files, saved texts that are back.
+
+        Between the first and the last of the files the manifest lists both renderings.
+        """
+        beside = [
+            Step(name, data) for name, data in self.beside.items() if data != self._bytes(name)
+        ]
+        answers = self.beside.get(ANSWERS) or self._bytes(ANSWERS) or b""
+        now = {name: new.digest for name, new in self.new.items()}
+        leaves = not self.new and bool(self.beside)
+        final = None if leaves else manifest_text(now, text_of(answers)).encode()
+        old = self._bytes(MANIFEST)
+        listed = {line for text in (final, old) if text for line in text.decode().splitlines()}
+        mixed = "".join(f"{line}\n" for line in sorted(listed)).encode()
+        between = [Step(MANIFEST, mixed)] if middle and old != final else []
+        manifest = [Step(MANIFEST, final)] if old != final else []
+        new = [step for step in beside if step.data is not None]
+        gone = [step for step in reversed(beside) if step.data is None]  # the answers last of all
+        steps = [*new, *self.first, *between, *middle, *self.last, *manifest, *gone]
+        before = {name: file.data for name, file in self.files.items()}
+        for step in [*beside, *self.last]:
+            if (data := self._bytes(step.path)) is not None:
+                before[step.path] = data
+        return Plan(self.root, (), self._all_notes(), steps, before, self.stamps)
+
+    def _bytes(self, name: str) -> bytes | None:
+        return (self.root / name).read_bytes() if stamp_of(self.root / name) else None
+
+    def _all_notes(self) -> list[Note]:
+        """Return the notes, and what is open since earlier runs."""
+        told = " ".join(note.text + note.file for note in self.notes)
+        gone = {step.path for step in self.last}
+        waiting = [
+            Note(name, None, "it is kept there until you remove it")
+            for name in kept_names(self.root)
+            if name not in gone and name not in told
+        ]
+        return [*self.notes, *waiting]
+
+
+def look_reasons(digests: Digests, now: Look, former: str | None = None) -> str:
+    """Return why a person must look at a body.
+
+    Args:
+        digests: what it was written for.
+        now: what its place is now.
+        former: the id of another region that it comes from.
     """
-    paths = editable_files(root)
-    clean_temporaries(root, [*paths, *listed_generated(root), *recorded_generated(root)])
-    _settle_renderings(root)
-    changed = changed_bases(root)
-    _finish_interrupted(root)
-    if not (root / PRISTINE).is_dir():  # then the bases are the newest renderings
-        paths = [path for path in paths if path not in changed]
-    bases = read_bases(root)
-    found = [
-        _read(root, path, bases.get(path), committed, refused, notes, path in changed)
-        for path in paths
-    ]
-    texts = [text for text in found if text is not None]
-    stored = load_orphans(root)
-    plan = _plan(texts, list(stored.values()), refused)
-    notes.extend(note for planned in plan for note in planned.merged.notes)
-    notes.extend(_keep(root, planned) for planned in plan if _may_drop(planned))
-    _write(root, plan, stored, touched)
+    reasons = [f"it was written for {former!r}"] if former else []
+    if digests.of is None:
+        reasons.append("it is not known what it was written for")
+    elif digests.uses != now.digests.uses:
+        reasons.append("what it may use has changed")
+    elif digests.of != now.digests.of:
+        reasons.append("the generated text in its place has changed")
+    reasons += [f"it uses {name}, which is not generated any more" for name in now.missing]
+    return "; ".join(reasons)
 
 
-def _settle_renderings(root: Path) -> None:
-    """Take the newest side where Copier or git merged renderings, for instance formatted ones."""
-    for name in files_below(root / PRISTINE):
-        data = read_regular(root / PRISTINE / name)
-        if (settled := other_side(data)) != data:
-            write_file(root, f"{PRISTINE}/{name}", settled)
+def _new(path: Path) -> _New:
+    data = path.read_bytes()
+    if path.suffix == ".py" and b"fmt: off" not in data[:500]:  # formatters leave the file alone
+        program = data[: data.index(b"\n") + 1] if data.startswith(b"#!") else b""
+        data = program + b"# fmt: off\n" + data[len(program) :]
+    mode = 0o755 if path.stat().st_mode & 0o100 else 0o644
+    return _New(data, parse(text_of(data))[0], mode)
 
 
-def _clear(root: Path) -> None:
-    """Remove the renderings, which are the bases now, and what hid them from git.
-
-    They stay where git sees them: Copier would take them for files that a person removed, and never
-    render them again; and beside a file in ``generated`` that could not be placed yet.
-    """
-    if (root / GENERATED).is_dir():
-        return
-    if (root / PRISTINE).is_dir() and is_hidden(root, "pristine/"):
-        discard(root, PRISTINE)
-    if not (root / PRISTINE).is_dir() and is_hidden(root, IGNORED):
-        remove_file(root / EDDI / IGNORED)
+def _names(rendering: Path) -> list[str]:
+    return sorted(name for name, kind in entries(rendering) if kind is None)
 
 
-def linked_folders(root: Path) -> tuple[Refusal, ...]:
-    """Return the links in the place of folders of a package's records."""
-    reason = "it is a link, and the records of a package must lie in the package; remove the link"
-    return tuple(Refusal(name, 1, reason) for name in linked_records(root))
+def _generated(file: PackageFile) -> Iterator[str]:
+    """Yield the text of a file that no person wrote."""
+    for part in file.sides[0].parts:
+        if isinstance(part, str):
+            yield part
+        elif Body(part, "").untouched:
+            yield part.body
 
 
-def _read(
-    root: Path,
-    path: str,
-    base: str | None,
-    committed: Callable[[str], str | None],
-    refused: list[Refusal],
-    notes: list[Note],
-    alike: bool,
-) -> _Texts | None:
-    records = (BASES, f"{Path(FORMER).name}/{path}", f"next/{path}", f"pristine/{path}")
-    places = [path, *(f"{EDDI}/{record}" for record in records)]
-    away = [name for name in places if not stays(root, root / name)]
-    if away:
-        refused.append(Refusal(away[0], 1, "it is behind a link that leads out of the package"))
-        return None
-    there, pristine = read_text(root / path), read_text(root / PRISTINE / path)
-    for found, name in ((there, path), (pristine, f"{PRISTINE}/{path}")):
-        if isinstance(found, Fault):
-            refused.append(Refusal(name, found.line, found.reason))
-            return None
-    assert not isinstance(there, Fault)
-    assert not isinstance(pristine, Fault)
-    mine = there
-    theirs = without_sentinel(pristine) if pristine is not None else None
-    if not (root / PRISTINE).is_dir():
-        theirs = base  # it is merged
-    if pristine is not None and theirs is None:
-        reason = "the rendering was interrupted (its last line is missing); render again"
-        refused.append(Refusal(f"{PRISTINE}/{path}", pristine.count("\n") + 1, reason))
-        return None
-    if mine is None and base is not None:
-        mine = committed(path)  # Copier removes files that the template dropped
-        faults = parse(mine)[1] if mine is not None else []
-        if faults:
-            text = f"the committed text has damaged markers ({faults[0].reason}); it is in git only"
-            notes.append(Note(path, faults[0].line, text))
-            mine = None
-    return _Texts(path, base, there, mine, alike, theirs)
+def _other_lines(mine: MarkedFile, new: MarkedFile) -> str:
+    """Return which lines of a file are not in its new rendering, for people."""
+    numbers: list[int] = []
+    line = 1
+    for part in mine.parts:
+        numbers.append(line)
+        line += 1 if isinstance(part, str) else part.body.count("\n") + 2
+    a, b = ([one.rstrip() for one in text.outside] for text in (mine, new))
+    codes = difflib.SequenceMatcher(None, a, b, autojunk=False).get_opcodes()
+    changed = [range(first, last) for what, first, last, _, _ in codes if what != "equal"]
+    found = [numbers[at] for lines in changed for at in lines]
+    shown = ", ".join(map(str, found[:_MOST_LINES])) + (", ..." if found[_MOST_LINES:] else "")
+    return f" (line{'s' if found[1:] else ''} {shown})" if found else ""
 
 
-def _plan(texts: Sequence[_Texts], stored: list[Orphan], refused: list[Refusal]) -> list[_Planned]:
-    """Merge all files; a body that leaves one file may come back in another one."""
-    first = [_merge(text, []) for text in texts]
-    refused.extend(
-        Refusal(text.path, fault.line, fault.reason)
-        for text, result in zip(texts, first, strict=True)
-        if isinstance(result, RefusedFile)
-        for fault in result.faults
-    )
-    done = [
-        _Planned(text, result)
-        for text, result in zip(texts, first, strict=True)
-        if isinstance(result, Merged)
-    ]
-    pool = stored + [orphan for planned in done for orphan in planned.merged.orphans]
-    if not pool:
-        return done
-    plan = []
-    for planned in done:
-        if planned.texts.theirs is None or not may_return(planned.texts.theirs, pool):
-            plan.append(planned)
-            continue
-        result = _merge(planned.texts, pool)
-        assert isinstance(result, Merged)
-        pool = [orphan for orphan in pool if orphan not in result.taken]
-        plan.append(_Planned(planned.texts, result))
-    return plan
+def _same(text: str, other: str) -> bool:
+    """Return whether two texts differ in no more than blanks at line ends."""
+    return text_digest(text) == text_digest(other)
 
 
-def _merge(texts: _Texts, orphans: Sequence[Orphan]) -> Merged | RefusedFile:
-    if texts.theirs is not None:
-        return merge(texts.path, texts.base, texts.mine, texts.theirs, orphans)
-    if texts.mine is None:
-        return Merged(None)
-    return retire(texts.path, texts.base, texts.mine)
-
-
-def _may_drop(planned: _Planned) -> bool:
-    """Return whether lines leave a file that only seem to be generated."""
-    texts = (planned.texts.mine or "", planned.merged.text or "")
-    own, new = (Counter(line.strip() for line in text.splitlines()) for text in texts)
-    return planned.texts.alike and any((own - new).keys())
-
-
-def _keep(root: Path, planned: _Planned) -> Note:
-    path, text = planned.texts.path, planned.texts.mine or ""
-    copy = save_reject(root, path, text.encode(), ".edited").relative_to(root)
-    reason = (
-        f"its base in {EDDI}/{BASES} is not what was recorded, as after a replacement over many "
-        f"files: your lines and generated ones looked alike, so all of the file is kept in {copy}"
-    )
-    return Note(path, None, reason)
-
-
-def _write(
-    root: Path, plan: Sequence[_Planned], stored: dict[Path, Orphan], touched: list[str]
-) -> None:
-    places = {orphan: path for path, orphan in stored.items()}
-    for planned in plan:
-        for orphan in planned.merged.orphans:
-            places[orphan] = save_orphan(root, orphan)
-    for planned in plan:
-        if planned.merged.patch:
-            save_reject(root, planned.texts.path, planned.merged.patch.encode())
-    for planned in plan:
-        _write_next(root, planned)
-    left = list(plan)
-    try:
-        while left:
-            if _write_one(root, left[0]):
-                touched.append(left[0].texts.path)
-            left.pop(0)
-    except (
-        ChangedMeanwhileError
-    ):  # the merge that follows saves what leaves the files that are left
-        saved = {places[orphan] for planned in left for orphan in planned.merged.orphans}
-        for path in saved - stored.keys():
-            remove_file(path)
-        raise
-    for planned in plan:
-        for orphan in planned.merged.taken:
-            remove_file(places[orphan])
-    _commit(root, {planned.texts.path: planned.texts.theirs for planned in plan})
-
-
-def _write_one(root: Path, planned: _Planned) -> bool:
-    path, text = planned.texts.path, planned.merged.text
-    check = partial(refuse_changed, root / path, planned.texts.there)
-    if text is None:
-        check()
-        return remove_file(root / path)
-    return write_file(root, path, text.encode(), f"{PRISTINE}/{path}", check)
-
-
-def _write_next(root: Path, planned: _Planned) -> None:
-    texts, text = planned.texts, planned.merged.text
-    if text is None or texts.theirs is None or texts.base in {None, texts.theirs}:
-        return
-    data = next_base(text.encode(), texts.theirs.encode())
-    write_file(root, f"{EDDI}/next/{texts.path}", data)
-
-
-def next_base(text: bytes, base: bytes) -> bytes:
-    """Return the content of ``.eddi/next/F``: when F holds ``text``, its base is ``base``."""
-    return hashlib.sha256(text).hexdigest().encode() + b"\n" + base
-
-
-def _commit(root: Path, made: Mapping[str, str | None]) -> None:
-    """Make these renderings the base of their files; ``None``: they have none any more."""
-    before = read_bases(root)
-    now = {path: base for path, base in {**before, **made}.items() if base is not None}
-    write_bases(root, now)
-    for path in made:
-        if now.get(path) != before.get(path):
-            remove_file(root / EDDI / "accepted" / path)
-    record_bases(root, made)
-    for path in made:
-        remove_file(root / EDDI / "next" / path)
-
-
-def _finish_interrupted(root: Path) -> None:
-    """Commit the base of files that a killed sync had already replaced.
-
-    Without this, a new rendering after the kill would be merged against a base that is one
-    rendering older than the file.
-    """
-    made: dict[str, str | None] = {}
-    bases = read_bases(root)
-    for path in files_below(root / EDDI / "next"):
-        text, mine = read_text(root / EDDI / "next" / path), read_text(root / path)
-        base = made[path] = bases.get(path)
-        if isinstance(text, str) and isinstance(mine, str):
-            digest, _, theirs = text.partition("\n")
-            replaced = digest == hashlib.sha256(mine.encode()).hexdigest()
-            # a person may have edited the file between the kill and now
-            if replaced or (base is not None and _nearer(mine, theirs, base)):
-                made[path] = theirs
-    _commit(root, made)
-
-
-def _nearer(mine: str, theirs: str, base: str) -> bool:
-    """Return whether a text was made of ``theirs`` rather than of ``base``."""
-    lines = mine.splitlines()
-    alike = [
-        difflib.SequenceMatcher(None, text.splitlines(), lines, autojunk=False).ratio()
-        for text in (theirs, base)
-    ]
-    return alike[0] > alike[1]
-
-
-def _relative(root: Path, name: object) -> str:
-    try:
-        return Path(str(name)).relative_to(root).as_posix() if name else str(root)
-    except ValueError:
-        return str(name)
+def _mode(old: int, new: int) -> int:
+    """Return the permissions of a file: those that it has; a program can be run."""
+    return old | ((old & 0o444) >> 2 if new & 0o100 else 0)

@@ -36,7 +36,6 @@ from eddi_scaffold.source import Source
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
-_INPUT = "input:"
 _CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
 """A line of a traceback."""
 
@@ -79,6 +78,7 @@ class Packaged:
             for model, process, requires in updates:
                 update = eddi_input.update_each if model.every_message else eddi_input.update
                 update(model.id, process, values, requires)
+            eddi_input.processed(values)
 
         eddi_input.processing = processing
         return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
@@ -166,9 +166,9 @@ def load(folder: Path) -> Packaged:
     try:
         name = answers["package"]
         config = from_json(answers["config_json"], str(folder)) if answers["config_json"] else None
-        by_hand = frozenset(
-            id_.removeprefix(_INPUT) for id_ in written(folder) if id_.startswith(_INPUT)
-        )
+        edited = set(written(folder))
+        inputs = json.loads(answers["model_json"])["inputs"]
+        by_hand = frozenset(i["id"] for i in inputs if f"process_{i['attribute']}" in edited)
         monitor = _remembered(folder, answers, config, by_hand)
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"

@@ -36,7 +36,7 @@ from eddi_scaffold.problems import (
     in_order,
     with_excerpts,
 )
-from eddi_scaffold.source import read_source
+from eddi_scaffold.source import read_source, saved_meanwhile
 
 
 @dataclass(frozen=True)
@@ -309,8 +309,7 @@ def save(path: Path, text: str, before: str | None) -> None:
 def _refuse_changed(path: Path, before: str | None) -> None:
     now = path.read_bytes().removeprefix(b"\xef\xbb\xbf") if path.exists() else None
     if now != (None if before is None else before.encode()):
-        message = "it was changed while this command was running; nothing was written"
-        raise EddiError(error("F013", message, Place(str(path)), "run the command again"))
+        raise saved_meanwhile(path)
 
 
 def _has_mark(path: Path) -> bool:

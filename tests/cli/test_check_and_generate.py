@@ -36,8 +36,6 @@ NOT_IN_THE_FILES = {
     "G026 a monitor reads what another one wants spelt differently": "about a package there",
     "G027 ROS 2 in a workspace of ROS 1": "about a package that is there",
     "H010 a marker has gone": "about a package that is there",
-    "H011 no Python any more": "about a package that is there",
-    "H011 a slip outside the regions": "about a package that is there",
     "H012 a folder of somebody else": "about the destination",
     "D003 ConSerts that feed each other in one workspace": "about a package that is there",
     "D017 the same in one workspace": "about a package that is there",

@@ -18,19 +18,19 @@ from unittest.mock import patch
 
 import copier
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-
-from eddi_scaffold.regions import __main__ as command
-from eddi_scaffold.regions import names
 from eddi_scaffold.regions.bases import bases_of
-from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.merge import merge
 from eddi_scaffold.regions.result import Merged
-from tests.regions import rendering
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from tests.regions.rendering import Package, elements
 from tests.regions.test_property import ACTIONS, Life, Tool
 from tests.regions.test_sync import git
+
+from eddi_scaffold.regions import __main__ as command
+from eddi_scaffold.regions import names
+from eddi_scaffold.regions.marked_file import parse
+from tests.regions import rendering
 
 pytestmark = pytest.mark.slow
 

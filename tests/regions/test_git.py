@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions import git as tool
-from eddi_scaffold.regions.git import GitError, committed_bytes, committed_text, repository_of
+from eddi_scaffold.regions.git import GitError, former_lines, repository_of
 from tests.checkouts import git
 
 TEXT = "was: ä\r\n"
+LINES = ["was: ä".encode()]
 
 
 @pytest.fixture
@@ -32,30 +33,29 @@ def work(tmp_path: Path) -> Path:
 
 def test_a_committed_file_is_read_byte_for_byte(work: Path) -> None:
     mark = work.parent / "MARK"
-    for key in ("filter.upper.smudge", "filter.upper.process", "diff.upper.textconv"):
+    keys = ("filter.upper.smudge", "filter.upper.process", "diff.upper.textconv")
+    for key in (*keys, "diff.upper.command", "gpg.program"):
         git(work, "config", key, f"touch {mark}; tr a-z A-Z")
+    git(work, "config", "log.showSignature", "true")
     (work / "src" / "pkg" / "a.py").write_text("now\n")
-    assert committed_text(work / "src" / "pkg", "a.py") == TEXT
-    assert committed_text(work, "src/pkg/a.py") == TEXT
-    assert committed_bytes(work / "src/pkg", "latin.py") == b"\xe4"
-    assert committed_text(work / "src/pkg", "latin.py") is None
+    assert former_lines(work / "src" / "pkg", "a.py") == LINES
+    assert former_lines(work, "src/pkg/a.py") == LINES
+    assert former_lines(work / "src/pkg", "latin.py") == [b"\xe4"]
     assert not mark.exists()
 
 
-@pytest.mark.parametrize("name", ["none.py", "../pkg/a.py", "/src/pkg/a.py", "", "pkg"])
-def test_what_is_no_file_of_the_folder_has_no_text(work: Path, name: str) -> None:
-    assert committed_bytes(work / "src" / "pkg", name) is None
-    assert committed_bytes(work / "src", name) is None
+def test_what_is_no_file_of_the_folder_has_no_text(work: Path) -> None:
+    assert former_lines(work / "src" / "pkg", "none.py") == []
 
 
 def test_a_folder_is_found_by_a_link_as_well(work: Path, tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(work / "src" / "pkg")
-    assert committed_text(tmp_path / "link", "a.py") == TEXT
+    assert former_lines(tmp_path / "link", "a.py") == LINES
 
 
 def test_a_linked_worktree_is_one(work: Path, tmp_path: Path) -> None:
     git(work, "worktree", "add", "--quiet", str(tmp_path / "other"))
-    assert committed_text(tmp_path / "other" / "src" / "pkg", "a.py") == TEXT
+    assert former_lines(tmp_path / "other" / "src" / "pkg", "a.py") == LINES
 
 
 def test_a_submodule_is_one(work: Path, tmp_path: Path) -> None:
@@ -64,18 +64,18 @@ def test_a_submodule_is_one(work: Path, tmp_path: Path) -> None:
     git(around, "init", "--quiet", "--initial-branch=main")
     git(around, "-c", "protocol.file.allow=always", "submodule", "--quiet", "add", str(work), "sub")
     assert (around / "sub" / ".git").is_file()
-    assert committed_text(around / "sub" / "src" / "pkg", "a.py") == TEXT
+    assert former_lines(around / "sub" / "src" / "pkg", "a.py") == LINES
 
 
 def test_no_repository_no_text(tmp_path: Path) -> None:
     assert repository_of(tmp_path) is None
-    assert committed_bytes(tmp_path, "a.py") is None
+    assert former_lines(tmp_path, "a.py") == []
 
 
 def test_the_next_one_counts_even_where_it_is_none(work: Path) -> None:
     """Git would go on and find the one around: what is in the package must not choose that."""
     (work / "src" / ".git").mkdir()
-    assert committed_bytes(work / "src" / "pkg", "a.py") is None
+    assert former_lines(work / "src" / "pkg", "a.py") == []
 
 
 @pytest.mark.parametrize("text", ["gitdir: {}\n", "gitdir: {}", "{}\n"])
@@ -109,14 +109,14 @@ def test_a_repository_of_somebody_else_is_none(work: Path, monkeypatch: pytest.M
 
 def test_no_git_no_text(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(work))
-    assert committed_bytes(work / "src" / "pkg", "a.py") is None
+    assert former_lines(work / "src" / "pkg", "a.py") == []
 
 
 def test_variables_of_a_hook_do_not_count(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A hook sets GIT_DIR, which is about the user's repository."""
     for name in ("GIT_DIR", "GIT_OBJECT_DIRECTORY", "GIT_EXEC_PATH", "GIT_CONFIG_COUNT"):
         monkeypatch.setenv(name, "elsewhere")
-    assert committed_text(work / "src" / "pkg", "a.py") == TEXT
+    assert former_lines(work / "src" / "pkg", "a.py") == LINES
 
 
 def test_neither_a_monitor_nor_a_hook_of_the_repository_is_started(work: Path) -> None:

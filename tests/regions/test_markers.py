@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import textwrap
 from xml.etree import ElementTree as ET
 
 import pytest
@@ -8,12 +9,16 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.regions.marked_file import parse, split_lines
 from eddi_scaffold.regions.markers import (
+    Digests,
+    Look,
     begin_marker,
     decode_id,
+    digest,
     encode_id,
     end_marker,
     read_marker,
-    with_sig,
+    tail_of,
+    with_tail,
 )
 from tests.fuzz.damage import watched
 
@@ -27,39 +32,48 @@ def one(text: str):
     return region
 
 
-@pytest.mark.parametrize("style", ["python", "xml", "hash"])
-def test_written_form_is_read(style: str) -> None:
-    begin = begin_marker("input:a b", style, ("input:old", "input:x,y"), "1a2b3c4d")
-    region = one(f"  {begin}\nbody\n  {end_marker('input:a b', style)}\n")
-    assert (region.id, region.was, region.sig) == (
-        "input:a b",
-        ("input:old", "input:x,y"),
-        "1a2b3c4d",
-    )
+STYLES = ("python", "xml", "hash")
+LOOK = Look(Digests("22222222", "33333333"), ("Ea", "x y"))
+
+
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize("now", [None, LOOK, Look(Digests("22222222"))])
+def test_written_form_is_read(style: str, now: Look | None) -> None:
+    digests = Digests("1a2b3c4d", "81fdda7e")
+    begin = begin_marker("a b", style, digests, ("old", "x,y"), now)
+    region = one(f"  {begin}\nbody\n  {end_marker('a b', style)}\n")
+    assert (region.id, region.was, region.digests) == ("a b", ("old", "x,y"), digests)
     assert (region.body, region.line, region.indent) == ("body\n", 1, "  ")
+    assert region.now == now
 
 
 def test_written_form_of_python() -> None:
-    text = begin_marker("input:RtE_A_E0", "python", (), "1a2b3c4d")
-    assert text == f"{BEGIN}  # region: input:RtE_A_E0 sig: 1a2b3c4d"
+    text = begin_marker("process_Ea", "python", Digests("1a2b3c4d", "81fdda7e"), ["process_E"])
+    assert text == f"{BEGIN}  # region: process_Ea of:1a2b3c4d for:81fdda7e was:process_E"
 
 
-@given(st.text(min_size=1), st.sampled_from(["python", "xml", "hash"]))
+@given(st.text(min_size=1), st.sampled_from(STYLES))
 def test_any_id_travels(name: str, style: str) -> None:
-    marker = begin_marker(f"node:{name}", style, (f"node:{name}2",))
-    region = one(f"{marker}\n{end_marker(f'node:{name}', style)}\n")
-    assert region.id == f"node:{name}"
-    assert region.was == (f"node:{name}2",)
+    marker = begin_marker(name, style, was=(f"{name}2",))
+    region = one(f"{marker}\n{end_marker(name, style)}\n")
+    assert (region.id, region.was) == (name, (f"{name}2",))
     assert decode_id(encode_id(name)) == name
 
 
-@pytest.mark.parametrize("written", ["input:%E1", "input:%FFx%20", "%"])
+def test_what_editors_and_git_change_is_not_in_a_digest() -> None:
+    body = "    x = 1\n    if x:\n        y = 2\n"
+    for other in (body.replace("\n", "\r\n"), textwrap.indent(body, "  "), f"\n\n{body} \n"):
+        assert digest(other) == digest(body)
+    assert digest("") == "e3b0c442"
+
+
+@pytest.mark.parametrize("written", ["%E1", "%FFx%20", "%"])
 def test_an_id_that_was_never_written_stays_as_it_is(written: str) -> None:
     assert one(f"{BEGIN}  # region: {written}\n{END}  # region: {written}\n").id == written
 
 
 def test_xml_form_is_legal_xml() -> None:
-    text = f"<a>{begin_marker('x:a--b---', 'xml')}{end_marker('x:a--b---', 'xml')}</a>"
+    text = f"<a>{begin_marker('a--b---', 'xml')}{end_marker('a--b---', 'xml')}</a>"
     assert ET.fromstring(text).tag == "a"
 
 
@@ -80,11 +94,11 @@ def test_xml_form_is_legal_xml() -> None:
 def test_forms_without_id(begin: str, end: str) -> None:
     text = f"class C:\n    def f(self):\n        {begin}\n        x = 1\n        {end}\n"
     region = one(text)
-    assert (region.id, region.explicit) == ("function:C.f", False)
+    assert region.id == "f"
     stripped = one(
         "\n".join(line.strip() if "Manual" in line else line for line in text.split("\n"))
     )
-    assert stripped.id == "function:C.f"
+    assert stripped.id == "f"
     assert one(text.replace("\n", "\r\n")).body == "        x = 1\r\n"
 
 
@@ -98,15 +112,14 @@ def test_id_on_one_marker_is_enough() -> None:
     [
         (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}\n", 2, "is missing"),
         (f"x\n{END}  # region: a\n", 2, "without begin"),
-        (f"x\n{BEGIN}  # region: a\n", 2, "no end marker"),
+        (f"x\n{BEGIN}  # region: a\n", 3, "is missing"),
         (f"{BEGIN}  # region: a\n{END}\n{BEGIN}  # region: a\n{END}\n", 3, "second region 'a'"),
         (f"x = 1; {BEGIN}  # region: a\n{END}\n", 1, "alone on its line"),
         (f"{BEGIN}  # region: a\nx = 1  {END}\n", 2, "alone on its line"),
         (f"{BEGIN}  # region: a\n{END}  # region: b\n", 2, "give both the same id"),
-        (f"{BEGIN}  # region: a sig: xyz\n{END}  # region: a\n", 1, "put the generated line back"),
+        (f"{BEGIN}  # region: a of:xyz\n{END}  # region: a\n", 1, "put the generated line back"),
         (f"{BEGIN}\n{END}\n", 1, "must be inside a function"),
         ("<!-- Manual edit begin | region: a --><x/>\n", 1, "alone on its line"),
-        ("a\n<<<<<<< before updating\n", 2, "merge conflict"),
     ],
 )
 def test_faults(text: str, line: int, word: str) -> None:
@@ -145,7 +158,7 @@ METHODS = f"""class C:
                 "x = 1\n", f"x = 1\n        {END}\n"
             ),
             15,
-            ("end marker of the region that begins in line 13", "before line 15"),
+            ("end marker of the region, which begins in line 13", "before line 15"),
         ),
         (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: b\n", 2, ("'a'", "line 2")),
         (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: a\n", 2, ("remove this",)),
@@ -160,12 +173,13 @@ def test_one_marker_that_is_missing_or_too_many_is_one_fault(
     assert all(word in fault.reason for word in words), fault
 
 
-def test_sig_is_replaced_in_every_form() -> None:
-    for style in ("python", "xml", "hash"):
-        old = begin_marker("a:b", style, ("a:c",), "11111111")
-        assert with_sig(old, "22222222") == begin_marker("a:b", style, ("a:c",), "22222222")
-        assert with_sig(old, None) == begin_marker("a:b", style, ("a:c",))
-        assert with_sig(with_sig(old, None), "11111111") == old
+def test_a_tail_is_replaced_in_every_form() -> None:
+    for style in STYLES:
+        old = begin_marker("a", style, Digests("11111111"), ("c",), LOOK)
+        new = begin_marker("a", style, Digests("22222222"), ("c",))
+        assert with_tail(old, "a", tail_of(Digests("22222222"), ("c",))) == new
+    bare = with_tail(f"  {BEGIN}", "f", tail_of(Digests("11111111")))
+    assert bare == f"  {BEGIN}  # region: f of:11111111"
 
 
 @given(st.text())
@@ -188,13 +202,12 @@ MANY = 50_000
         "-----Manual edit begin-----" + " " * MANY + "x",
         "<!--" * (MANY // 4) + "Manual edit begi",
         "<!--" + " " * MANY + "Manual edit begin" + " " * MANY + "x-->",
-        "-----Manual edit begin----- region: a was: " + "b," * (MANY // 2) + "b b",
-        "-----Manual edit begin----- region: a was: b" + " " * MANY + "sig: x",
-        "-----Manual edit begin----- region: a " + "sig: " * (MANY // 5),
+        "-----Manual edit begin----- region: a was:" + "b," * (MANY // 2) + "b b",
+        "-----Manual edit begin----- region: a was:b" + " " * MANY + "of:x",
+        "-----Manual edit begin----- region: a " + "of:1 " * (MANY // 5),
     ],
 )
 def test_a_long_line_is_read_at_once(line: str) -> None:
     """A pattern that goes back for every character takes ten seconds and more."""
     with watched(5.0):
         read_marker(line, 1)
-        with_sig(line, "1a2b3c4d")

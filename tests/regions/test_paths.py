@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.regions.paths import inside, is_relative
+from eddi_scaffold.regions.files import inside, is_relative
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,6 @@ import pytest
 
 from tests.quick_copier import render_faster
 from tests.updates.templates import Templates, make_templates
-from tests.updates.world import DONE
 
 _RAM_DISK = Path("/dev/shm")
 _ENOUGH = 512 * 2**20
@@ -55,17 +54,10 @@ def faster() -> None:
 
 @pytest.fixture(scope="session")
 def templates(fast_folder: Path, own_home: None) -> Templates:
-    return make_templates(fast_folder / "templates", programs=False)
+    return make_templates(fast_folder / "templates")
 
 
 @pytest.fixture
 def folder(fast_folder: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(dir=fast_folder) as name:
         yield Path(name)
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Say how much the random lives did (in one process, without pytest-xdist)."""
-    if DONE:
-        done = ", ".join(f"{count} {word}" for word, count in sorted(DONE.items()))
-        terminalreporter.write_line(f"random lives: {done}")

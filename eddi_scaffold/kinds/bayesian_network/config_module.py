@@ -44,14 +44,15 @@ def _method(node: Node, attribute: str, settings: NetworkOptions) -> EditableMet
         for state, name in zip(node.states, outcomes, strict=True)
     ]
     former = settings.renamed.get(node.id)
+    was = tuple(f"node_{name}" for name in identifiers([former] if former else []))
     return EditableMethod(
         name=f"node_{attribute}",
-        region=f"node:{node.id}",
+        about=node.id,
         body=("pass",),
         returns="Tuple[bool, Dict[str, float]]",
         comments=tuple(_comments(node, settings)),
         before=("is_bn_output = False", *(f"{name} = 0.0" for name in outcomes)),
-        was=(f"node:{former}",) if former else (),
+        was=was,
         uses=(*outcomes, "dra_data"),
         after=("return is_bn_output, {", *pairs, "}"),
         is_needed=node.id in settings.by_hand,

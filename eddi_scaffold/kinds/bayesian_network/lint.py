@@ -14,7 +14,7 @@ from pathlib import PurePath
 
 from eddi_scaffold.kinds.bayesian_network import lint_ways as ways
 from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
-from eddi_scaffold.regions.python_text import parse_shallow
+from eddi_scaffold.python_text import parse_shallow
 from eddi_scaffold.source import Source
 
 FILE = "bayesian_network_config.py"

@@ -133,6 +133,12 @@ class EDDIInputBase:
         self.__unknown: dict[str, object] = {}
         self.bind(specs)
 
+    def setup(self) -> None:
+        """Run a person's lines once, when all inputs have their defaults."""
+
+    def processed(self, simulator_outputs: Mapping[str, object]) -> None:
+        """Run a person's lines in each step; the node withdraws its result when this raises."""
+
     def bind(self, specs: Sequence[InputSpec]) -> None:
         """Take over attribute names, age limits and expressions, where ``EDDIInput`` has none."""
         self.__specs = {spec.id: spec for spec in specs}

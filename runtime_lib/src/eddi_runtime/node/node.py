@@ -87,6 +87,22 @@ class Node:
             self._core, self.eddi_input, self._schedule.period, self.options.startup_grace
         )
 
+    # What a person adds, in the region ``RosNode.members``.
+
+    def started(self) -> None:
+        """Run once, before the first step."""
+
+    def stepped(self, result: Any) -> None:
+        """Run after each step, with what the monitor returned."""
+
+    def _call(self, about: str, own: Callable[[], object]) -> None:
+        """Call a person's method beside the monitor: what it raises is logged, and no more."""
+        try:
+            own()
+            self._health.log_error(about, "")
+        except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
+            self._health.log_error(about, one_line(caught), traceback.format_exc())
+
     # What a transport adds.
 
     def simulated_ns(self) -> int | None:
@@ -147,6 +163,7 @@ class Node:
         self.ending.on_end(self._waker.wake)
         self.log_start()
         self.init_publisher()
+        self._call("started", self.started)
         self.step()  # before any message can arrive: nothing is known, nothing is active
         self.init_subscriber()
         if diagnostics is not None and self.options.diagnostics:
@@ -203,6 +220,7 @@ class Node:
                 return
             error = self._publish(output)
             self._health.log_error("step", error)
+            self._call("stepped", lambda: self.stepped(output))
         except Exception as caught:  # noqa: BLE001 - hand-written code may raise anything
             if self.ending.begun:
                 return

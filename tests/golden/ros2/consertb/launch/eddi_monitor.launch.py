@@ -1,3 +1,4 @@
+# fmt: off
 """Start the monitor ConSertB.
 
 One namespace per robot: ros2 launch eddi_monitor_launcher eddi.launch.py namespace:=robot1 starts
@@ -11,6 +12,9 @@ from launch.actions import DeclareLaunchArgument
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+# -----Manual edit begin-----  # region: launch.module of:e3b0c442
+# -----Manual edit end-----  # region: launch.module
+
 
 def generate_launch_description():
     """Return the node and the arguments of this file."""
@@ -23,6 +27,7 @@ def generate_launch_description():
             'parameters', default_value=parameters, description='YAML file of parameters'),
         DeclareLaunchArgument(
             'use_sim_time', default_value='false', description='take the time from /clock'),
+        # -----Manual edit begin-----  # region: launch.node of:afb2737b
         Node(
             package='consertb',
             executable='ros_node',
@@ -37,4 +42,7 @@ def generate_launch_description():
             respawn=True,
             respawn_delay=2.0,
         ),
+        # -----Manual edit end-----  # region: launch.node
+        # -----Manual edit begin-----  # region: launch.own of:e3b0c442
+        # -----Manual edit end-----  # region: launch.own
     ])

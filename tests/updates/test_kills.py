@@ -1,0 +1,313 @@
+"""A run that is killed at any change of the file system, a full disk, two at once, an editor."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import random
+import resource
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.regions.write import SavedError, locked
+from tests.updates.inputs import Input
+from tests.updates.lives import START, Bare, Life, Real, histories, outside, snapshot, write
+from tests.updates.templates import Templates
+from tests.updates.world import World
+
+pytestmark = pytest.mark.slow
+_CHANGES = {"os.rename": 2, "os.remove": 1, "os.rmdir": 1, "os.mkdir": 2, "os.chmod": 2}
+"""Audit events that change a file system -> where the folder of a relative path is."""
+_KILLED, _SAVED, _FULL = 9, 10, 11
+AFTER = (Input("E2", renamed_from="E1"), Input("E1", renamed_from="E2"), Input("E4"))
+
+
+def in_child(run: Callable[[], int], hook: Callable[[str, tuple[Any, ...]], None]) -> int:
+    """Run something in a forked process with an audit hook, and return its status."""
+    child = os.fork()
+    if child == 0:
+        status = 1
+        try:
+            sys.addaudithook(hook)
+            status = run()
+        except SavedError:
+            status = _SAVED
+        except OSError:
+            status = _FULL
+        finally:
+            os._exit(status)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def at(number: int, below: Path, act: Callable[[], None]) -> Callable[[str, tuple[Any, ...]], None]:
+    """Return a hook that acts before the change of a number below a folder."""
+    numbers = count()
+
+    def hook(event: str, args: tuple[Any, ...]) -> None:
+        if event == "open":
+            changes = isinstance(args[2], int) and args[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
+        else:
+            changes = event in _CHANGES
+        if not changes or not isinstance(args[0], str | Path):
+            return
+        path = str(args[0])
+        handle = args[_CHANGES[event]] if event in _CHANGES else -1
+        if handle >= 0:
+            path = f"{Path(f'/proc/self/fd/{handle}').readlink()}/{path}"
+        if path.startswith(str(below)) and next(numbers) == number:
+            act()
+
+    return hook
+
+
+def die() -> None:
+    os._exit(_KILLED)
+
+
+@contextmanager
+def always_from(folder: Path) -> Iterator[Callable[[], None]]:
+    """Give a function that puts a folder back to what it is now."""
+    saved = folder.with_name(f"{folder.name}.saved")
+    shutil.copytree(folder, saved, symlinks=True)
+
+    def put_back() -> None:
+        shutil.rmtree(folder)
+        shutil.copytree(saved, folder, symlinks=True)
+
+    yield put_back
+    shutil.rmtree(saved)
+
+
+def edited(place: Bare | Real) -> Life:
+    """Return a package that somebody wrote in, before everything about it changes."""
+    life = Life(place, random.Random(7))
+    life.begin()
+    for _ in range(12):
+        write(life)
+    life.sync("generate")
+    write(life)
+    for _ in range(2):
+        outside(life)
+    place.inputs, place.template = AFTER, "third"
+    return life
+
+
+def is_whole(now: Path, before: dict[str, Any], after: dict[str, Any]) -> None:
+    """Check that each file is the old or the new one."""
+    for name, found in snapshot(now).items():
+        if not any(way in name for way in (".eddi/manifest", ".eddi/put", ".eddi/new")):
+            assert found in (before.get(name), after.get(name)), name
+    texts = [data for data, _ in snapshot(now).values()]
+    for data, _ in before.values():
+        for line in data.split(b"\n"):
+            assert b"mine_" not in line or any(line in text for text in texts), line
+
+
+def test_a_sync_that_is_killed_at_any_point_is_finished_by_the_next(folder: Path) -> None:
+    place = Bare(folder)
+    edited(place)
+    before = snapshot(place.package)
+    with always_from(place.package) as put_back:
+        assert place.bring("generate").status == 3
+        after = snapshot(place.package)
+        for number in range(1000):
+            put_back()
+            run = lambda: place.bring("generate").status  # noqa: E731
+            status = in_child(run, at(number, place.package, die))
+            if status != _KILLED:
+                break
+            is_whole(place.package, before, after)
+            assert place.bring("generate").status == 3
+            assert snapshot(place.package) == after, f"killed before change {number}"
+        assert status == 3
+        assert number > 40
+
+
+@pytest.mark.parametrize("command", ["generate", "upgrade"])
+def test_so_is_a_command(folder: Path, templates: Templates, command: str) -> None:
+    place = Real(World(folder, templates, START))
+    edited(place)
+    if command == "upgrade":
+        place.inputs = START
+    before = snapshot(place.world.workspace)
+    with always_from(place.world.workspace) as put_back:
+        assert place.bring(command).status == 3
+        after = snapshot(place.world.workspace)
+        numbers = (
+            sorted(random.Random(1).sample(range(260), 5)) if histories(0, 1) == 0 else count()
+        )
+        for number in numbers:
+            put_back()
+            run = lambda: place.bring(command).status  # noqa: E731
+            status = in_child(run, at(number, place.world.workspace / "src", die))
+            if status != _KILLED:
+                assert status == 3
+                break
+            is_whole(place.world.workspace, before, after)
+            assert place.bring(command).status == 3
+            assert snapshot(place.world.workspace) == after, f"killed before change {number}"
+
+
+@pytest.mark.parametrize("command", ["copy", "recopy", "update"])
+def test_so_is_copier(folder: Path, templates: Templates, command: str) -> None:
+    place = Real(World(folder, templates, START))
+    edited(place)
+    place.world.commit()
+    package, chance = place.package, random.Random(command)
+    before = snapshot(package)
+    with always_from(place.world.workspace) as put_back:
+        began = time.monotonic()
+        assert place.bring(command).status == 3
+        takes = time.monotonic() - began
+        after = snapshot(package)
+        for _ in range(histories(3, 40)):
+            put_back()
+            child = os.fork()
+            if child == 0:
+                os.setsid()
+                try:
+                    place.bring(command)
+                finally:
+                    os._exit(0)
+            time.sleep(chance.uniform(0.3, 1) * takes)
+            os.killpg(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            is_whole(package, before, after)
+            assert place.bring(command).status == 3
+            assert snapshot(package) == after
+
+
+@pytest.mark.parametrize("limit", [0, 100, 700, 1300])
+def test_a_full_disk_changes_nothing(folder: Path, limit: int) -> None:
+    place = Bare(folder)
+    edited(place)
+    before = snapshot(place.package)
+    plan = place.plan()
+
+    def run() -> int:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        plan.prepare()
+        return 0
+
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    assert in_child(run, lambda *_: None) == _FULL
+    assert snapshot(place.package) == before
+    assert place.bring("generate").status == 3
+
+
+@pytest.mark.parametrize("free", [0, 40])
+def test_a_disk_that_is_full_changes_nothing(folder: Path, templates: Templates, free: int) -> None:
+    workspace = folder / "ws"
+    workspace.mkdir()
+    mount = ctypes.CDLL(None, use_errno=True).mount
+    if mount(b"none", bytes(workspace), b"tmpfs", 0, b"size=16m"):
+        pytest.skip("this user may not mount a small disk")
+    try:
+        place = Real(World(folder, templates, START))
+        edited(place)
+        place.world.commit()
+        before = snapshot(workspace / "src")
+        filler = workspace / "filler"
+        disk = os.statvfs(workspace)
+        filler.write_bytes(bytes(disk.f_bavail * disk.f_frsize - free * 1024))
+        for command in ("generate", "upgrade"):
+            done = place.bring(command)
+            assert (done.status, "No space left" in done.said) == (2, True), done.said
+            assert snapshot(workspace / "src") == before
+        filler.unlink()
+        assert place.bring("generate").status == 3
+    finally:
+        assert ctypes.CDLL(None).umount2(bytes(workspace), 2) == 0
+
+
+def test_a_folder_that_cannot_be_written_changes_nothing(folder: Path) -> None:
+    place = Bare(folder)
+    edited(place)
+    before = snapshot(place.package)
+    plan = place.plan()
+    for path in (folder.parent, folder, *folder.rglob("*")):
+        path.chmod(path.stat().st_mode | (0o777 if path.is_dir() else 0o666))
+    before = snapshot(place.package)
+    (place.package / "launch").chmod(0o555)
+
+    def run() -> int:
+        os.setuid(65534)  # root may write everywhere
+        plan.prepare()
+        return 0
+
+    assert in_child(run, lambda *_: None) == _FULL
+    (place.package / "launch").chmod(0o777)
+    assert snapshot(place.package) == before
+
+
+def test_a_file_that_cannot_be_written_stays_so(folder: Path) -> None:
+    place = Bare(folder)
+    life = edited(place)
+    file = place.package / life.regions()["launch.node"][0]
+    file.chmod(0o444)
+    assert place.bring("generate").status == 3
+    assert file.stat().st_mode & 0o777 == 0o444
+
+
+def test_two_runs_at_once(folder: Path, templates: Templates) -> None:
+    place = Real(World(folder, templates, START))
+    edited(place)
+    before = snapshot(place.world.workspace)
+    with locked(place.package):
+        for command in ("generate", "upgrade", "recopy"):
+            done = place.bring(command)
+            assert (done.status, "another run is at work" in done.said) == (2, True), done.said
+            if command != "recopy":  # whose answers are new
+                assert snapshot(place.world.workspace) == before
+    assert place.bring("generate").status == 3
+
+
+def test_a_file_that_an_editor_saves_meanwhile(folder: Path) -> None:
+    place = Bare(folder)
+    life = edited(place)
+    file = place.package / life.regions()["process_E1"][0]
+    with always_from(place.package) as put_back:
+        for number in range(1000):
+            put_back()
+            before = snapshot(place.package)
+            run = lambda: place.bring("generate").status  # noqa: E731
+            save = lambda: _save(file)  # noqa: E731
+            status = in_child(run, at(number, place.package / ".eddi/put/", save))
+            if status != _SAVED:
+                break
+            assert file.read_bytes().endswith(b"saved meanwhile\n")
+            found = snapshot(place.package)
+            name = file.relative_to(place.package).as_posix()
+            assert found.pop(name) != before.pop(name)
+            assert found == before
+        assert number > 9
+
+
+def _save(file: Path) -> None:
+    data = file.read_bytes()
+    if not data.endswith(b"saved meanwhile\n"):
+        file.write_bytes(data + b"# saved meanwhile\n")
+
+
+def test_an_editor_and_a_command(folder: Path, templates: Templates) -> None:
+    place = Real(World(folder, templates, START))
+    life = edited(place)
+    file = place.package / life.regions()["process_E1"][0]
+
+    def run() -> int:
+        done = place.bring("generate")
+        said = "was saved while" in done.said and "Nothing was changed" in done.said
+        return done.status if said else 1
+
+    hook = at(0, place.package / ".eddi/put/", lambda: _save(file))
+    assert in_child(run, hook) == 2
+    assert file.read_bytes().endswith(b"saved meanwhile\n")
