@@ -79,8 +79,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         regions = looked_at(root)
         edited = [one.file for one in regions if one.state == "outside"]
         states = Counter(one.state for one in regions if one.id)
-        findings = [line for line in outcome.left if line.startswith((f"{folder} ", f"{folder}/"))]
-        findings += [
+        findings = [
             ": ".join(filter(None, (one.file, one.id, "; ".join(one.notes))))
             for one in regions
             if one.review and one.state != "outside"

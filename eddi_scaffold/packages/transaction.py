@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import secrets
 import shutil
-import stat
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -25,11 +24,6 @@ class FileState:
 
     data: bytes
     mode: int = NEW
-
-    @property
-    def executable(self) -> bool:
-        """Return whether its owner may run it."""
-        return bool(self.mode & stat.S_IXUSR)
 
 
 def write(

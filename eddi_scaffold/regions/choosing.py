@@ -118,14 +118,12 @@ class Placed:
         written: whether a person wrote it.
         digests: as its marker gets them.
         now: why a person must look at it.
-        news: whether its marker did not say that before.
     """
 
     body: str
     written: bool
     digests: Digests
     now: Look | None = None
-    news: bool = False
 
 
 def placed(
@@ -154,9 +152,7 @@ def placed(
     doubted = {*former_names, *(own.now.missing if own.now is not None else ())}
     missing = tuple(sorted((doubted & used) - new_words))
     if own.digests != today or missing:
-        now = Look(today, missing)
-        news = own.now != now or choice.former is not None or body.kept
-        return Placed(own.body, True, own.digests, now, news)
+        return Placed(own.body, True, own.digests, Look(today, missing))
     return Placed(own.body, True, own.digests)
 
 

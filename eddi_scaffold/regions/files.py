@@ -12,7 +12,6 @@ import errno
 import os
 import stat
 from collections.abc import Collection, Iterator
-from itertools import accumulate
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
@@ -113,28 +112,7 @@ def kind_of(path: Path) -> str | None:
 
 def stays(root: Path, path: Path) -> bool:
     """Return whether a path, links followed, still lies below a folder."""
-    return resolved(root, path) is not None
-
-
-def resolved(root: Path, path: Path) -> Path | None:
-    """Return a path with links followed, ``None`` when it does not lie below a folder then.
-
-    Links above the folder stay as they are where there is none at it or below it.
-    """
-    if _is_plain(root, path):
-        return path
-    real, folder = os.path.realpath(path), os.path.realpath(root)
-    below = real == folder or real.startswith(folder.rstrip(os.sep) + os.sep)
-    return Path(real) if below else None
-
-
-def _is_plain(root: Path, path: Path) -> bool:
-    """Return whether a path goes straight down from a folder: most do, and that is seen at once."""
-    above, parts = root.parts, path.parts
-    if parts[: len(above)] != above or ".." in parts:
-        return False
-    steps = accumulate(parts[len(above) :], os.path.join, initial=str(root))
-    return not any(map(os.path.islink, steps))
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(root))
 
 
 def _name(entry: os.DirEntry[str]) -> str:
