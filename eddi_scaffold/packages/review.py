@@ -10,6 +10,7 @@ from pathlib import Path
 
 from eddi_scaffold.packages.mistakes import Inputs, Messages
 from eddi_scaffold.python_text import parse_python
+from eddi_scaffold.regions.files import read_regular
 from eddi_scaffold.regions.marked_file import Region
 
 NO_MESSAGES = Messages()
@@ -74,8 +75,8 @@ def doubtful_names(
 def is_of_d72(file: Path) -> bool:
     """Return whether a file has an ``EDDIInput`` as the D7.2 tools wrote it."""
     try:
-        return _OF_D72.search(file.read_text("utf-8")) is not None
-    except (OSError, UnicodeDecodeError):
+        return _OF_D72.search(read_regular(file).decode("utf-8", "replace")) is not None
+    except OSError:  # a FIFO as well, which would be waited for
         return False
 
 
