@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import stat
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -140,14 +141,21 @@ def obstacle(root: Path, name: str) -> str | None:
     """Return why a generated file cannot be at a path of a package: a link, a folder."""
     above = PurePosixPath(name).parents
     for folder in list(above)[-2::-1]:
-        path = root / folder
-        if path.is_symlink() or (os.path.lexists(path) and not path.is_dir()):
-            return f"{folder} is {kind_of(path) or 'a file'}"
-    path = root / name
-    if path.is_dir() and not path.is_symlink():
+        mode = _mode_of(root / folder)
+        if mode and not stat.S_ISDIR(mode):
+            return f"{folder} is {kind_of(root / folder) or 'a file'}"
+    if stat.S_ISDIR(_mode_of(root / name)):
         return f"{name} is a folder"
-    kind = kind_of(path)
+    kind = kind_of(root / name)
     return f"{name} is {kind}" if kind is not None else None
+
+
+def _mode_of(path: Path) -> int:
+    """Return what is at a path; nothing is, where no disk can hold such a name."""
+    try:
+        return path.lstat().st_mode
+    except OSError:
+        return 0
 
 
 def manifest_of(root: Path) -> Manifest:

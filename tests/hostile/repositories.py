@@ -1,4 +1,4 @@
-"""Packages in which git would start a command of theirs when it is asked for a committed file.
+"""Packages in which git would start a command of theirs when it is asked what was committed.
 
 The command stands in the configuration of a repository. An object that is not there is fetched from
 where that configuration says, with the program that it says (a partial clone).
@@ -10,12 +10,11 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-from eddi_scaffold.regions.bases import read_bases, write_bases
 from tests.checkouts import git
 from tests.hostile.world import World
 
-DROPPED = "dropped.txt"
-"""A file of an earlier rendering that is gone: its last text is asked of git."""
+EDITED = "README.md"
+"""A generated file that is not as it was made: git is asked whether a merge made it."""
 SHA = "1234567890" * 4
 CONFIG = """
 [core]
@@ -35,7 +34,7 @@ CONFIG = """
 
 def bare_look_alike(world: World) -> None:
     """Plain files, which survive a clone: the package's folder looks like a bare repository."""
-    _drop(world)
+    _edit(world)
     _look_alike(world, world.package)
     with (world.package / "config").open("a") as file:
         file.write("[core]\n\tworktree = .\n")  # without it git knows no names that begin with ./
@@ -43,7 +42,7 @@ def bare_look_alike(world: World) -> None:
 
 def named_look_alike(world: World) -> None:
     """The same elsewhere in the package, named by a ``.git`` file: an archive can hold one."""
-    _drop(world)
+    _edit(world)
     _look_alike(world, world.package / "data")
     (world.package / ".git").write_text("gitdir: data\n")
 
@@ -60,7 +59,7 @@ def real_repository_by_ssh(world: World) -> None:
 
 def repository_that_names_an_object_of_nobody(world: World) -> None:
     """A repository whose ``HEAD`` is in no store: the commit itself would be fetched."""
-    _drop(world)
+    _edit(world)
     _look_alike(world, world.work / ".git")
 
 
@@ -76,8 +75,9 @@ OTHERS: tuple[Callable[[World], None], ...] = (
 """More of the same kind, for tests of what reads a repository."""
 
 
-def _drop(world: World) -> None:
-    write_bases(world.package, {**read_bases(world.package), DROPPED: "text\n"})
+def _edit(world: World) -> None:
+    with (world.package / EDITED).open("a") as file:
+        file.write("edited\n")
 
 
 def _look_alike(world: World, folder: Path) -> None:
@@ -89,15 +89,13 @@ def _look_alike(world: World, folder: Path) -> None:
 
 
 def _real(world: World, url: str) -> None:
-    _drop(world)
-    (world.package / DROPPED).write_text("text\n")
     git(world.work, "init", "--quiet", "--initial-branch=main")
     git(world.work, "add", "--all")
     git(world.work, "commit", "--quiet", "--message", "All")
-    name = git(world.work, "rev-parse", f"HEAD:packages/conserta/{DROPPED}").strip()
+    name = git(world.work, "rev-parse", "HEAD:packages/conserta/.eddi/manifest").strip()
     objects = world.work / ".git" / "objects"
     (objects / name[:2] / name[2:]).unlink()
-    (world.package / DROPPED).unlink()
+    _edit(world)
     shutil.rmtree(world.work / ".git" / "hooks", ignore_errors=True)
     _configure(world, world.work / ".git", url)
 

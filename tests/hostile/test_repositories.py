@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 
 import pytest
 
 from eddi_scaffold.regions import __main__ as tool
-from eddi_scaffold.regions.bases import read_bases, write_bases
-from tests.checkouts import git
 from tests.cli.command import run
-from tests.hostile import repositories
+from tests.hostile import records, repositories
+from tests.hostile.watch import look
 from tests.hostile.world import World
 
 pytestmark = pytest.mark.slow
@@ -23,35 +23,32 @@ def test_the_sync_of_copier_starts_no_command_of_a_package(
     hostile: Callable[[World], None], world: World
 ) -> None:
     hostile(world)
-    assert tool.main(["sync"], world.package) == 0
+    assert tool.main(["status", str(world.package)]) == 3
+    stage = world.eddi / "new/stage"
+    stage.mkdir(parents=True)
+    shutil.copy(world.package / "EDDIInput.py", stage)
+    assert tool.main(["sync", str(world.package), "stage"]) == 0
     assert not world.mark.exists()
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        "upgrade -w packages",
-        "generate --platform plain -o packages -m two_conserts.xml -c consert_a_config.yml",
-    ],
-)
+GENERATE = "generate --platform plain -o packages -m two_conserts.xml -c consert_a_config.yml"
+
+
+@pytest.mark.parametrize("command", ["upgrade -w packages", GENERATE])
 def test_commands_that_write_start_none(command: str, world: World) -> None:
     repositories.bare_look_alike(world)
     result = run(*command.split(), cwd=world.work)
-    assert result.status == 0, result.err
+    assert result.status == 3, result.err
+    assert "edited outside" in result.err
     assert not world.mark.exists()
 
 
-def test_a_text_that_is_in_git_only_comes_back_from_the_real_repository(world: World) -> None:
-    """A scratch copy has no repository; what was written by hand in a dropped file is saved."""
-    marked = "# -----Manual edit {}-----  # region: x:y\n"
-    begin, end = marked.format("begin"), marked.format("end")
-    (world.package / "dropped.cmake").write_text(f"{begin}hand(1)\n{end}")
-    write_bases(world.package, {**read_bases(world.package), "dropped.cmake": begin + end})
-    git(world.work, "init", "--quiet", "--initial-branch=main")
-    git(world.work, "add", "--all")
-    git(world.work, "commit", "--quiet", "--message", "All")
-    (world.package / "dropped.cmake").unlink()
-    result = run("upgrade", "-w", "packages", cwd=world.work)
-    assert result.status == 3, result.err
-    (saved,) = (world.eddi / "orphans").iterdir()
-    assert saved.read_text().endswith("hand(1)\n")
+@pytest.mark.parametrize("hostile", records.BUILDERS, ids=lambda build: build.__name__)
+def test_what_writes_leaves_alone_what_lies_elsewhere(
+    hostile: Callable[[World], None], world: World
+) -> None:
+    hostile(world)
+    before = look(world.precious.parent), (world.scratch / "precious.txt").read_text()
+    for command in (GENERATE, "upgrade -w packages"):
+        assert run(*command.split(), cwd=world.work).status in {0, 2, 3}
+    assert (look(world.precious.parent), (world.scratch / "precious.txt").read_text()) == before
