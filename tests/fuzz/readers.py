@@ -9,7 +9,6 @@ import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 from eddi_scaffold.compiling.document import ModelError, parse_model
@@ -48,7 +47,7 @@ from eddi_scaffold.problems import EddiError, has_errors
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.sync import sync_package
+from eddi_scaffold.regions.sync import Plan, plan_sync
 from eddi_scaffold.replay.bags import read_bag
 from eddi_scaffold.replay.parts import columns, compiled, of_messages, of_values, rhythm
 from eddi_scaffold.replay.playing import play
@@ -61,7 +60,7 @@ from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
 from tests.data_files import FOREIGN, ORACLES
 from tests.fuzz.damage import Reader, Sample
-from tests.regions.rendering import FILES, Package, elements, render
+from tests.package_texts import INPUT, eddi_input
 
 EXAMPLES = ROOT / "examples"
 MAPS = Path(__file__).parents[1] / "readers" / "models"
@@ -502,19 +501,23 @@ def _model_files(folder: Path) -> Made:
 
 
 def _sync(folder: Path) -> Made:
-    """A package whose editable files, base, rendering and saved bodies are damaged in turn."""
-    sound = folder / "sound"
-    render(sound, Package(elements("E0", "E1"), 1))
-    sync_package(sound)
-    path = sound / FILES[0]
-    text = path.read_text("utf-8").replace(
-        "message.data\n", "message.data and not self.tilted\n", 1
-    )
-    path.write_text(text.replace("import EDDIInputBase\n", "import EDDIInputBase\nimport math\n"))
-    render(sound, Package(elements("E1", "E2"), 2))
-    names = [n for n in files_below(sound) if n.endswith((*FILES, ".json"))]
-    samples = [Sample(name, (sound / name).read_bytes()) for name in names]
-    package = folder / "package"
+    """A package whose module, manifest and saved body are damaged in turn."""
+    sound, package = folder / "sound", folder / "package"
+    renderings = [folder / name for name in ("first", "second", "third")]
+    for rendering, names in zip(renderings, (["E0", "E1"], ["E1"], ["E1", "E2"]), strict=True):
+        (rendering / INPUT).parent.mkdir(parents=True)
+        (rendering / INPUT).write_text(eddi_input(names))
+    sound.mkdir()
+    for rendering in renderings[:2]:
+        _synced(plan_sync(sound, rendering))
+        text = (sound / INPUT).read_text("utf-8")
+        (sound / INPUT).write_text(text.replace("= message.data\n", "= not message.data\n"))
+    samples = [Sample(name, data) for name, data in files_below(sound).items()]
+    assert [one.name for one in samples] == [
+        ".eddi/kept/process_E0.region",
+        ".eddi/manifest",
+        INPUT,
+    ]
 
     def attempt(sample: Sample) -> Steps:
         shutil.rmtree(package, ignore_errors=True)
@@ -524,37 +527,32 @@ def _sync(folder: Path) -> Made:
         yield
         list_regions(package, doubtful_names)
         yield
-        assert files_below(package) == before, "a list of regions changed a file"
-        report = sync_package(package)
+        plan = plan_sync(package, renderings[2])
         yield
-        after = files_below(package)
-        for refusal in report.refused:
-            name = refusal.file.removeprefix(".eddi/pristine/")
-            assert after.get(name) == before.get(name), f"{name} was refused, but changed"
-        if sample.name in FILES:
-            _nothing_lost(sample, before, after)
-        again = sync_package(package)
+        assert files_below(package) == before, "a look changed a file"
+        if plan.refusals:
+            return
+        _synced(plan)
         yield
-        # blank lines outside of regions take two runs until they are those of the rendering
-        assert _stripped(files_below(package)) == _stripped(after), "a second run changed a file"
-        assert not again.notes or report.notes, "a second run said more"
+        if sample.name == INPUT:
+            made = [(rendering / INPUT).read_bytes() for rendering in renderings]
+            _nothing_lost(sample, made, files_below(package))
+        again = plan_sync(package, renderings[2])
+        assert not again.refusals, "a second run refuses"
+        assert not again.steps, "a second run changes a file"
 
     return samples, attempt
 
 
-def _stripped(files: dict[str, bytes]) -> dict[str, bytes]:
-    return {name: b"\n".join(filter(bytes.strip, d.split(b"\n"))) for name, d in files.items()}
+def _synced(plan: Plan) -> None:
+    assert not plan.refusals
+    plan.prepare()
+    plan.finish()
 
 
-def _nothing_lost(sample: Sample, before: dict[str, bytes], after: dict[str, bytes]) -> None:
-    """Each line that only a person can have written stands somewhere still.
-
-    Two generated lines that became one are in another layout, as a formatter may leave them,
-    and so is an empty text beside a text.
-    """
-    files = [_bare(data) for name, data in before.items() if name != sample.name]
-    pairs = (map("".join, pairwise(lines)) for lines in files)
-    generated = {line for lines in (*files, *pairs) for line in lines}
+def _nothing_lost(sample: Sample, made: Sequence[bytes], after: dict[str, bytes]) -> None:
+    """Each line that only a person can have written stands somewhere still."""
+    generated = {line for data in made for line in _bare(data)}
     there = "\n".join(line for data in after.values() for line in _bare(data))
     text = sample.data.removeprefix(codecs.BOM_UTF8)  # the mark stays in front
     for line, words in zip(text.split(b"\n"), _bare(text), strict=True):
@@ -564,9 +562,8 @@ def _nothing_lost(sample: Sample, before: dict[str, bytes], after: dict[str, byt
 
 
 def _bare(data: bytes) -> list[str]:
-    """Return the lines of a file without any blanks and empty texts."""
-    lines = ("".join(line.decode("utf-8", "replace").split()) for line in data.split(b"\n"))
-    return [line.replace("''", "").replace('""', "") for line in lines]
+    """Return the lines of a file without any blanks."""
+    return ["".join(line.decode("utf-8", "replace").split()) for line in data.split(b"\n")]
 
 
 def _adopt(folder: Path) -> Made:

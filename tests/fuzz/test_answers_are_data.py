@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.regions.generated import GENERATED
+from eddi_scaffold.regions.package import NEW
 from tests.cli.command import ROOT, files_below, template
 from tests.fuzz.readers import without_cross_check
 from tests.fuzz.test_names_are_no_code import FEW, check_texts, shapes
@@ -32,6 +32,7 @@ pytestmark = pytest.mark.slow
 
 Answers = dict[str, Any]
 PATHS = tuple[str | int, ...]
+_STAGE = "rendering"
 EXAMPLES = ROOT / "examples"
 MODELS = {
     "ros1": (EXAMPLES / "two-conserts/two_conserts.xml", "consert_a_config.yml"),
@@ -90,14 +91,14 @@ def sound_files(which: str, package: str) -> dict[str, bytes]:
 
 
 def rendered(answers: Answers) -> dict[str, bytes] | None:
-    """Render a package with Copier, generated files in their places; ``None``: it refused."""
+    """Render a package with Copier, all files in their places; ``None``: it refused."""
     with tempfile.TemporaryDirectory(prefix="eddi-answers-") as folder:
         try:
-            copied(answers, Path(folder, "package"))
+            copied({**answers, "stage": _STAGE}, Path(folder, "package"))
         except (CopierError, ValueError, OSError):  # OSError: a name that is too long
             return None
         files = files_below(Path(folder, "package"))
-        return {path.removeprefix(f"{GENERATED}/"): data for path, data in files.items()}
+        return {path.removeprefix(f"{NEW}/{_STAGE}/"): data for path, data in files.items()}
 
 
 def copied(answers: Answers, folder: Path) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tests.cli.command import XML_HEAD, XML_TAIL
-from tests.regions.rendering import INPUT, Package, eddi_input, elements
+from tests.package_texts import INPUT, eddi_input
 
 
 @dataclass(frozen=True)
@@ -516,12 +516,13 @@ _RECORDINGS = {
 
 
 def _package(n: int) -> str:
-    return eddi_input(Package(elements(*(f"E{k}" for k in range(n)))))
+    return eddi_input([f"E{k}" for k in range(n)])
 
 
-_HAND = "    '''-----Manual edit {}-----'''  # region: input:E#\n"
+_HAND = "    '''-----Manual edit {}-----'''  # region: process_E#\n"
 _SYNC = {
     "regions": _package,
+    "regions with former ids": lambda n: eddi_input([f"E{k}" for k in range(n)], "a"),
     "regions that were edited": lambda n: _package(n).replace("message.data", "not message.data"),
     "regions without an id": lambda n: "class A:\n" + _each(
         "    def process_E#(self):\n        '''-----Manual edit begin-----'''\n        x = 1\n"
@@ -544,11 +545,10 @@ _SYNC = {
     "comments": lambda n: _package(2) + "# a\n" * n,
     "blank lines": lambda n: _package(2) + "\n" * n,
     "steps of a function": lambda n: _package(2).replace(
-        "        super().__init__(Monitor.inputs)\n",
-        "        super().__init__(Monitor.inputs)\n" + _each("        x# = 1\n", n),
+        "        self.E0 = False\n", _each("        x# = 1\n", n)
     ),
     "equal steps of a function": lambda n: _package(2).replace(
-        "        super().__init__(Monitor.inputs)\n", "        super().__init__()\n" + "        x = 1\n" * n
+        "        self.E0 = False\n", "        x = 1\n" * n
     ),
     "minus": lambda n: _package(2) + f"x = {'-' * n}1\n",
     "plus": lambda n: _package(2) + f"x = 1{' + 1' * n}\n",

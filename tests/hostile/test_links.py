@@ -22,6 +22,7 @@ pytestmark = pytest.mark.slow
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 PACKAGE = "consertb"
 INPUT = "EDDIInput.py"
+OLD, NEW = "The sensor of system B is healthy", "The sensor of B is well"
 GENERATE = ("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG)
 
 
@@ -33,13 +34,13 @@ def limited() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace that a newer configuration has not reached yet."""
+    """A workspace that a newer model has not reached yet."""
     folder = example(tmp_path_factory.mktemp("made"))
     made = run(*GENERATE, cwd=folder)
     assert made.status == 0, made.err
-    config = (folder / CONFIG).read_text()
-    assert "frequency: 10" in config
-    (folder / CONFIG).write_text(config.replace("frequency: 10", "frequency: 25"))
+    model = (folder / MODEL).read_text()
+    assert OLD in model
+    (folder / MODEL).write_text(model.replace(OLD, NEW))
     return folder
 
 
@@ -85,7 +86,7 @@ def move_out(place: Path, outside: Path) -> None:
 
 def is_new(package: Path) -> bool:
     """Tell whether the package was brought up to date."""
-    return "frequency: '25.0'" in (package / ".copier-answers.yml").read_text()
+    return NEW in (package / INPUT).read_text()
 
 
 # what is a person's own ---------------------------------------------------------------------------

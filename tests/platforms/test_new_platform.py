@@ -23,6 +23,7 @@ PLATFORM = "eddi_scaffold/platforms/amiga_500/"
 TRANSPORT = "runtime_lib/src/eddi_runtime/transports/floppy/"
 ADDED = (PLATFORM, TRANSPORT, *(f"copier_templates/{name}/" for name in TEMPLATES))
 WORKSPACE = Path("ws", "src", "eddi_monitor")
+STAGED = ".eddi/new/{{ stage }}"
 HAND = "        self.hand = 'mine'\n"
 
 
@@ -35,8 +36,8 @@ def clone(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
         shutil.copytree(TOY / Path(name).name, made.path / name, ignore=skip)
     for name in TEMPLATES:
         shutil.copytree(TOY / name, made.path / "copier_templates" / name)
-    link = made.path / "copier_templates" / "robot/.eddi/generated/eddi_runtime"
-    link.symlink_to("../../../../runtime_lib/src/eddi_runtime")
+    link = made.path / "copier_templates" / "robot" / STAGED / "eddi_runtime"
+    link.symlink_to("../../../../../runtime_lib/src/eddi_runtime")
     git(made.path, "add", "--all")
     git(made.path, "commit", "--quiet", "--message", "Monitors for the Amiga 500")
     return made
@@ -134,7 +135,7 @@ def test_it_is_upgraded(clone: Checkout, world: Path) -> None:
     newer = old.replace("sensor of system B", "camera of system B")
     assert newer != old
     model.write_text(newer, "utf-8")
-    template = clone.path / "copier_templates" / "robot/.eddi/generated/node.py.jinja"
+    template = clone.path / "copier_templates" / "robot" / STAGED / "node.py.jinja"
     template.write_text(template.read_text("utf-8").replace("One step", "Each step"), "utf-8")
     clone.eddi("upgrade", world / WORKSPACE / "consertb", "-m", model, cwd=world)
     git(clone.path, "checkout", "--quiet", "--", ".")

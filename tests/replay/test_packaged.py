@@ -136,7 +136,10 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     ("change", "words"),
     [
         (("class EDDIInput(", "import no_such_module\nclass EDDIInput("), "no_such_module"),
-        (("super().__init__(Monitor.inputs)", "raise RuntimeError('broken')"), "RuntimeError: broken"),
+        (
+            ("super().__init__(Monitor.inputs)", "raise RuntimeError('broken')"),
+            "RuntimeError: broken",
+        ),
     ],
 )
 def test_code_that_cannot_be_loaded(

@@ -1,0 +1,126 @@
+"""What a person adds in members of a class: called in its place; what it raises ends nothing."""
+
+import pytest
+from eddi_runtime.node.report import ERROR, OK
+
+from runtime_lib.tests.node.message_package import WORKSPACE
+from runtime_lib.tests.node.robot import Robot, ToyNode, generated
+
+B, ACTIVE = "/consertb/guarantees", {"System_A_G0_c2"}
+
+
+@pytest.fixture
+def robot(monkeypatch):
+    return Robot(monkeypatch)
+
+
+@pytest.fixture
+def eddi_input(monkeypatch):
+    return generated("consertb", ToyNode, monkeypatch)["EDDIInput"]
+
+
+def raising(*_):
+    raise ValueError("mine")
+
+
+def logged(robot, about):
+    return [text for level, text in robot.lines if level == "error" and about in text]
+
+
+def test_generated_classes_have_all_hooks():
+    node = (WORKSPACE / "consertb/scripts/RosNode.py").read_text()
+    inputs = (WORKSPACE / "consertb/src/consertb/EDDIInput.py").read_text()
+    for text, hooks in ((node, ("started", "stepped")), (inputs, ("setup", "processed"))):
+        for hook in hooks:
+            assert f"    def {hook}(self" in text
+
+
+def test_setup_runs_once_when_the_inputs_have_their_defaults(robot, eddi_input):
+    seen = []
+    cls = type("EDDIInput", (eddi_input,), {"setup": lambda self: seen.append(self.RtE_A_E0)})
+    robot.start("consertb", cls)
+    robot.run(1.0)
+    assert seen == [False]
+
+
+def test_what_setup_raises_starts_no_monitor(robot, eddi_input):
+    cls = type("EDDIInput", (eddi_input,), {"setup": raising})
+    with pytest.raises(ValueError, match="mine"):
+        robot.start("consertb", cls)
+    assert robot.told == []
+
+
+def test_processed_sees_all_inputs_and_may_change_one(robot, eddi_input):
+    seen = []
+
+    def processed(self, simulator_outputs):
+        seen.append((self.RtE_A_E0, sorted(simulator_outputs)))
+        self.RtE_A_E0 = None
+
+    robot.start("consertb", type("EDDIInput", (eddi_input,), {"processed": processed}))
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(1.0)
+    assert seen[0] == (False, [])
+    assert seen[-1] == (True, ["RtE_E0"])
+    assert robot.active(B) == [(0.0, set())]
+
+
+def test_what_processed_raises_withdraws_the_result_of_its_step(robot, eddi_input):
+    failing = []
+    method = {"processed": lambda self, _: failing and raising()}
+    node = robot.start("consertb", type("EDDIInput", (eddi_input,), method))
+    robot.sense("/rte/e0b", 0.5, 1.5)
+    robot.run(1.0)
+    failing.append(True)
+    robot.run(1.25)
+    assert node.report().level == ERROR
+    assert logged(robot, "mine")
+    failing.clear()
+    robot.run(2.0)
+    assert robot.active(B) == [(0.0, set()), (0.5, ACTIVE), (1.125, set()), (1.375, ACTIVE)]
+    assert node.report().level == OK
+
+
+def test_stepped_gets_each_result_when_it_was_published(robot):
+    seen = []
+
+    def stepped(self, result):
+        last = [message for _, topic, message in robot.told if topic == B][-1]
+        seen.append((result[0]["active"], {one.id for one in last.guarantees if one.active}))
+
+    node = robot.start("consertb", stepped=stepped)
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(1.0)
+    assert len(seen) == len(node.steps)
+    assert (seen[3], seen[-1]) == ((False, set()), (True, ACTIVE))
+
+
+def test_what_stepped_raises_is_said_once_and_ends_nothing(robot):
+    node = robot.start("consertb", stepped=raising)
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(1.0)
+    assert robot.active(B) == [(0.0, set()), (0.5, ACTIVE)]
+    assert node.report().level == OK
+    assert len(logged(robot, "mine")) == 1
+
+
+def begun(robot, started):
+    node = robot.start("consertb", started=started, subscribe=lambda self, source: None)
+    robot.told.clear()
+    node.begin("consertb", None)
+    return node
+
+
+def test_started_runs_before_the_first_step(robot):
+    told = []
+    begun(robot, lambda self: told.append((len(robot.told), self.eddi_input.RtE_A_E0)))
+    assert told == [(0, False)]
+    assert [topic for _, topic, _ in robot.told].count(B) == 1
+
+
+def test_what_started_raises_is_said_and_ends_nothing(robot):
+    begun(robot, raising)
+    assert len(logged(robot, "mine")) == 1
+    robot.sense("/rte/e0b", 0.5)
+    robot.run(1.0)
+    assert robot.active(B)[-1] == (0.5, ACTIVE)
