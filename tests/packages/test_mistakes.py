@@ -21,14 +21,14 @@ class EDDIInput(EDDIInputBase):
         self.Charge = None
 
     def process_Upright(self, imu):
-        '''-----Manual edit begin-----'''  # region: input:Upright
+        '''-----Manual edit begin-----'''  # region: process_Upright
         self.Upright = imu.orientation.x < 0.1
-        '''-----Manual edit end-----'''  # region: input:Upright
+        '''-----Manual edit end-----'''  # region: process_Upright
 
     def process_Charge(self, battery):
-        '''-----Manual edit begin-----'''  # region: input:Charge
+        '''-----Manual edit begin-----'''  # region: process_Charge
         BODY
-        '''-----Manual edit end-----'''  # region: input:Charge
+        '''-----Manual edit end-----'''  # region: process_Charge
 """
 
 
@@ -37,7 +37,7 @@ def doubts(
 ) -> tuple[str, ...]:
     text = file.replace("BODY", body.replace("\n", "\n        "))
     known = Messages({"battery": "sensor_msgs/BatteryState"}, messages or {})
-    return doubtful_names(text, parse(text)[0].regions.values(), known).get("input:Charge", ())
+    return doubtful_names(text, parse(text)[0].regions.values(), known).get("process_Charge", ())
 
 
 @pytest.mark.parametrize(
