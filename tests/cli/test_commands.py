@@ -26,7 +26,7 @@ COMMANDS = [
     *("example", "check", "show", "run", "generate"),
     *("connect", "parse-rossystem", "regions", "status", "upgrade", "watch", "explain"),
     *("diagram", "compose", "export", "event", "trace"),
-    *("adopt", "merge-driver", "answers"),
+    *("adopt", "answers"),
 ]
 MODEL = "two_conserts.xml"
 CONFIG = "consert_a_config.yml"
@@ -161,17 +161,6 @@ def test_show_json(folder: Path) -> None:
     assert one["elements"] == found["elements"]
 
 
-@pytest.mark.parametrize("code", [f"x = {'-' * 200_000}1", f"x = 1{' + 1' * 9000}"])
-def test_status_of_code_that_is_nested_too_deeply(package: Path, code: str) -> None:
-    path = package / "EDDIInput.py"
-    text = path.read_text("utf-8")
-    end = text.index("'''-----Manual edit end")
-    path.write_text(f"{text[:end]}{code}\n        {text[end:]}", "utf-8")
-    result = run("status", package, cwd=package.parent)
-    assert result.status == 2, result.err
-    assert "the hand-written code is not valid Python: nested too deeply [H011]" in result.err
-
-
 def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> None:
     text = (folder / MODEL).read_text()
     broken = text.replace('target="//@odeProductPackages.0/@conSerts.1/@guarantees.0"', "", 1)
@@ -302,8 +291,9 @@ def test_generate_says_what_was_written_and_what_to_do(folder: Path) -> None:
     first = run(*command, cwd=folder)
     assert (first.status, first.out) == (0, "")
     files = first.err.partition("files\n")[2]
-    assert files.startswith("  yours to edit:\n    + conserta/src/conserta/EDDIInput.py\n")
-    assert files.count("    + ") == files.count("    + conserta/") == 4
+    assert files.startswith("  yours to edit:\n    + conserta/")
+    assert "\n    + conserta/src/conserta/EDDIInput.py\n" in files
+    assert files.count("    + ") == files.count("    + conserta/") > 4
     assert re.search(r"\n  generated: \d+ new, in conserta, eddi_messages, .*\nnext:\n", files)
     assert "  cd 'my ws' && catkin_make" in first.err
     before = files_below(folder)
@@ -329,19 +319,17 @@ def test_status_and_regions_of_a_fresh_package(package: Path, folder: Path) -> N
     assert (found["package"], found["drifted"], found["regions"]) == (
         "consertb",
         False,
-        {"untouched": 1},
+        {"untouched": 7},
     )
     by_default = run("regions", "--json", cwd=package)
     assert by_default.status == 0
-    (region,) = json.loads(by_default.out)["regions"]
-    assert (region["id"], region["file"], region["state"]) == (
-        "input:RtE_A_E0",
-        "EDDIInput.py",
-        "untouched",
-    )
+    listed = {
+        one["id"]: (one["file"], one["state"]) for one in json.loads(by_default.out)["regions"]
+    }
+    assert listed["process_RtE_A_E0"] == ("EDDIInput.py", "untouched")
     for words in (("status", "."), ("status",)):
         assert run(*words, cwd=package) == Result(
-            0, "consertb: up to date (regions: 1 untouched)\n", ""
+            0, "consertb: up to date (regions: 7 untouched)\n", ""
         )
     assert run("trace", cwd=package) == run("trace", ".", cwd=package)
     (package / "compiled.py").write_text("# by hand\n")
@@ -362,7 +350,7 @@ def test_drift_is_a_no(package: Path, folder: Path) -> None:
         file.write("# by hand\n")
     result = run("status", "-w", "out", cwd=folder)
     assert result.status == 1
-    assert "edited, but generated: EDDIMonitor.py" in result.out
+    assert "edited outside regions: EDDIMonitor.py" in result.out
 
 
 def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
@@ -376,7 +364,7 @@ def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
     again = run("upgrade", package, "-m", "v2.xml", cwd=folder)
     assert again.status == 3, again.err
     assert "hand edits need a look" in again.err
-    told = f"note: consertb/{path.name}: input:RtE_A_E0: saved in .eddi/orphans/"
+    told = "note: consertb/.eddi/kept/process_RtE_A_E0.region: "
     assert told not in result.err  # that it goes there is told already
     assert again.err.count(told) == 1
     (package / "EDDIMonitor.py").unlink()  # rendered again, and nothing new happens to hand edits

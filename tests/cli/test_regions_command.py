@@ -31,32 +31,34 @@ def edit(package: Path, old: str, new: str) -> None:
 
 def listed(package: Path) -> dict[str, str]:
     found = json.loads(run("regions", package, "--json", cwd=package).out)["regions"]
-    return {one["id"]: one["state"] for one in found if one["id"].startswith("input:")}
+    return {one["id"]: one["state"] for one in found if one["id"].startswith("process_")}
 
 
 def test_an_edited_body_is_told_from_an_untouched_one(package: Path) -> None:
-    assert listed(package) == {"input:RtE_A_D0": "untouched", "input:RtE_A_E0": "untouched"}
+    assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "untouched"}
     edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
-    assert listed(package) == {"input:RtE_A_D0": "untouched", "input:RtE_A_E0": "edited"}
+    assert listed(package) == {"process_RtE_A_D0": "untouched", "process_RtE_A_E0": "edited"}
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 0
-    assert any(line.split()[:2] == ["edited", "input:RtE_A_E0"] for line in shown.out.splitlines())
+    assert any(
+        line.split()[:2] == ["edited", "process_RtE_A_E0"] for line in shown.out.splitlines()
+    )
 
 
 def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package: Path) -> None:
     edit(package, BODY, "        self.RtE_A_E0 = not RtE_E0.data\n")
-    edit(package, "input:RtE_A_E0 sig: 81fdda7e", "input:RtE_A_E0 sig: 00000000")
+    edit(package, "for:81fdda7e", "for:00000000 now:07d2967b/81fdda7e")
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
-    accepted = run("regions", "--accept", "input:RtE_A_E0", "--check", cwd=package)
-    assert (accepted.status, accepted.err.strip()) == (0, "accepted input:RtE_A_E0")
+    accepted = run("regions", "--accept", "process_RtE_A_E0", "--check", cwd=package)
+    assert (accepted.status, accepted.err.strip()) == (0, "accepted process_RtE_A_E0")
     assert run("regions", "--check", cwd=package).status == 0
     assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
 def test_an_id_without_its_kind_is_meant_for_that_region(package: Path) -> None:
     refused = run("regions", "--accept", "RtE_A_E0", cwd=package)
-    assert (refused.status, "did you mean 'input:RtE_A_E0'?" in refused.err) == (2, True)
+    assert (refused.status, "did you mean 'process_RtE_A_E0'?" in refused.err) == (2, True)
 
 
 def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
@@ -74,39 +76,15 @@ def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
 
 
 def test_a_broken_marker_is_looked_at(package: Path) -> None:
-    edit(package, "'''-----Manual edit end-----'''  # region: input:RtE_A_E0\n", "\n")
+    edit(package, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n")
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
     assert any(line.startswith("broken") for line in shown.out.splitlines())
 
 
-def test_a_file_that_does_not_fit_its_records_is_looked_at(package: Path) -> None:
-    call = next(line for line in (package / FILE).read_text().split("\n") if ".update(" in line)
-    edit(package, f"{call}\n", "")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    assert f"unfit       {FILE}" in shown.out.replace(f"{package}/", "")
-    assert "is called by the newest rendering, not by the file" in shown.out
-    told = run("status", package, cwd=package)
-    assert (told.status, "is called by the newest rendering" in told.out) == (1, True)
-
-
-def test_a_body_that_is_not_python_is_looked_at(package: Path) -> None:
-    """The node could not start: nobody should learn that on the robot."""
-    edit(package, BODY, "        self.RtE_A_E0 = (RtE_E0.data\n")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 3
-    lines = (package / FILE).read_text().split("\n")
-    assert f"{FILE}:{lines.index('        self.RtE_A_E0 = (RtE_E0.data') + 1}" in shown.out
-    assert "it is not valid Python: '(' was never closed" in shown.out
-    told = run("status", package, cwd=package)
-    assert (told.status, "[H011]" in told.err) == (2, True)
-
-
-@pytest.mark.parametrize("body", [BODY, "        self.RtE_A_E0 = RtE_E0.data is True\n"])
-def test_a_renamed_method_is_looked_at(package: Path, body: str) -> None:
-    """In every step it would raise, whether or not somebody has written its body."""
-    edit(package, BODY, body)
+def test_a_renamed_method_is_looked_at(package: Path) -> None:
+    """In every step it would raise; a person has written the body, and the name of the method."""
+    edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.data is True\n")
     edit(package, "def process_RtE_A_E0", "def process_RtE_A_EO")
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
@@ -210,7 +188,4 @@ def test_an_editable_file_that_is_missing_is_looked_at(package: Path) -> None:
     (package / FILE).unlink()
     shown = run("regions", "--check", cwd=package)
     assert shown.status == 3
-    assert (
-        f"unfit       {FILE}\n          it is missing; `git -C . checkout HEAD -- {FILE}` "
-        in shown.out
-    )
+    assert f"missing     {FILE}\n" in shown.out

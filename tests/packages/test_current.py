@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -13,8 +12,7 @@ from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import PackageAnswers, platforms
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.regions.check import list_regions
-from tests.checkouts import checkout, git, tree
+from tests.checkouts import checkout, tree
 
 pytestmark = pytest.mark.slow
 
@@ -88,8 +86,7 @@ CHANGES: dict[str, Callable[[Path], object]] = {
     "a generated file was edited": lambda p: (p / "setup.py").write_text("# mine\n"),
     "the compiled monitor was edited": lambda p: (p / "src/conserta/compiled.py").write_text("#"),
     "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
-    "the record of files is gone": lambda p: (p / ".eddi/manifest.json").unlink(),
-    "the last rendering is gone": lambda p: (p / ".eddi/bases").unlink(),
+    "the record of files is gone": lambda p: (p / ".eddi/manifest").unlink(),
     "its answers were edited": lambda p: edit(p / ".copier-answers.yml", "'10.0'", "'20.0'"),
     "a program cannot be run": lambda p: (p / "scripts/RosNode.py").chmod(0o644),
 }
@@ -101,39 +98,10 @@ def test_what_differs_is_put_right(
 ) -> None:
     generate()
     package = tmp_path / "ws" / "conserta"
-    before = tree(package, "rejects")
+    before = tree(package, "kept")
     change(package)
     assert generate() == ["conserta"]
-    assert tree(package, "rejects") == before
-
-
-def test_a_removed_file_is_written_anew_with_a_word(
-    write: Callable[[], Outcome], tmp_path: Path
-) -> None:
-    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    said = "conserta/src/conserta/EDDIInput.py: it was missing and is written anew"
-
-    def again() -> tuple[list[str], bool]:
-        file.unlink()
-        done = write()
-        assert not write().attention  # it is said once
-        return list(done.notes), done.attention
-
-    write()
-    assert again() == ([f"{said}, without hand edits"], False)  # nobody knows of any
-    git(tmp_path / "ws", "init", "-q")
-    git(tmp_path / "ws", "add", ".")
-    git(tmp_path / "ws", "commit", "-qm", "as it was generated")
-    assert again() == ([], False)  # what was committed, byte for byte
-    edit(file, "= RtE_E0.data", "= RtE_E0.data and True")
-    git(tmp_path / "ws", "commit", "-qam", "a hand edit")
-    (note,), attention = again()
-    assert attention
-    command = re.search("`git (.*)`", note)
-    assert note.startswith(f"{said}, without hand edits; ")
-    assert command is not None
-    git(tmp_path, *command[1].split())
-    assert "= RtE_E0.data and True" in file.read_text()
+    assert tree(package, "kept") == before
 
 
 def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) -> None:
@@ -143,35 +111,6 @@ def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) ->
     before = tree(tmp_path / "ws")
     assert generate() == []
     assert tree(tmp_path / "ws") == before
-
-
-def test_a_removed_region_is_back_with_a_word(write: Callable[[], Outcome], tmp_path: Path) -> None:
-    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    write()
-    before = file.read_text("utf-8")
-    method = re.search(r"    def process_RtE_A_E0.*?(?=    def )", before, re.DOTALL)
-    assert method is not None
-    file.write_text(before.replace(method[0], ""), "utf-8")
-    (note,) = [one for one in list_regions(file.parents[2]) if one.state == "unfit"]
-    assert "generate again, and it is back" in note.notes[-1]
-    said = "the region 'input:RtE_A_E0' was missing and is back, with the generated text"
-    assert [one for one in write().notes if "missing" in one] == [
-        f"conserta/src/conserta/EDDIInput.py: {said}"
-    ]
-    assert file.read_text("utf-8") == before
-    assert not write().notes
-
-
-def test_a_decimal_comma_is_named(write: Callable[[], Outcome], tmp_path: Path) -> None:
-    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    write()
-    edit(file, "self.RtE_A_E0 = ", "self.RtE_A_E0 = 1 > 0,05 if 1 else ")
-    words = "'0,05': a decimal number has a point"
-    (unfit,) = [one for one in list_regions(file.parents[2]) if one.state == "unfit"]
-    assert words in unfit.notes[0]
-    with pytest.raises(EddiError) as refused:
-        write()
-    assert words in refused.value.problems[0].message
 
 
 def test_a_package_without_its_answers_is_not_taken_for_a_strangers(

@@ -19,7 +19,7 @@ from tests.cli.command import run
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 RUNTIME = ROOT / "runtime_lib" / "src" / "eddi_runtime"
-ALWAYS = {"access", "compatibility", "inputs", "monitor", "node", "plain_values"}
+ALWAYS = {"access", "clock", "compatibility", "inputs", "monitor", "node", "plain_values"}
 ALWAYS |= {"__init__", "__pycache__", "py", "ros1", "transports"}
 """What of the runtime is always there."""
 OWN = {"ConSertOutput", "ConSertStatus", "Guarantee", "GuaranteeStatus"}
@@ -53,7 +53,9 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
     assert parts(packages) == {"consert"}
     assert messages(packages) == OWN
     manifest = packages / "eddi_runtime" / "package.xml"
-    edited = manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>")
+    end = "<!-- Manual edit end"
+    edited = manifest.read_text().replace(f"  {end}", f"  <!-- ours -->\n  {end}", 1)
+    assert "ours" in edited
     manifest.write_text(edited)
 
     generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")

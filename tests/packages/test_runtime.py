@@ -95,18 +95,20 @@ def test_a_new_monitor_follows_those_that_are_there(packages: Path) -> None:
 def test_edits_of_the_runtime_are_kept_aside(packages: Path) -> None:
     place = packages.parents[1]
     manifest = packages / RUNTIME / "package.xml"
-    manifest.write_text(manifest.read_text().replace("</package>", "  <!-- ours -->\n</package>"))
+    end = "  <!-- Manual edit end"
+    manifest.write_text(manifest.read_text().replace(end, f"  <!-- ours -->\n{end}", 1))
     access = packages / RUNTIME / "src" / RUNTIME / "access.py"
     access.write_text(access.read_text("utf-8") + "# ours\n", "utf-8")
     generate(place, "a", "--runtime", "installed", status=3)
-    kept = packages / RUNTIME / ".eddi" / "rejects"
+    kept = packages / RUNTIME / ".eddi" / "kept"
     left = {path for path in (packages / RUNTIME).rglob("*") if path.is_file()}
-    saved = {kept / "package.xml.patch", kept / "src" / RUNTIME / "access.py.edited"}
+    saved = {kept / "package.own.region", kept / "src" / RUNTIME / "access.py"}
     assert left == saved
     assert all("ours" in path.read_text("utf-8") for path in saved)
     generate(place, "a")
-    generate(place, "a", "--runtime", "vendored", status=3)  # until somebody looks at them
-    assert all("ours" in path.read_text("utf-8") for path in saved)
+    generate(place, "a", "--runtime", "vendored", status=3)  # until somebody removes the file
+    assert "<!-- ours -->" in manifest.read_text()
+    assert "ours" in (kept / "src" / RUNTIME / "access.py").read_text("utf-8")
     assert access.is_file()
 
 
