@@ -36,17 +36,17 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
     text = (package / "src" / "conserta" / "EDDIInput.py").read_text("utf-8")
     assert (
         "        self.RtE_A_E0 = RtE_E0.data and not math.isnan(self.tilt())\n"
-        "        '''-----Manual edit end-----'''  # region: input:RtE_A_E0\n"
+        "        '''-----Manual edit end-----'''  # region: process_RtE_A_E0\n"
     ) in text
     assert (
         "        for guarantee in consertb.guarantees:\n"
         "            if guarantee.id == 'System_A_G0_c2':\n"
         "                # the one that matters\n"
         "                self.RtE_A_D0 = guarantee.active\n"
-        "        '''-----Manual edit end-----'''  # region: input:RtE_A_D0\n"
+        "        '''-----Manual edit end-----'''  # region: process_RtE_A_D0\n"
     ) in text
     compile(text, "EDDIInput.py", "exec")
-    kept = (package / ".eddi" / "rejects" / "EDDIInput.py.adopted").read_text("utf-8")
+    kept = (package / ".eddi" / "kept" / "EDDIInput.py.adopted").read_text("utf-8")
     assert "\nLIMIT = 20  # degrees; the wheels lift at 28\n" in kept
     assert "# measured on the old rover\n@staticmethod\ndef level(message):\n" in kept
     assert "this import is not carried over: import math" in result.err
@@ -77,7 +77,7 @@ def test_bodies_model_and_configuration_are_taken_over(old: Path) -> None:
 
 def test_what_happened_to_a_body_is_said_once(old: Path) -> None:
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
-    assert result.err.count("input:RtE_A_E0") == 1, result.err
+    assert result.err.count("process_RtE_A_E0") == 1, result.err
 
 
 def test_markers_written_twice_in_a_method_are_no_lines_of_its_body(old: Path) -> None:
@@ -110,7 +110,7 @@ def test_a_body_without_a_region_is_kept(old: Path) -> None:
     assert result.status == 3
     assert "not recovered: the input 'Gone', which the model does not have" in result.err
     package = old.parent / "ws" / "src" / "eddi_monitor" / "conserta"
-    (kept,) = (package / ".eddi" / "orphans").iterdir()
+    (kept,) = (package / ".eddi" / "kept").glob("*.region")
     assert "self.RtE_A_E0 = RtE_E0.data and not" in kept.read_text("utf-8")
 
 
@@ -146,7 +146,7 @@ def test_crlf_and_stripped_blanks_change_nothing(old: Path) -> None:
     script = old / "scripts" / "EDDIInput.py"
     script.write_bytes(script.read_bytes().replace(b"\n", b"\r\n"))
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
-    assert "input:RtE_A_E0: the body is in its region" in result.err
+    assert "process_RtE_A_E0: the body is in its region" in result.err
 
 
 DEEP = f"x = {'-' * 200_000}1\n"
@@ -204,7 +204,7 @@ def test_carriage_returns_alone_end_lines_as_in_python(old: Path) -> None:
     script = old / "scripts" / "EDDIInput.py"
     script.write_bytes(script.read_bytes().replace(b"\n", b"\r"))
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
-    assert "input:RtE_A_E0: the body is in its region" in result.err
+    assert "process_RtE_A_E0: the body is in its region" in result.err
 
 
 def test_a_second_adoption_is_refused(old: Path) -> None:

@@ -34,11 +34,11 @@ def test_every_body_is_in_its_method(old: Path) -> None:
         "        is_bn_output = True\n",
     ):
         assert text.count(body) == 1
-    kept = (package / ".eddi" / "rejects" / "bayesian_network_config.py.adopted").read_text("utf-8")
+    kept = (package / ".eddi" / "kept" / "bayesian_network_config.py.adopted").read_text("utf-8")
     assert "return value * 3.6" in kept
-    (orphan,) = (package / ".eddi" / "orphans").iterdir()
+    (orphan,) = (package / ".eddi" / "kept").glob("*.region")
     assert "of a node that is not in the network" in orphan.read_text("utf-8")
-    assert "node:Gone: no region of that name" in result.err
+    assert "node_Gone: no region of that name" in result.err
     config = yaml.safe_load((old.parent / "out" / "pedestrianrisk_config.yml").read_text("utf-8"))
     assert config["Model"] == {
         "id": "PedestrianRisk",

@@ -24,7 +24,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Path:
             network.write_text(network.read_text().replace("0.3 0.7", "0.2 0.8"))
         result = run("adopt", name, "-w", "ws", cwd=folder)
         assert result.status == 0, result.err
-        assert "in .eddi/orphans" not in result.err
+        assert "kept in .eddi/kept" not in result.err
         assert result.err.count("the body is in its region") == 9
     return folder
 

@@ -71,14 +71,14 @@ def test_the_name_of_the_package_chooses_among_models(tmp_path: Path) -> None:
 def test_bodies_of_the_same_inputs_and_states_need_no_look(tmp_path: Path) -> None:
     old = write_old_ros_network(tmp_path / "old", "harm_risk")
     found = adopt(old, None, None)
-    assert {body.id for body in found.bodies} <= found.fitting
+    assert {body.region.id for body in found.bodies} <= found.fitting
     network = old / "scripts" / "files" / "network1" / "network1.xdsl"
     text = network.read_text()
     network.write_text(text.replace('id="Hot"', 'id="Warm"'))
     (old / "scripts" / "RosNode.py").unlink()
     changed = found.fitting - adopt(old, None, None).fitting
-    inputs = {f"input:{name}" for name in ("dense", "heat", "fire", "distance")}
-    assert changed == {"node:Heat", *inputs}
+    inputs = {f"process_{name}" for name in ("dense", "heat", "fire", "distance")}
+    assert changed == {"node_Heat", *inputs}
 
 
 def test_a_licence_stays_with_its_module(tmp_path: Path) -> None:

@@ -3,12 +3,11 @@
 import ast
 
 _INDENT = " " * 8
-HELPER = '''
-def is_healthy(message):
-    """Written by hand, outside of every region."""
-    return message.data is True
-
-'''
+HELPER = (
+    "def is_healthy(message):",
+    '    """Written by hand, beside the class."""',
+    "    return message.data is True",
+)
 DEMAND = ("self.RtE_A_D0 = consertb.guarantees[0].active",)
 EVIDENCE_A = ("self.RtE_A_E0 = is_healthy(RtE_E0)",)
 EVIDENCE_B = (
@@ -19,27 +18,25 @@ EVIDENCE_B = (
 SEEN_AT_RUN_TIME = "system B: written by hand"
 
 
-def write_region(path, region, lines):
+def write_region(path, region, lines, indent=_INDENT):
     """Replace what stands between the two markers of a region."""
     text = path.read_text().splitlines()
-    marks = [i for i, line in enumerate(text) if f"# region: {region}" in line]
+    marks = [i for i, line in enumerate(text) if f"# region: {region} " in f"{line} "]
     assert len(marks) == 2, (path, region, marks)
-    text[marks[0] + 1 : marks[1]] = [_INDENT + line for line in lines]
+    text[marks[0] + 1 : marks[1]] = [indent + line for line in lines]
     path.write_text("\n".join(text) + "\n")
 
 
 def edit_system_a(path):
     """Write the demand and the evidence of system A, one through a function of one's own."""
-    write_region(path, "input:RtE_A_D0", DEMAND)
-    write_region(path, "input:RtE_A_E0", EVIDENCE_A)
-    text = path.read_text()
-    place = text.index("\nclass EDDIInput")
-    path.write_text(text[:place] + HELPER + text[place:])
+    write_region(path, "process_RtE_A_D0", DEMAND)
+    write_region(path, "process_RtE_A_E0", EVIDENCE_A)
+    write_region(path, "EDDIInput.module", HELPER, "")
 
 
 def edit_system_b(path):
     """Write the evidence of system B, and say so when it comes."""
-    write_region(path, "input:RtE_A_E0", EVIDENCE_B)
+    write_region(path, "process_RtE_A_E0", EVIDENCE_B)
 
 
 def check_edits(path_a, path_b):
@@ -47,7 +44,7 @@ def check_edits(path_a, path_b):
     _check(path_a, "process_RtE_A_D0", DEMAND)
     _check(path_a, "process_RtE_A_E0", EVIDENCE_A)
     _check(path_b, "process_RtE_A_E0", EVIDENCE_B)
-    assert path_a.read_text().count(HELPER.strip()) == 1
+    assert path_a.read_text().count("\n".join(HELPER)) == 1
 
 
 def _check(path, function, lines):

@@ -15,11 +15,11 @@ _SECOND_LOOK = {
         '"""One attribute for each input of the monitor."""',
         '"""One attribute for each input of the monitor, second version."""',
     ),
-    "copier_templates/ros1_monitor/.eddi/generated/scripts/RosNode.py.jinja": (
+    "copier_templates/ros1_monitor/.eddi/new/{{ stage }}/scripts/RosNode.py.jinja": (
         '"""ROS 1 node of the monitor',
         '"""Second version of the ROS 1 node of the monitor',
     ),
-    "copier_templates/ros1_monitor/CMakeLists.txt.jinja": (
+    "copier_templates/ros1_monitor/.eddi/new/{{ stage }}/CMakeLists.txt.jinja": (
         "catkin_package()\n",
         "catkin_package()  # second version\n",
     ),

@@ -99,7 +99,7 @@ def test_copier_update_keeps_the_hand_edits(updated):
         assert "second version" in (package / "CMakeLists.txt").read_text()
         assert not [path for path in package.rglob("*.py") if "<<<<<<<" in path.read_text()]
         assert not list(package.rglob("*.rej"))
-        assert not [name for name in ("orphans", "rejects") if (package / ".eddi" / name).exists()]
+        assert not (package / ".eddi/kept").exists()
     assert "def process_RtE_A_E1" in updated.eddi_input("consertb").read_text()
     assert "RtE_A_E1" not in updated.eddi_input("conserta").read_text()
 

@@ -54,7 +54,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
         pytest.skip("the package `build` is not installed")
     folder = tmp_path_factory.mktemp("packaging")
     source = checkout(folder / "source", OLD)
-    readme = source.path / "copier_templates/ros1_monitor/.eddi/generated/README.md.jinja"
+    readme = source.path / "copier_templates/ros1_monitor/.eddi/new/{{ stage }}/README.md.jinja"
     readme.write_text(f"{readme.read_text('utf-8')}\nNew in {NOW}.\n", "utf-8")
     git(source.path, "commit", "--quiet", "--all", "--message", "Release")
     git(source.path, "tag", NOW)

@@ -22,13 +22,16 @@ from tests.kinds.examples import EXAMPLES
 CONTRACT = ROOT / "tests" / "contract"
 MODEL = EXAMPLE / "two_conserts.xml"
 RUNTIME = ROOT / "runtime_lib" / "src"
-OWN = "<exec_depend>my_msgs</exec_depend>\n  "
+XML_END, HASH_END = "<!-- Manual edit end | region: ", "# -----Manual edit end-----  # region: "
 EDITED = {
     "consertb/consertb/EDDIInput.py": ("RtE_A_E0 = RtE_E0.data", "RtE_A_E0 = RtE_E0.data is True"),
     "consertb/config/parameters.yaml": ("diagnostics: true", "diagnostics: false  # mine"),
     "consertb/launch/eddi_monitor.launch.py": ("respawn_delay=2.0", "respawn_delay=5.0"),
-    "consertb/package.xml": ("<exec_depend>rclpy", f"{OWN}<exec_depend>rclpy"),
-    "eddi_messages/CMakeLists.txt": ("find_package(ament_cmake", "find_package( ament_cmake"),
+    "consertb/package.xml": (
+        f"{XML_END}package.own",
+        f"<depend>mine</depend>\n  {XML_END}package.own",
+    ),
+    "eddi_messages/CMakeLists.txt": (f"{HASH_END}cmake.own", f"# mine\n{HASH_END}cmake.own"),
 }
 DOCSTRINGS = ("--convention", "google", "--add-ignore", "D101", "D102", "D107", "D300", "D415")
 """Ament's own convention asks for none of the first three; the last two are the markers of D7.2:
@@ -248,7 +251,7 @@ def test_hand_edits_survive_an_upgrade(workspace: Path) -> None:
     assert {name: (packages / name).read_bytes() for name in EDITED} == mine
     assert run("status", "-w", workspace, cwd=workspace).status == 0
     listed = run("regions", packages / "consertb", cwd=workspace)
-    assert "input:RtE_A_E0" in listed.out
+    assert "process_RtE_A_E0" in listed.out
     assert "edited" in listed.out
     traced = run("trace", "-w", workspace, cwd=workspace)
     assert traced.status == 0, traced.err

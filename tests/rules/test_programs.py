@@ -9,7 +9,7 @@ from tests.checkouts import HERE
 ONLY = "eddi_scaffold/regions/git.py"
 REFUSES = "shapes.jinja"
 """It names modules of Python to refuse them."""
-TESTS = "copier_templates/ros2_monitor/.eddi/generated/test/"
+TESTS = "copier_templates/ros2_monitor/.eddi/new/{{ stage }}/test/"
 """`colcon test` starts the node of a package."""
 SHIPPED = ("eddi_scaffold", "runtime_lib/src", "copier_templates", "script", "hatch_build.py")
 STARTS = re.compile(
