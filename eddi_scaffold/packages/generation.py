@@ -246,8 +246,8 @@ def _is_current(
 ) -> bool:
     """Return whether a rendering would change nothing, by what the package itself records."""
     manifest = manifest_of(target)
-    leaves = not package.answers
-    if leaves or source.changed or package.saved or manifest.mixed or (target / NEW).exists():
+    unsure = source.changed or package.saved or manifest.mixed or (target / NEW).exists()
+    if unsure or not (package.answers and manifest.exists):
         return False
     origin = {"_commit": source.commit, "_src_path": template.location}
     answers = read_answers(target) or {}
