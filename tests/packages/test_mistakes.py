@@ -105,25 +105,6 @@ def test_what_may_be_a_field_is_not_named(body: str) -> None:
     assert doubts(f"self.Charge = {body}", messages=KNOWN) == ()
 
 
-CALLS = """
-    def processing(self, outputs):
-        self.update('Upright', self.process_Upright, outputs, ('imu',))
-        self.update('Charge', self.process_Charge, outputs, ('battery',))
-"""
-
-
-def test_a_method_that_nobody_calls_is_named_with_the_one_that_is_called() -> None:
-    body = "self.Charge = battery.level"
-    assert doubts(body, FILE + CALLS) == ()
-    renamed = (FILE + CALLS).replace("def process_Charge", "def process_Change")
-    said = "'process_Change' is called by nobody; the class calls 'process_Charge', which is not"
-    assert doubts(body, renamed) == (f"{said} there",)
-    indirect = renamed + "        getattr(self, 'process_' + 'Change')(outputs['battery'])\n"
-    assert not any("nobody" in one for one in doubts(body, indirect))
-    (gone,) = doubts(body, renamed.replace("self.process_Charge", "self.process_Upright"))
-    assert gone == "'process_Change' is called by nobody"
-
-
 @pytest.mark.parametrize(
     "body",
     [

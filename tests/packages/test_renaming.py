@@ -9,7 +9,7 @@ import pytest
 
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_example
-from tests.updates.inputs import elements, write_inputs
+from tests.updates.inputs import inputs_of, write_inputs
 from tests.updates.templates import git
 
 pytestmark = pytest.mark.slow
@@ -189,24 +189,33 @@ def commit(folder: Path) -> Path:
 # models that swap their names ---------------------------------------------------------------------
 def make(folder: Path, swapped: bool, *options: str) -> list[object]:
     """Return commands for two models with the same inputs, as they were or with swapped names."""
-    order = [elements("one", "two"), elements("two", "one")]
+    order = [["one", "two"], ["two", "one"]]
     commands: list[object] = []
     for name, inputs in zip(("Left", "Right"), order[::-1] if swapped else order, strict=True):
-        model, config = write_inputs(folder / f"{name}{swapped}", inputs, name)
-        text = config.read_text().replace(
-            "type: ConSert\n", f"type: ConSert\n  parameters: [{{model: {model.name}}}]\n"
+        model, config = write_inputs(folder / f"{name}{swapped}", inputs_of(inputs))
+        renamed = model.rename(model.with_name(f"{name}.yml"))
+        text = (
+            config.read_text()
+            .replace("id: Rover", f"id: {name}")
+            .replace("id: rover", f"id: {name.lower()}")
         )
-        config.write_text(text)
+        text = text.replace("/rover/", f"/{name.lower()}/")
+        config.write_text(
+            text.replace(
+                "type: ConSert\n", f"type: ConSert\n  parameters: [{{model: {renamed.name}}}]\n"
+            )
+        )
         commands += ["-c", config]
     return ["generate", "--platform", "plain", "-o", "pl", *commands, *options]
 
 
 @pytest.fixture
 def two(tmp_path: Path) -> Path:
-    assert run(*make(tmp_path, swapped=False), cwd=tmp_path).status == 0
+    made = run(*make(tmp_path, swapped=False), cwd=tmp_path)
+    assert made.status == 0, made.err
     for name in ("left", "right"):
         place = tmp_path / "pl" / name / "EDDIInput.py"
-        edit(place, "        self.one = one_topic.data\n", f"        self.one = 0  # of_{name}\n")
+        edit(place, "        self.one = S_one.data\n", f"        self.one = 0  # of_{name}\n")
     return tmp_path
 
 
