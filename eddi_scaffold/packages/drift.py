@@ -10,6 +10,7 @@ from pathlib import Path
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
+from eddi_scaffold.packages.review import ADOPT
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
 
@@ -82,7 +83,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
         findings = [
             ": ".join(filter(None, (one.file, one.id, "; ".join(one.notes))))
             for one in regions
-            if one.review and one.state != "outside"
+            if one.review and (one.state != "outside" or ADOPT in one.notes)
         ]
         reports.append(
             Drift(

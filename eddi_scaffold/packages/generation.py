@@ -129,7 +129,7 @@ def write_packages(
             if package.answers:
                 progress(package.folder)
             rendered = Path(scratch, str(number))
-            plan = _planned(renderer, package, rendered, target, changed=source.changed)
+            plan = _planned(renderer, package, rendered, target, changed=bool(source.notes))
             work.plans[package.folder] = plan
             _tell(package, plan, rendered, target, work)
         _refuse(work.plans.values())

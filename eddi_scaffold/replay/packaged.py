@@ -119,9 +119,9 @@ class Packaged:
     def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
         name = binding.attribute
         message_for = _message_for(binding)
-        if binding.model.id not in self.by_hand or message_for is None:
+        process = getattr(eddi_input, f"process_{name}", None)  # none in a class of the D7.2 tools
+        if binding.model.id not in self.by_hand or message_for is None or process is None:
             return lambda value: setattr(eddi_input, name, value)
-        process = getattr(eddi_input, f"process_{name}")
         return lambda value: process(message_for(value))
 
 

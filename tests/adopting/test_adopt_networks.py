@@ -38,7 +38,7 @@ def test_every_body_is_in_its_method(old: Path) -> None:
     assert "return value * 3.6" in kept
     (orphan,) = (package / ".eddi" / "kept").glob("*.region")
     assert "of a node that is not in the network" in orphan.read_text("utf-8")
-    assert "node_Gone: no region of that name" in result.err
+    assert "is kept in .eddi/kept/node_Gone.region" in result.err
     config = yaml.safe_load((old.parent / "out" / "pedestrianrisk_config.yml").read_text("utf-8"))
     assert config["Model"] == {
         "id": "PedestrianRisk",

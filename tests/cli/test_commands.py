@@ -372,7 +372,7 @@ def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
     assert (rendered.status, rendered.err.count(told)) == (3, 1), rendered.err
     assert run("regions", package, "--check", cwd=folder).status == 3
     assert "bool(RtE_A_E0)" in "".join(
-        data.decode() for name, data in files_below(package).items() if "orphans" in name
+        data.decode() for name, data in files_below(package).items() if "kept" in name
     )
 
 
