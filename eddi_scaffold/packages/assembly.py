@@ -27,7 +27,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import read_answers
-from eddi_scaffold.packages.workspace import existing, is_compiled, needed_parts
+from eddi_scaffold.packages.workspace import existing, needed_parts
 from eddi_scaffold.platforms import (
     RUNTIME,
     SINGLE_PROCESS,
@@ -290,8 +290,7 @@ def support(
         gone: packages that are there, but will have another name.
 
     Raises:
-        EddiError: a monitor of an older release would stop working (G024), or one of another
-            platform has these packages (G027).
+        EddiError: a monitor of another platform has these packages (G027).
 
     The maintainer of a shared package was set when it was first generated, and is kept.
     """
@@ -301,11 +300,6 @@ def support(
         for name, answers in present.items()
         if answers["template"] == own and name not in gone
     }
-    older = [name for name in there if name not in monitors and not is_compiled(root / name)]
-    if older:
-        message = f"an older eddi-scaffold made {', '.join(older)}: not for this runtime library"
-        hint = "first run `eddi-scaffold upgrade` for the whole workspace; hand edits stay"
-        raise EddiError(error("G024", message, Place(str(root)), hint))
     packages = platform.support({**there, **monitors}, config)
     kept = {part for name in there if name not in monitors for part in needed_parts(root / name)}
     packages = [with_parts(package, kept) for package in packages]

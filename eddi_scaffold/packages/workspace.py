@@ -101,12 +101,6 @@ def refuse_newer(packages: Iterable[Path]) -> None:
         )
 
 
-def is_compiled(package: Path) -> bool:
-    """Return whether the package of a monitor has a compiled monitor, as all new ones have."""
-    names = (name.rpartition("/")[2] for name in manifest_of(package).files)
-    return "compiled.py" in names
-
-
 def needed_parts(package: Path) -> Sequence[str]:
     """Return the parts of the runtime that the compiled monitor of a package needs, as it is.
 

@@ -32,7 +32,6 @@ NOT_IN_THE_FILES = {
     "G015 a configuration without its model": "a warning without `--platform`",
     "G017 a system without the models of its nodes": "an option is missing",
     "G028 a configuration in place of a deployment file": "an option is missing",
-    "G024 a monitor of an older release": "about a package that is there",
     "G026 a monitor reads what another one wants spelt differently": "about a package there",
     "G027 ROS 2 in a workspace of ROS 1": "about a package that is there",
     "H010 a marker has gone": "about a package that is there",

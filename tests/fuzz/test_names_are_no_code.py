@@ -133,7 +133,7 @@ def packages(
         if "Manual edit" in str(assembly.packages[0].answers["inputs"]):
             return None  # an id that looks like one of our markers
         raise AssertionError(f"accepted, but not generated: {refused}") from refused
-    return {path: state.data for path, state in outcome.changes.items() if state is not None}
+    return {path: state for path, state in outcome.changes.items() if state is not None}
 
 
 def shapes(files: dict[str, bytes]) -> dict[str, str]:

@@ -41,8 +41,6 @@ from pump.EDDIInput import EDDIInput
 from pump.EDDIMonitor import EDDIMonitor
 for level in (0, 2, bytes([0]), bytes([2])):
     monitor, inputs = EDDIMonitor(), EDDIInput()
-    inputs.bind(monitor.monitor.inputs)
-    inputs.begin_step({"diag": 0.0}, t_ns=10**9)
     inputs.processing({"diag": SimpleNamespace(level=level)})
     print(json.dumps(monitor.execute_step(inputs), default=repr))
 """
