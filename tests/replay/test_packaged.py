@@ -118,13 +118,13 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     made = run("generate", "--platform", "plain", "-o", "out", "-m", *words, cwd=tmp_path)
     assert made.status == 0, made.err
     (package,) = (tmp_path / "out").iterdir()
-    begin = "# region: node:Distance_to_Pedestrian"
+    begin = "# region: node_Distance_to_Pedestrian"
     (module,) = package.glob("*_config.py")
     line = next(line for line in module.read_text().splitlines() if begin in line)
     new = f"{line}\n        outcome_range_0_to_1_m = 1.0"
     write(package, f"{line}\n        pass", new, module.name)
     by_config = run("run", *words, "--inputs", "recording.csv", cwd=tmp_path)
-    assert "are not used here: node:Distance_to_Pedestrian [I022]" in by_config.err
+    assert "are not used here: node_Distance_to_Pedestrian [I022]" in by_config.err
     result = run("run", package, "--inputs", "recording.csv", cwd=tmp_path)
     assert result.status == 0, result.err
     first = result.out.splitlines()[0]

@@ -179,7 +179,7 @@ def test_a_region_may_override_a_declaration(tmp_path: Path) -> None:
     run(*words, "-c", "eddi_config.yml", cwd=EXAMPLE)
     path = tmp_path / "pedestrian_prediction_example" / "bayesian_network_config.py"
     text = path.read_text("utf-8")
-    begin = text.index("# region: node:Distance_to_Pedestrian")
+    begin = text.index("# region: node_Distance_to_Pedestrian")
     at = text.index("        pass\n", begin)
     body = "        outcome_more_than_2_m = 1.0 if self.dra_data.pedestrianDistance else 0.0\n"
     path.write_text(text[:at] + body + text[at + len("        pass\n") :], "utf-8")
