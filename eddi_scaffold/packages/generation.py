@@ -141,7 +141,10 @@ def write_packages(
         changes |= {f"{folder}/{step.path}": step.data for step in plan.steps}
         paths = {step.path for step in plan.steps} & plan.before.keys()
         before |= {f"{folder}/{path}": plan.before[path] for path in paths}
-    notes = [*dict.fromkeys(work.notes), *renames.notes(root, {} if dry_run else work.plans)]
+    written = {} if dry_run else work.plans
+    mentions = renames.mentions(root, written)
+    work.attention = work.attention or bool(mentions)
+    notes = [*dict.fromkeys(work.notes), *renames.notes(written), *mentions]
     editable = frozenset(work.editable)
     return Outcome(root, changes, before, notes, work.attention, (), editable)
 

@@ -7,7 +7,7 @@ import re
 import shutil
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
@@ -59,25 +59,41 @@ class Renames:
             left = {one: f".{new}.renamed" if old == new else old for one, old in left.items()}
 
     def move_inside(self, root: Path) -> None:
-        """Move a person's files out of folders inside that have the old name of the package."""
+        """Move a person's files out of folders of generated files that have the old name."""
         for folder, old in self.former.items():
+            made = {parent for name in manifest_of(root / folder).files for parent in _above(name)}
             for name in list(_names(root / folder)):
                 parts = name.split("/")
-                new = root / folder / "/".join(folder if part == old else part for part in parts)
-                if old not in parts[:-1] or parts[0] == EDDI or os.path.lexists(new):
+                renamed = [folder if part == old else part for part in parts]
+                new = root / folder / "/".join(renamed)
+                last = max((at for at, part in enumerate(parts[:-1]) if part == old), default=None)
+                if last is None or "/".join(renamed[: last + 1]) not in made or parts[0] == EDDI:
+                    continue
+                if os.path.lexists(new):
                     continue
                 new.parent.mkdir(parents=True, exist_ok=True)
                 (root / folder / name).rename(new)
 
-    def notes(self, root: Path, plans: Mapping[str, Plan]) -> Iterator[str]:
-        """Yield what is to be said of packages that have moved."""
-        for new, old in self.former.items():
-            if new in plans:
-                yield f"{old} is called {new} now; all in it moved along"
-                yield from _mentions(root / new, old)
+    def notes(self, plans: Mapping[str, Plan]) -> list[str]:
+        """Return what is to be said of packages that have moved."""
+        return [
+            f"{old} is called {new} now; all in it moved along"
+            for new, old in self.former.items()
+            if new in plans
+        ]
+
+    def mentions(self, root: Path, plans: Mapping[str, Plan]) -> list[str]:
+        """Return where a person's lines still have the old name of a package that has moved."""
+        moved = ((new, old) for new, old in self.former.items() if new in plans)
+        return [line for new, old in moved for line in _mentions(root / new, old)]
 
 
 NO_RENAMES = Renames({})
+
+
+def _above(name: str) -> Iterator[str]:
+    """Yield the folders that a file lies in."""
+    return (str(parent) for parent in PurePosixPath(name).parents)
 
 
 def _names(package: Path) -> Iterator[str]:
