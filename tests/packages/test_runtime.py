@@ -134,7 +134,7 @@ def test_a_plain_package(tmp_path: Path) -> None:
     assert not (package / RUNTIME).exists()
     code = package / "EDDIInput.py"
     first = code.read_text("utf-8")
-    code.write_text(first.replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = 1 == 1"), "utf-8")
+    code.write_text(first.replace("self.RtE_A_E0 = RtE_A_E0", "self.RtE_A_E0 = 1 == 1"), "utf-8")
     plain(tmp_path, "--runtime", "vendored")
     text = code.read_text("utf-8")
     assert (package / RUNTIME / "consert").is_dir()
