@@ -29,7 +29,7 @@ def test_a_line_for_each_change(bag: Path, tmp_path: Path) -> None:
     result = run("watch", "--text", "--bag", bag, cwd=tmp_path)
     assert (result.status, result.err) == (0, "")
     lines = result.out.splitlines()
-    assert "    12.300  /robot1  warehouse  FullSpeed  not active   PathClear" in lines
+    assert "    12.300  /robot1  warehouse  FullSpeed  unknown   PathClear" in lines
     assert "    18.900  /robot1  warehouse  FullSpeed  active" in lines
     held = "/robot1  localisation  PoseIsGood  unknown   it holds, but not for long enough yet"
     assert f"     0.100  {held}" in lines
