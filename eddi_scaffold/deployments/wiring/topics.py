@@ -28,8 +28,8 @@ def check_alone(participants: Sequence[Participant]) -> Iterator[Problem]:
         reads = reads_of(reader)
         for index, entry in enumerate(reader.config.config.EDDIInputs):
             for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
-                publisher, field = alone.get(topic, (reader, ""))
-                if publisher is not reader:
+                if topic in alone:
+                    publisher, field = alone[topic]
                     text = f"input {entry.id!r} gains from silence by {topic}: a value alone does"
                     text += " not show whether anything is known"
                     hint = f"read {field}, on the topic of the whole message of {publisher.name}"

@@ -227,6 +227,7 @@ def test_text_and_json():
         "unmatched_demands": [],
         "unmatched_services": [],
         "reasons": [],
+        "warnings": [],
     }
     bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
     assert bad.as_text() == [

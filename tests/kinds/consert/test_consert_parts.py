@@ -66,7 +66,7 @@ def test_inputs_are_demands_then_evidence():
         "Distance",
         "float",
         "",
-        {"": (1, 1), "fraction": (1, 1), "percent": (1, 100), "pct": (1, 100)},
+        {"": (1, 1), "fraction": (1, 1), "ratio": (1, 1), "percent": (1, 100), "pct": (1, 100)},
     )
     assert (lidar.id, lidar.type, lidar.unit, lidar.units) == ("Lidar", "bool", None, None)
     assert lidar.description == 'The lidar\'s "self test": passed'

@@ -93,7 +93,7 @@ def test_the_status_message_has_the_evidence_as_a_field(tmp_path: Path) -> None:
     )
     (landing,), problems = monitors_of(EXAMPLE / "landing.yml", [config])
     assert problems == []
-    assert landing.inputs[0].expression == "scope.in_scope"
+    assert landing.inputs[0].expression == "given(scope.in_scope, True, (scope.omission, False))"
 
 
 def test_the_conserts_input_needs_no_hand_edit(monitors: list[BoundMonitor]) -> None:
