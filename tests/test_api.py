@@ -36,7 +36,7 @@ def test_what_is_public() -> None:
     ]
     assert sorted(eddi_runtime.__all__) == [
         *("EDDIInputBase", "FORMATS", "InputSpec", "InputState", "ModelError", "Monitor"),
-        *("__version__", "by_id", "by_key", "by_name", "joined", "needs"),
+        *("__version__", "by_id", "by_key", "by_name", "given", "joined", "look_again", "needs"),
     ]
     assert all(hasattr(api, name) for name in api.__all__)
     assert all(hasattr(eddi_runtime, name) for name in eddi_runtime.__all__)

@@ -54,7 +54,13 @@ def test_what_is_escaped_fits(text: str) -> None:
     assert fits(escaping.markdown_code(text), "CODE")
     line = f"- {escaping.markdown_text(text)}, `{escaping.markdown_code(text)}`"
     assert fits(line, "MARKDOWN_LINE")
-    assert fits(markers.begin_marker(text, digests=markers.Digests(uses="12345678"), was=[text, text]), "BEGIN") or not text
+    assert (
+        fits(
+            markers.begin_marker(text, digests=markers.Digests(uses="12345678"), was=[text, text]),
+            "BEGIN",
+        )
+        or not text
+    )
     assert fits(markers.end_marker(text), "END") or not text
 
 

@@ -90,7 +90,10 @@ def test_packages_are_those_of_ament(workspace: Path) -> None:
     transports = (packages / "eddi_runtime/eddi_runtime/transports").iterdir()
     assert {path.name for path in transports} == {"__init__.py", "ros2"}
     listed = (packages / "eddi_monitor_launcher/launch/eddi.launch.py").read_text("utf-8")
-    assert re.findall(r"^    '(.*)',$", listed, re.MULTILINE) == ["conserta", "consertb"]
+    assert re.findall(r"^        started\('(.*)'\),$", listed, re.MULTILINE) == [
+        "conserta",
+        "consertb",
+    ]
     parameters = yaml.safe_load((packages / "consertb/config/parameters.yaml").read_text("utf-8"))
     given = parameters["/**"]["ros__parameters"]
     assert given == {"frequency": 10.0, "diagnostics": True, "startup_grace": 10.0}

@@ -185,7 +185,8 @@ def test_names_of_files() -> None:
         parts = re.findall(r"{{.*?}}|{%.*?%}", name)
         for part in parts:
             variable = re.fullmatch(
-                r"{{ ?(?:_copier_conf\.answers_file|package|(?:item|module|alias)\.name) ?}}", part
+                r"{{ ?(?:_copier_conf\.answers_file|package|stage|(?:item|module|alias)\.name) ?}}",
+                part,
             )
             loop = re.fullmatch(r"{% (?:yield (\w+) from (\w+)|endyield) %}", part)
             if loop and loop[1]:
