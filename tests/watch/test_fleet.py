@@ -57,12 +57,12 @@ def test_states_reasons_and_since_when() -> None:
 
 
 def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
-    from eddi_runtime.bayesian_network import threshold_monitor
+    from eddi_runtime.bayesian_network import claims
     from eddi_runtime.event import monitor
 
     from eddi_scaffold.kinds.bayesian_network import verdicts
 
-    assert verdicts.WORDS == threshold_monitor._REASONS
+    assert verdicts.WORDS == claims.REASONS
     for verdict, reasons in ((FALSE, monitor._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
         ((said,), *_) = vars(heard()["eddi_messages/EventOutput"].listen(event)).values()

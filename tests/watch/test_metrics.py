@@ -41,7 +41,7 @@ def test_states_reasons_steps_and_ages(fleet: Fleet) -> None:
     found = samples(fleet)
     full = ("/robot1", "warehouse", "FullSpeed")
     states = {k[3]: v for k, v in found["eddi_guarantee_state"].items() if k[:3] == full}
-    assert states == {"active": 0.0, "not active": 1.0, "unknown": 0.0}
+    assert states == {"active": 0.0, "not active": 0.0, "unknown": 1.0}
     assert found["eddi_guarantee_state_seconds"][full] == pytest.approx(0.2)
     assert (*full, "PathClear") in found["eddi_guarantee_reason"]
     lidar = ("/robot1", "lidar")
