@@ -84,8 +84,10 @@ def sound(which: str) -> dict[str, Answers]:
 
 
 @cache
-def sound_files(which: str, package: str) -> dict[str, bytes]:
-    files = rendered(sound(which)[package])
+def sound_files(which: str, package: str, *, flag: str = "") -> dict[str, bytes]:
+    """Return what Copier renders from the sound answers, or from them with one flag set."""
+    answers = sound(which)[package]
+    files = rendered({**answers, flag: True} if flag else answers)
     assert files is not None
     return files
 
@@ -146,10 +148,14 @@ def test_hostile_answers(place: tuple[str, str, PATHS], text: str) -> None:
     which, package, path = place
     files = rendered(changed(sound(which)[package], path, text))
     if files is not None:
-        assert shapes(files) == shapes(sound_files(which, package))
+        sound_ones = sound_files(which, package)
+        if path == ("single_process",) and shapes(files) != shapes(sound_ones):
+            # Copier takes most texts for true, and a true brings a file
+            sound_ones = sound_files(which, package, flag="single_process")
+        assert shapes(files) == shapes(sound_ones)
         check_texts(files)
         if path != ("package",):
-            assert files.keys() <= sound_files(which, package).keys()
+            assert files.keys() <= sound_ones.keys()
 
 
 METHOD = ("modules", 0, "methods", 0)

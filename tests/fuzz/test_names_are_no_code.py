@@ -180,8 +180,13 @@ def check_texts(files: dict[str, bytes]) -> None:
 
 
 def shown(markdown: bytes) -> Iterator[str]:
-    """Yield what Markdown makes of a text: types of blocks, and of what is in a line."""
-    for token in MarkdownIt("commonmark").enable("table").parse(markdown.decode()):
+    """Yield what Markdown makes of a text: types of blocks, and of what is in a line.
+
+    Not of the empty region at its end, whose markers are comments.
+    """
+    text, found, rest = markdown.decode().partition(README_REGION)
+    assert not rest
+    for token in MarkdownIt("commonmark").enable("table").parse(text):
         yield token.type
         yield from (child.type for child in token.children or ())
 

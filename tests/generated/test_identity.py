@@ -59,7 +59,7 @@ def test_own_files_stay_and_edits_of_generated_ones_are_kept(
     generate(clone, tmp_path, "a", status=3)
     generate(clone, tmp_path, "a", status=3)  # until somebody looks at it
     assert own.read_text() == "bool mine\n"
-    kept = packages / "conserta" / ".eddi" / "rejects" / ".gitignore.edited"
+    kept = packages / "conserta" / ".eddi" / "kept" / ".gitignore"
     assert kept.read_text() == "*.bag\n"
 
 
@@ -103,7 +103,7 @@ def test_plain_copier_takes_the_runtime_out_and_back(tmp_path: Path) -> None:
         shutil.move(tmp_path / "consertb", tmp_path / f"{runtime}_package")
     package = tmp_path / "vendored_package"
     code = package / "EDDIInput.py"
-    mine = code.read_text("utf-8").replace("self.RtE_A_E0 = None", "self.RtE_A_E0 = 1 == 1")
+    mine = code.read_text("utf-8").replace("self.RtE_A_E0 = RtE_A_E0", "self.RtE_A_E0 = 1 == 1")
     code.write_text(mine, "utf-8")
     git(package, "init", "--quiet")
     for runtime in ("installed", "vendored"):

@@ -48,7 +48,8 @@ import importlib, json, sys
 from types import SimpleNamespace as Message
 
 class Any:
-    "A message with every field, whose values are good or bad for nothing."
+    "A message with every field, whose values are good or bad for nothing; monitors' are known."
+    omission, verdict = False, 2
     def __getattr__(self, name):
         return 0.5
 
