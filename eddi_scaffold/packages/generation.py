@@ -129,9 +129,11 @@ def write_packages(
             if package.answers:
                 progress(package.folder)
             rendered = Path(scratch, str(number))
-            plan = _planned(renderer, package, rendered, target, changed=bool(source.notes))
+            changed = bool(source.notes)
+            plan, warnings = _planned(renderer, package, rendered, target, changed=changed)
             work.plans[package.folder] = plan
-            _tell(package, plan, rendered, target, work)
+            work.notes += warnings
+            _tell(package, plan, target, work)
         _refuse(work.plans.values())
         if not dry_run:
             _write(work.plans, renames, root)
@@ -151,8 +153,12 @@ def write_packages(
 
 def _planned(
     renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path, *, changed: bool
-) -> Plan:
-    """Render a package, with what Copier does not render, and plan to bring it there."""
+) -> tuple[Plan, list[str]]:
+    """Render a package, with what Copier does not render, and plan to bring it there.
+
+    Returns:
+        The plan, and what is to be said of the rendering.
+    """
     rendering = rendered / NEW / _STAGE
     beside: dict[str, bytes | None] = dict.fromkeys([ANSWERS_FILE, _IGNORED])
     if package.answers:
@@ -169,14 +175,11 @@ def _planned(
     else:
         warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
-    plan = plan_sync(target, rendering, beside, package.saved, package.adopted)
-    (rendered / "warnings").write_text("\n".join(warnings), "utf-8")
-    return plan
+    return plan_sync(target, rendering, beside, package.saved, package.adopted), warnings
 
 
-def _tell(package: PackageAnswers, plan: Plan, rendered: Path, target: Path, work: _Work) -> None:
-    """Note what is to be said of a package."""
-    work.notes += (rendered / "warnings").read_text("utf-8").splitlines()
+def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> None:
+    """Note what happens to a person's text in a package."""
     was = read_answers(target) or {}
     lost = lost_sources(target, was, package.answers)
     work.notes += [f"{package.folder}: {one}" for one in lost]

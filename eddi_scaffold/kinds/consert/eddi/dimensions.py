@@ -120,17 +120,19 @@ def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
     if shape == "binary":
         return BinaryDimension(kind, place, _binary_value(element, kind, findings))
     parts = document.children(element, names.COVERED)
-    subset = _subset(element, findings)
+    is_public = _is_public(element, findings)
+    subset = _subset(element, findings, is_public=is_public)
     if shape == "categorical":
-        category = names.NAME if _is_public(element, findings) else names.VALUE
+        category = names.NAME if is_public else names.VALUE
         values = [_mandatory(part, category, findings) for part in parts]
         return CategoricalDimension(kind, tuple(v for v in values if v is not None), subset, place)
-    if _is_public(element, findings):
+    if is_public:
         ranges = [_public_range(element, findings)]
     else:
         ranges = [_range(part, findings) for part in parts]
     covered = tuple(r for r in ranges if r is not None)
-    return NumericDimension(kind, covered, subset, _unit(element, kind, findings), place)
+    unit = _unit(element, kind, findings, is_public=is_public)
+    return NumericDimension(kind, covered, subset, unit, place)
 
 
 def _is_public(element: Element, findings: EddiFindings) -> bool:
@@ -181,7 +183,7 @@ def _binary_value(element: Element, kind: str, findings: EddiFindings) -> bool:
     return False
 
 
-def _subset(element: Element, findings: EddiFindings) -> Subset | None:
+def _subset(element: Element, findings: EddiFindings, *, is_public: bool) -> Subset | None:
     document = findings.document
     text = document.attribute(element, names.SUBSET)
     if text is not None:
@@ -190,7 +192,7 @@ def _subset(element: Element, findings: EddiFindings) -> Subset | None:
             message = f'subset is "{_shortened(text)}", allowed: Guarantee, Demand'
             findings.error("X011", message, element)
         return subset or "Guarantee"
-    if document.children(element, names.PUBLIC_TYPE) or _is_public(element, findings):
+    if document.children(element, names.PUBLIC_TYPE) or is_public:
         return None  # the demand says it, by a relation
     message = "subset is absent, taken as Guarantee (a demand asks at most)"
     findings.warning("X014", message, element, 'write subset="Guarantee" or subset="Demand"')
@@ -246,11 +248,11 @@ def _with_relation(
     return replace(dimension, subset=relation or "Equals")
 
 
-def _unit(element: Element, kind: str, findings: EddiFindings) -> str | None:
+def _unit(element: Element, kind: str, findings: EddiFindings, *, is_public: bool) -> str | None:
     document = findings.document
     text = document.attribute(element, names.PUBLIC_UNIT)
     text = document.attribute(element, names.UNIT) if text is None else text
-    if text is None and _is_public(element, findings):
+    if text is None and is_public:
         message = f'unitOfMeasurement of "{kind}" is absent, taken as m/s (or it was never set)'
         hint = f"set it; known are {', '.join(names.PUBLIC_UNITS)}"
         findings.warning("X014", message, element, hint)

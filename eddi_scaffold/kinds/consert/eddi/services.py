@@ -9,13 +9,16 @@ from eddi_scaffold.kinds.consert.model import ProvidedService, RequiredService
 from eddi_scaffold.readers import vocabulary as names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Mapping
 
     from eddi_scaffold.kinds.consert.eddi.parts import ConSertParts
     from eddi_scaffold.problems import Place
     from eddi_scaffold.readers.findings import EddiFindings
     from eddi_scaffold.readers.spelling import Spelling
     from eddi_scaffold.readers.xmi import Element
+
+    _Row = tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]
+    """What both kinds of services have: id, type, members, place, to what they are allocated."""
 
 
 def required_services(
@@ -25,18 +28,8 @@ def required_services(
     demands = findings.document.children(consert, names.DEMANDS)
     members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, parts, findings)
     members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, parts, findings)
-    parts.services += members
-    return tuple(
-        RequiredService(
-            name,
-            kind,
-            tuple(ids),
-            findings.document.place(service),
-            _allocated(service, names.PROVIDED_ELSEWHERE, findings),
-        )
-        for service, ids in members.items()
-        if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
-    )
+    rows = _rows(members, names.PROVIDED_ELSEWHERE, parts, findings)
+    return tuple(RequiredService(*row) for row in rows)
 
 
 def provided_services(
@@ -47,18 +40,24 @@ def provided_services(
     wanted = names.PROVIDED_SERVICES
     members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, parts, findings)
     members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, parts, findings)
+    rows = _rows(members, names.ALLOCATED, parts, findings)
+    return tuple(ProvidedService(*row) for row in rows)
+
+
+def _rows(
+    members: Mapping[Element, list[str]],
+    allocation: Spelling,
+    parts: ConSertParts,
+    findings: EddiFindings,
+) -> Iterator[_Row]:
+    """Yield what is known of each service that has a name and a type."""
     parts.services += members
-    return tuple(
-        ProvidedService(
-            name,
-            kind,
-            tuple(ids),
-            findings.document.place(service),
-            _allocated(service, names.ALLOCATED, findings),
-        )
-        for service, ids in members.items()
-        if (name := node_name(service, findings)) and (kind := _service_type(service, findings))
-    )
+    for service, ids in members.items():
+        name = node_name(service, findings)
+        kind = _service_type(service, findings) if name else None
+        if name and kind:
+            place = findings.document.place(service)
+            yield name, kind, tuple(ids), place, _allocated(service, allocation, findings)
 
 
 def _allocated(service: Element, link: Spelling, findings: EddiFindings) -> tuple[Place, ...]:
