@@ -259,6 +259,7 @@ def test_an_input_of_d72_as_a_whole_file(world, master, probe, model_files, tmp_
     (package / "EDDIInput.py").write_text(PASTED)
     paths = f"{tmp_path}{os.pathsep}{world.env(master)['PYTHONPATH']}"
     probe.subscribe("/consertb/guarantees")
+    probe.publish("/rte/e0b", BOOL, {"data": False})  # an earlier test may have left True, latched
     compiled = f"compiled:={model_files['consertb']}"
     node = world.node(master, "consertb", compiled, env={"PYTHONPATH": paths})
     probe.active("/consertb/guarantees", set())
