@@ -81,3 +81,5 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="accept what is generated now")
+    parser.addoption("--update-frozen", action="store_true", help="accept other texts as frozen")
+    parser.addoption("--frozen-texts", metavar="FOLDER", help="write all frozen texts to a folder")

@@ -14,6 +14,8 @@ from functools import cache
 from pathlib import Path
 from unittest.mock import patch
 
+import typer.main
+
 from eddi_scaffold import cli
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.packages import rendering
@@ -39,6 +41,10 @@ def template() -> rendering.Template:
     return rendering.Template(str(folder), None)
 
 
+_COMMANDS = cache(typer.main.get_command)
+"""Typer makes all commands anew for each call, which takes as long as a short one."""
+
+
 @dataclass(frozen=True)
 class Result:
     """What a command left behind."""
@@ -58,6 +64,7 @@ def run(*words: object, cwd: Path) -> Result:
         with (
             patch.object(sys, "argv", ["eddi-scaffold", *map(str, words)]),
             patch.object(rendering, "own_template", template),
+            patch.object(typer.main, "get_command", _COMMANDS),
             contextlib.redirect_stdout(out),
             contextlib.redirect_stderr(err),
         ):
