@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 HEAD_BYTES = 4096
-_NETWORK = "save it as XDSL, XMLBIF 0.3, BIF or Hugin NET"
+_NETWORK = "save it as XDSL, XMLBIF 0.3 or BIF"
 _BY_GENIE = f"GeNIe opens it: {_NETWORK}"
 _FORMATS = (
     (rb"\Aversion https://git-lfs\.", "a pointer of Git LFS, not the file", "run `git lfs pull`"),
@@ -14,6 +14,7 @@ _FORMATS = (
     (rb"\A\s*(?://[^\n]*\n\s*)*(?://\s*~->\[DNET-1\]|bnet\b)", "a network of Netica", _BY_GENIE),
     (rb"\A\s*belief\s+network\b", "a network of MSBN", _BY_GENIE),
     (rb"<ANALYSISNOTEBOOK\b", "a network of MSBN", _BY_GENIE),
+    (rb"\A(?:\s|%[^\n]*\n)*(?:net|class\s+\w+)\s*\{", "a network of Hugin", _BY_GENIE),
     (rb"<ProbModelXML\b", "a network of OpenMarkov", _NETWORK),
     (
         rb"""<(?i:(?:\w+:)?bif\b[^>]*\bversion\s*=\s*["']0\.[45])""",

@@ -263,17 +263,6 @@ probability ( A ) { table 0.25, 0.75; }
 probability ( B | A ) { (y) 0.5, 0.25, 0.25; (n) 0.125, 0, 0.875; }
 probability ( C | A, B ) { default 0.5, 0.5; (y, <5) 1e-3, 0.999; }
 """
-_HUGIN = b"""\
-% of a test
-net { name = Dogs; node_size = (80 40); }
-node A { label = "What \\"A\\" is"; states = ("y" "n"); position = (1 2); }
-discrete node B { states = ("<5" "5-12" "12+"); }
-potential (A) { data = (0.25 0.75); experience = (1); }
-potential (B | A) {
-  data = ((0.5 0.25 0.25)    % A=y
-          (0.125 0 0.875));  % A=n
-}
-"""
 
 _MEF = b"""\
 <opsa-mef>
@@ -615,7 +604,6 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "XDSL": _networks(".xdsl"),
     "XMLBIF": _networks(".xmlbif"),
     "BIF": _texts("n.bif", _BIF),
-    "Hugin": _texts("n.net", _HUGIN),
     "configuration": _config,
     "deployment": _deployment,
     "reliability YAML": _reliability,

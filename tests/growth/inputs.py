@@ -277,16 +277,6 @@ _BIF = {
     "quotes": lambda n: '"a" ' * n,
     "numbers": lambda n: f"probability (c) {{table {'0.5 ' * n};}}\n",
 }
-_HUGIN = {
-    "nodes": lambda n: "net {}\n" + _each(
-        'node n# {states = ("a" "b");}\npotential (n#) {data = (0.5 0.5);}\n', n
-    ),
-    "definitions of nothing": lambda n: "net {}\n" + _each("potential (m#) {data = (1);}\n", n),
-    "brackets": lambda n: f"net {{}} potential (a) {{data = {'(' * n};}}\n",
-    "attributes": lambda n: "net {" + "a = (1);\n" * n + "}\n",
-    "open quotes": lambda n: "net {} " + '"\\"' * n,
-    "words": lambda n: "net {} " + "a " * n,
-}  # fmt: skip
 
 # configurations
 
@@ -614,7 +604,6 @@ _FAMILIES: list[tuple[str, str, dict[str, Callable[[int], str]]]] = [
     ("ConSert YAML", "c.yml", _CONSERT),
     ("XDSL", "n.xdsl", _XDSL),
     ("BIF", "n.bif", _BIF),
-    ("Hugin", "n.net", _HUGIN),
     ("configuration", "two-conserts/damaged_consert_a_config.yml", _CONFIG),
     ("configuration", "motor-watch/damaged_motor_config.yml", _CONFIG_EVENT),
     ("deployment", "deployment.yml", _DEPLOYMENT),

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 
 TIMES = 4
 COUNT = 50
-FEWER = {"XDSL: chain": 20, "XDSL: nodes": 20, "BIF: variables": 20, "Hugin: nodes": 20}
+FEWER = {"XDSL: chain": 20, "XDSL: nodes": 20, "BIF: variables": 20}
 """Where a thing is a lot of work: the order of inference is searched for it."""
 FEWER |= {"deployment: robots": 8, "deployment: robots that fulfil a demand": 8}  # a model for each
 MOST = 1.25

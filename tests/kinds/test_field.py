@@ -33,7 +33,6 @@ def told(text: str, name: str) -> list[tuple[str, int | None]]:
 @pytest.mark.parametrize(
     ("file", "wanted"),
     [
-        ("two_data.net", [("B231", 4)]),
         ("two_rates.xml", [("X011", 9), ("X011", 14)]),
         ("two_tables.xdsl", [("B232", 6)]),
     ],
@@ -54,7 +53,6 @@ XDSL = (
     '<cpt id="B"><state id="y"/><state id="n"/>\n<parents>A</parents>\n'
     "<probabilities>0.1 0.9 0.2 0.8</probabilities></cpt></nodes></smile>"
 )
-NET = 'net { }\nnode A { states = ("y" "n"); }\npotential (A) { data = (0.1 0.9); }\n'
 BIF = (
     "network N {}\nvariable A { type discrete [2] { y, n }; }\n"
     "probability (A) {\ntable 0.1, 0.9;\n}\n"
@@ -75,7 +73,6 @@ MEF = (
         (XMLBIF, "n.xmlbif", "<NAME>N</NAME>", "<NAME>N</NAME>\n<NAME>B</NAME>", ("B232", 3)),
         (XMLBIF, "n.xmlbif", "</NETWORK>", "</NETWORK>\n<NETWORK/>", ("B232", 10)),
         (XDSL, "n.xdsl", "</parents>", "</parents>\n<parents>B</parents>", ("B232", 5)),
-        (NET, "n.net", "; }\np", '; states = ("a" "b"); }\np', ("B231", 2)),
         (BIF, "n.bif", "table", "default 0.5, 0.5;\ntable", ("B231", 5)),
         (BIF, "n.bif", "0.9;", "0.9;\ndefault 0.5, 0.5;", ("B231", 5)),
         (BIF, "n.bif", "}; }", "};\ntype discrete [2] { a, b }; }", ("B231", 3)),
@@ -157,7 +154,6 @@ def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
     ("file", "node", "wanted"),
     [
         ("bif-interval-states/speed.bif", "Risk", [0.67, 0.33]),
-        ("one-state-node/site.net", "Fault", [0.1, 0.9]),
         ("row-rounding/tank.bif", "Pump", [1.6 / 3, 1.4 / 3]),
     ],
 )
@@ -213,8 +209,13 @@ OTHERS = {
     "x.xbn": b"<?xml version='1.0'?>\n<ANALYSISNOTEBOOK/>",
     "x.xml": b'<?xml version="1.0"?>\n<BIF VERSION="0.5"><NETWORK/></BIF>',
     "x.dne": b"\xef\xbb\xbfbnet Pump {};",
+    "x.net": b'% by Hugin\nnet { }\nnode A { states = ("y" "n"); }\n',
+    "y.net": b"class Pump {\n}\n",
 }
-NAMES = ("Git LFS", "gzip", "zip", "MSBN", "OpenMarkov", "MSBN", "XMLBIF 0.4 or 0.5", "Netica")
+NAMES = (
+    *("Git LFS", "gzip", "zip", "MSBN", "OpenMarkov", "MSBN", "XMLBIF 0.4 or 0.5", "Netica"),
+    *("Hugin", "Hugin"),
+)
 
 
 @pytest.mark.parametrize(("file", "name"), list(zip(OTHERS, NAMES, strict=True)))

@@ -13,13 +13,10 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds.bayesian_network.options import NetworkModel
     from eddi_scaffold.source import Source
 
-_SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".net", ".xml")
+_SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".xml")
 _METHODS = "bayesian_network_config.py"
 _HEAD = 65536
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
-_HUGIN = re.compile(
-    rb"(?:\xef\xbb\xbf)?(?:\s|%[^\n]*\n)*(?:net|class|(?:[a-z]+\s+)?node|decision|utility)\b"
-)
 _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
     "renamed", "evidence",
@@ -38,8 +35,7 @@ def _sniff(source: Source) -> bool:
     if not name.endswith(_SUFFIXES):
         return False
     with source.open() as stream:
-        head = stream.read(_HEAD)
-    return (_HUGIN.match if name.endswith(".net") else _ROOT.search)(head) is not None
+        return _ROOT.search(stream.read(_HEAD)) is not None
 
 
 def _functions() -> Functions[NetworkModel]:

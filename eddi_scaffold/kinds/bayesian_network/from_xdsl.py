@@ -66,7 +66,7 @@ def _refused(root: Element, file: str) -> list[Problem]:
         message = "pyAgrum lists the rows of a table in another order than XDSL has"
         place = Place(file, line_of(several[0]))
         hint = (
-            "write it as .bif, .net or .bifxml there; if pyAgrum got it as XDSL from another tool, "
+            "write it as .bif or .bifxml there; if pyAgrum got it as XDSL from another tool, "
             "take that tool's file: pyAgrum has turned its tables"
         )
         problems.append(error("B209", message, place, hint))

@@ -22,7 +22,6 @@ from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
 from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
 from eddi_scaffold.kinds.bayesian_network.from_bif import read_bif
 from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
-from eddi_scaffold.kinds.bayesian_network.from_net import read_net
 from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
 from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
 from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
@@ -54,9 +53,7 @@ def read_file(source: Source, _marks: Sequence[str]) -> Reading:
     if is_config_module(source.name):
         return Reading((), tuple(in_order(lint(source))))
     suffix = PurePath(source.name).suffix.lower()
-    if suffix == ".net":
-        network, problems = read_net(source)
-    elif suffix == ".bif" and not is_xml(source):
+    if suffix == ".bif" and not is_xml(source):
         network, problems = read_bif(source)
     else:
         network, problems = _read_xml(source, suffix)

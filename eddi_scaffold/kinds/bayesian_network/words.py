@@ -1,4 +1,4 @@
-"""The words of a network that is text (BIF, Hugin), with their places; the first fault ends it."""
+"""The words of a network that is text (BIF), with their places; the first fault ends it."""
 
 from __future__ import annotations
 

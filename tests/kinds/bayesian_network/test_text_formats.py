@@ -1,4 +1,4 @@
-"""Networks that are text: what BIF and Hugin files mean, and where they are wrong."""
+"""Networks that are text: what BIF files mean, and where they are wrong."""
 
 from __future__ import annotations
 
@@ -16,13 +16,6 @@ variable A { type discrete[2] { "y" "n" }; property position = (73, 165) ; }
 variable B { /* three */ type discrete [ 3 ] { <5, 5-12, 12+ }; }
 """
 BIF = START + "probability ( A ) { table 0.25, 0.75; }\n"
-NET = """\
-% of Hugin
-class Dogs {
-  inputs = ();
-  node A { label = "What \\"A\\" is"; states = ("y" "n"); position = (1 2); }
-  discrete node B { states = ("<5" "5-12" "12+"); }
-"""
 ROW = (0.5, 0.25, 0.25)
 ROWS = (*ROW, 0.125, 0.0, 0.875)
 
@@ -57,27 +50,6 @@ def test_comments_of_bif_may_follow_a_word_at_once() -> None:
     assert (c.states, c.table) == (("m/s", "km/h"), (0.25, 0.75))
 
 
-def test_tables_of_hugin() -> None:
-    text = (
-        f"{NET}potential (B | A) {{ data = ((0.5 0.25 0.25) % A=y\n (0.125 0 0.875)); }}\n"
-        "potential (A | ) { data = (0.25 0.75); experience = (1); } }"
-    )
-    found = network(read(text, "n.net"))
-    assert found.name == "Dogs"
-    assert found.node("A").title == 'What "A" is'
-    b = found.node("B")
-    assert (b.title, b.states, b.parents, b.table) == ("B", ("<5", "5-12", "12+"), ("A",), ROWS)
-
-
-def test_a_hugin_file_without_a_class() -> None:
-    text = (
-        'net { name = Dogs; node_size = (80 40); }\nnode A { states = ("y" "n"); }\n'
-        "potential (A) { data = (0.25 0.75); }"
-    )
-    found = network(read(text, "n.net"))
-    assert (found.name, found.node("A").table) == ("Dogs", (0.25, 0.75))
-
-
 def test_the_order_of_parents_is_that_of_the_file() -> None:
     variable = "variable {} {{ type discrete [2] {{ {}, {} }}; }}"
     start = "".join(variable.format(*one) for one in ("Ayn", "Byn", "Cuv"))
@@ -86,11 +58,6 @@ def test_the_order_of_parents_is_that_of_the_file() -> None:
     bif = f"network N {{ }} {start} {roots} probability (B | C, A) {{ {rows} }}"
     wanted = (("C", "A"), (1.0, 0.0, 0.9, 0.1, 0.8, 0.2, 0.7, 0.3))
     b = network(read(bif, "n.bif")).node("B")
-    assert (b.parents, b.table) == wanted
-    nodes = "".join(f'node {name} {{ states = ("y" "n"); }}' for name in "ABC")
-    data = "(((1 0) (0.9 0.1)) ((0.8 0.2) (0.7 0.3)))"
-    net = f"net {{ }} {nodes} potential (A) {{ data = (1 0); }} potential (C) {{ data = (1 0); }}"
-    b = network(read(f"{net} potential (B | C A) {{ data = {data}; }}", "n.net")).node("B")
     assert (b.parents, b.table) == wanted
 
 
@@ -174,48 +141,6 @@ def test_what_is_wrong_in_bif(text: str, wanted: tuple[str, int, int, str]) -> N
     assert told(f"{BIF}probability {text}", "n.bif") == [wanted]
 
 
-@pytest.mark.parametrize(
-    ("text", "wanted"),
-    [
-        (
-            "potential (B) { data = (0.5 0.5); }",
-            ("B111", 6, 24, "the table of 'B' has 2 values, expected 3 (3)"),
-        ),
-        (
-            "potential (B) { data = (0.5 0.5 x); }",
-            ("B112", 6, 24, "'x' of 'B' is not a probability"),
-        ),
-        ("potential (B) { data = ((1 0 0); }", ("B231", 6, 32, "a number is expected, not ';'")),
-        ("potential (A B) { data = (1); }", ("B231", 6, 14, "`)` is expected, not 'B'")),
-        (
-            "potential (B) { model_nodes = (); }",
-            ("B110", 5, 3, "the node 'B' has no probabilities"),
-        ),
-        (
-            "potential (B) { data = (1 0 0); }\npotential (B) { data = (1 0 0); }",
-            ("B232", 7, 12, "'B' is defined twice, first in line 6"),
-        ),
-        (
-            "potential (B) { data = (1 0 0); }\npotential (C) { data = (1 0 0); }",
-            ("B222", 7, 12, "there is a definition for 'C', which is not a variable"),
-        ),
-        (
-            "decision D { } utility U { } utility V { }",
-            ("B202", 6, 1, "the node 'D' is of type 'decision', which is not supported"),
-        ),
-        ("instance I : C;", ("B231", 6, 15, "`{` is expected, not ';'")),
-    ],
-)
-def test_what_is_wrong_in_hugin(text: str, wanted: tuple[str, int, int, str]) -> None:
-    root = "" if "V { }" in text else "potential (A) { data = (1 0); }"
-    assert told(f"{NET}{text} {root}}}", "n.net")[0] == wanted
-
-
-def test_a_class_beside_a_class() -> None:
-    (problem,) = told("class A { }\nclass B { }", "n.net")
-    assert problem[1:3] == (2, 1)
-
-
 def test_a_default_that_would_fill_too_much_is_refused() -> None:
     names = [f"P{k}" for k in range(40)]
     text = "".join(
@@ -240,8 +165,3 @@ def test_xmlbif_under_each_of_its_names(name: str) -> None:
         f'<?xml version="1.0"?><BIF VERSION="0.3"><NETWORK>{variable}{definition}</NETWORK></BIF>'
     )
     assert network(read(text, name)).node("A").table == (0.25, 0.75)
-
-
-@pytest.mark.parametrize("text", ['*Vertices 3\n1 "a"\n', "networks: 3\n", ""])
-def test_other_files_of_that_name_are_no_networks(text: str) -> None:
-    assert [problem.code for problem in read(text, "n.net").problems] == ["F003"]
