@@ -15,7 +15,7 @@ METRICS = {
     "CramerVonMisesDistance": "cvm",
     "AndersonDarlingDistance": "ad",
 }
-BACKENDS = ("numpy", "torch", "cupy")
+BACKENDS = ("numpy", "torch")
 """What ``array_backend:`` may be."""
 
 _FILE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")

@@ -1,4 +1,4 @@
-"""Array libraries that a configuration may ask for; nothing of them is ever required."""
+"""PyTorch in place of numpy, where a configuration asks for it; it is never required."""
 
 from __future__ import annotations
 
@@ -33,22 +33,18 @@ class Torch(Backend):
         return self._module.searchsorted(rows.contiguous(), values.contiguous(), right=equal)
 
 
-def backend(name: str) -> Backend:
-    """Return the backend ``torch`` or ``cupy``; numpy, with a warning, where that is not there.
+def torch_or_numpy() -> Backend:
+    """Return PyTorch as the backend; numpy, with a warning, where that is not there.
 
-    Decisions are the same with each of them: a robot without the library is slower or faster,
-    not less safe.
+    Decisions are the same with both: a robot without the library is slower or faster, not less
+    safe.
     """
     try:
-        if name == "torch":
-            import torch  # noqa: PLC0415 - only where it is asked for
+        import torch  # noqa: PLC0415 - only where it is asked for
 
-            return Torch(torch)
-        import cupy  # noqa: PLC0415 - the same
-
-        return Backend(cupy, name)
+        return Torch(torch)
     except Exception as problem:  # noqa: BLE001 - drivers fail in ways of their own
         reason = " ".join(str(problem).split())[:200] or type(problem).__name__
-        message = f"SafeML: numpy is used, because {name} cannot be: {reason}"
+        message = f"SafeML: numpy is used, because torch cannot be: {reason}"
         warnings.warn(message, RuntimeWarning, stacklevel=2)
     return NUMPY

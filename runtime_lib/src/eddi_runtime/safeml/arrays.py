@@ -13,16 +13,16 @@ import numpy as np
 from ..compatibility import ModelError
 
 Array = Any
-"""An array of the backend: ``numpy.ndarray``, ``cupy.ndarray`` or ``torch.Tensor``."""
+"""An array of the backend: ``numpy.ndarray`` or ``torch.Tensor``."""
 
 
 class Backend:
     """Array functions under one name. "Last" is the last axis of an array."""
 
     def __init__(self, module: ModuleType = np, name: str = "numpy") -> None:
-        self.name = name  # ``numpy``, ``torch`` or ``cupy``
+        self.name = name  # ``numpy`` or ``torch``
         self.array: Any = module.asarray  # numpy values -> an array of this backend
-        self.numpy: Any = getattr(module, "asnumpy", module.asarray)  # an array -> one of numpy
+        self.numpy: Any = module.asarray  # an array -> one of numpy
         # -> a copy that is sorted along the last axis
         self.sort: Any = partial(module.sort, axis=-1)
         self.highest: Any = lambda values: values.max(-1)  # -> the maximum along the last axis

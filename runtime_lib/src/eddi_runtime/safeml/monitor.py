@@ -52,9 +52,9 @@ class SafeML(Monitor[SafeMLResult]):
     def __init__(self) -> None:
         arrays = NUMPY
         if self.array_backend != "numpy":
-            from .accelerators import backend  # noqa: PLC0415 - few monitors ask for one
+            from .accelerators import torch_or_numpy  # noqa: PLC0415 - few monitors ask for it
 
-            arrays = backend(self.array_backend)
+            arrays = torch_or_numpy()
         self.backend = arrays.name  # name of the one that is used
         reference = array_of(self.reference)
         if self.axes is None:
