@@ -49,10 +49,6 @@ def connect(
     ] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
-    interactive: Annotated[
-        bool,
-        typer.Option("--interactive", help="Ask, on a terminal, what the draft leaves open."),
-    ] = False,
     dry_run: DryRun = False,
     as_json: Json = False,
 ) -> None:
@@ -63,7 +59,6 @@ def connect(
 
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
     """
-    from eddi_scaffold.cli import asking
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.surroundings import Around
@@ -73,14 +68,7 @@ def connect(
     around = Around(system, models, others or (), default_guarantee or ())
     if bag is not None:
         around = _with_bag(around, bag)
-    if interactive and (output is None or not asking.is_possible()):
-        needs = "a terminal" if output is not None else "-o, the configuration to write"
-        raise typer.BadParameter(f"it needs {needs}", param_hint="--interactive")
     found = connect(model, name, output, around)
-    if interactive:
-        taken, given = asking.answers(found)
-        around = replace(around, answers=taken, ages={**around.ages, **given})
-        found = connect(model, name, output, around)
     if as_json:
         console.json(found.as_json())
     elif dry_run and output is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.config.block import ConfigText, TopicEntry, extended, new_document, read_block
@@ -12,7 +11,7 @@ from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect import draft as drafts
 from eddi_scaffold.connect.drafted import Connected
 from eddi_scaffold.connect.keeping import Draft, with_draft
-from eddi_scaffold.connect.matching import Decision, decide
+from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.offers import offers
 from eddi_scaffold.connect.owners import chosen_model, refuse_other, unknown_inputs
@@ -25,7 +24,6 @@ from eddi_scaffold.connect.reading import (
     text_of,
     topics_of,
 )
-from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.connect.surroundings import Around, monitors_beside, with_robot
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.identifiers import free_name, full_topic, package_name
@@ -67,7 +65,6 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     types = {**around.types, **known_messages(), **robot.types, **declared_types(root)}
     needs = [Need.of(one, synonyms_of(root)) for one in skeleton.inputs]
     decisions = decide(needs, topics, types.get, offered.by_input)
-    decisions = [_answered(one, around.answers) for one in decisions]
     named = {found.topic for one in decisions for found in one.candidates}
     new = [
         TopicEntry(one.id, one.type.replace("/", "."), one.topic)
@@ -95,7 +92,7 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
         text_of(one, "id") or "" for one in items_of(root.get("EDDIInputs")) if not undecided(one)
     )
     problems = in_order([*robot.problems, *unknown])
-    return Connected(document.name, package, before, after, decisions, kept, problems, len(left))
+    return Connected(document.name, before, after, decisions, kept, problems, len(left))
 
 
 def _recorded(
@@ -110,11 +107,6 @@ def _recorded(
             found.append(RobotTopic(free_name(slug(topic), taken), of, topic))
             taken.add(found[-1].id)
     return found
-
-
-def _answered(decision: Decision, answers: Mapping[str, Candidate]) -> Decision:
-    answer = answers.get(decision.need.id)
-    return decision if answer is None else replace(decision, state="chosen", candidates=(answer,))
 
 
 def _document(config: Path | None) -> tuple[ConfigText, str | None]:

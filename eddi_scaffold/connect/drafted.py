@@ -9,11 +9,8 @@ from dataclasses import dataclass
 
 from eddi_scaffold.config.block import ConfigText
 from eddi_scaffold.connect.matching import Decision
-from eddi_scaffold.connect.reading import content, open_inputs, topics_of
-from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.identifiers import full_topic
+from eddi_scaffold.connect.reading import content, topics_of
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.positioned_yaml.nodes import Map
 from eddi_scaffold.problems import Problem
 
 
@@ -23,7 +20,6 @@ class Connected:
 
     Attributes:
         name: of the configuration.
-        package: of the monitor.
         before: its text, ``None`` when there is no file.
         after: its new text.
         decisions: one for each input of the model.
@@ -33,7 +29,6 @@ class Connected:
     """
 
     name: str
-    package: str
     before: str | None
     after: str
     decisions: Sequence[Decision]
@@ -53,26 +48,7 @@ class Connected:
     @property
     def has_topics(self) -> bool:
         """Whether the configuration names topics of a robot."""
-        return bool(topics_of(self._content))
-
-    @property
-    def unanswered(self) -> list[Decision]:
-        """The decisions that are a person's and still open."""
-        open_ = open_inputs(self._content, "expression", "requires", "field")
-        return [one for one in self.decisions if one.state == "listed" and one.need.id in open_]
-
-    @property
-    def without_age(self) -> frozenset[str]:
-        """The inputs whose age limit is open."""
-        return open_inputs(self._content, "max_age")
-
-    def full_name(self, topic: RobotTopic) -> str:
-        """Return the name of a topic as the node of the monitor has it."""
-        return full_topic(topic.topic, "", self.package)
-
-    @property
-    def _content(self) -> Map:
-        return content(ConfigText(self.name, self.after, 0, 0))
+        return bool(topics_of(content(ConfigText(self.name, self.after, 0, 0))))
 
     def diff(self) -> str:
         """Return the change as a unified diff."""

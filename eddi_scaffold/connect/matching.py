@@ -36,15 +36,14 @@ class Decision:
     """What is known of the topic of an input.
 
     Attributes:
-        state: ``taken``: the first candidate is written; ``chosen``: it is that of a person;
-            ``listed``: a person decides; ``none``.
+        state: ``taken``: the first candidate is written; ``listed``: a person decides; ``none``.
         candidates: the best one of each topic, best first.
         lead: points between the taken one and the next of any topic, ``None`` without a next one.
         missed: where there are none.
     """
 
     need: Need
-    state: Literal["taken", "chosen", "listed", "none"]
+    state: Literal["taken", "listed", "none"]
     candidates: tuple[Candidate, ...] = ()
     lead: int | None = None
     missed: NearMiss | None = None

@@ -43,13 +43,6 @@ def model_id(root: Map) -> str | None:
     return name if name and name != TODO else None
 
 
-def open_inputs(root: Map, *keys: str) -> frozenset[str]:
-    """Return the ids of the inputs of which one of some keys is still to be decided."""
-    entries = items_of(root.get("EDDIInputs"))
-    found = ((text_of(one, "id"), [text_of(one, key) for key in keys]) for one in entries)
-    return frozenset(id_ for id_, values in found if id_ is not None and TODO in values)
-
-
 def text_of(node: Node, key: str) -> str | None:
     """Return the text of a key, ``None`` where there is none."""
     value = node.get(key) if isinstance(node, Map) else None

@@ -10,7 +10,6 @@ from eddi_scaffold.config.block import ConfigText, read_block
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.connect.draft import Age, deadline_age
-from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import Model
@@ -35,7 +34,6 @@ class Around:
         ages: full name of a topic -> when its messages are too old.
         topics: full name -> type, of those that were recorded.
         types: of their messages.
-        answers: input -> the candidate that a person took.
     """
 
     system: Path | None = None
@@ -45,7 +43,6 @@ class Around:
     ages: Mapping[str, Age] = field(default_factory=dict)
     topics: Mapping[str, str] = field(default_factory=dict)
     types: MessageFields = field(default_factory=dict)
-    answers: Mapping[str, Candidate] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
