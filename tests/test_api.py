@@ -35,7 +35,7 @@ def test_what_is_public() -> None:
         *("check", "generate", "load", "run"),
     ]
     assert sorted(eddi_runtime.__all__) == [
-        *("EDDIInputBase", "FORMATS", "InputSpec", "InputState", "ModelError", "Monitor"),
+        *("EDDIInputBase", "FORMAT", "InputSpec", "InputState", "ModelError", "Monitor"),
         *("__version__", "by_id", "by_key", "by_name", "given", "joined", "look_again", "needs"),
     ]
     assert all(hasattr(api, name) for name in api.__all__)

@@ -60,14 +60,6 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 needs them.
 """
 
-CORE = "core"
-"""What is always there. Answers that do not name it are of a release before parts were split in two
-of which a monitor may need one (``SPLIT`` in ``copier_templates/parts.jinja``): they get both.
-"""
-
-EARLIER = {"consert: 2": "consert/search"}
-"""Format of a part for which monitors were compiled -> what of it is a part of its own by now."""
-
 PEERS = "peers"
 """What a monitor needs that is one of a fleet."""
 
@@ -79,20 +71,19 @@ HOST = "transports/ros1/host"
 
 
 def needed_by(text: str) -> tuple[str, ...]:
-    """Return the parts of the runtime that a compiled monitor needs, with ``CORE``, sorted.
+    """Return the parts of the runtime that a compiled monitor needs, sorted.
 
     Args:
         text: of ``compiled.py``.
     """
-    head, _, rest = text.partition("\neddi_runtime.needs(")  # the rest may be megabytes of numbers
-    formats = rest.partition("}")[0]
-    wanted = [part for known, part in EARLIER.items() if known in formats]
+    head, _, _ = text.partition("\neddi_runtime.needs(")  # the rest may be megabytes of numbers
+    wanted: list[str] = []
     for node in ast.parse(head).body:
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             runtime, _, part = node.module.partition(".")
             if runtime == "eddi_runtime":
                 wanted += [f"{part}/{one.name}" if part else one.name for one in node.names]
-    return tuple(sorted({CORE, *with_needed(one for one in wanted if one in PARTS)}))
+    return with_needed(one for one in wanted if one in PARTS)
 
 
 def with_needed(parts: Iterable[str]) -> tuple[str, ...]:

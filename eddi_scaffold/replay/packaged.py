@@ -6,7 +6,6 @@ Loading one **executes its code**, as its node does: only for a folder that a pe
 from __future__ import annotations
 
 import importlib
-import inspect
 import json
 import re
 import sys
@@ -134,9 +133,7 @@ class _HandwrittenNode(ReplayedNode):
 
 
 def _node(eddi_monitor: Any, eddi_input: Any) -> ReplayedNode:
-    takes_time = "t_ns" in inspect.signature(eddi_monitor.execute_step).parameters
-    step = eddi_monitor.execute_step if takes_time else None  # a package of an older version
-    return _HandwrittenNode(eddi_input, eddi_monitor.monitor, step)
+    return _HandwrittenNode(eddi_input, eddi_monitor.monitor, eddi_monitor.execute_step)
 
 
 def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:

@@ -45,7 +45,7 @@ def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
         monitors: package -> its answers.
 
     Raises:
-        EddiError: a model cannot be compiled, perhaps of an older release (K028).
+        EddiError: a model cannot be compiled (K028).
     """
     return {part for name, answers in monitors.items() for part in _parts(name, answers)}
 

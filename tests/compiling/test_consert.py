@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import sys
 from dataclasses import replace
 
 import pytest
@@ -12,7 +11,7 @@ from eddi_runtime import ModelError
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.consert import emission
 from eddi_scaffold.compiling.document import check_document
-from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.compiling.parts import needed_by
 from runtime_lib.tests.documents import categorical, document, give, numeric, signed
 from tests.compiling.formatting import objections
@@ -118,51 +117,18 @@ def test_a_command_compiles_a_model_once(monkeypatch):
     assert compiled == [made["id"], "other", made["id"], made["id"]]
 
 
-FORMER = """
-import eddi_runtime
-from eddi_runtime import InputSpec, consert
-
-eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 2})
-
-
-class Monitor(consert.ConSert):
-    model_id = "Former"
-    digest = "d"
-    inputs = (InputSpec("a", "a"), InputSpec("b", "b"))
-    leaves = (consert.Binary(), consert.Binary())
-    # Name, gate, numbers of what it reads: the inputs first, then these nodes.
-    nodes = (("or", "Or", (0, 1)), ("G", "And", (2,)))
-    guarantees = (consert.Guarantee("G", 3, published="g"),)
-"""
-
-
-def test_a_monitor_of_the_format_before_runs_with_what_is_a_part_by_now(monkeypatch):
-    assert needed_by(FORMER) == ("consert", "consert/search", "core")
-    assert needed_by(compile_model(check_document(nested_document()))) == ("consert", "core")
-    monitor = module_of(FORMER, "Former").Monitor()
-    assert monitor.execute_step(give(a=True)) == [{"id": "g", "active": True}]
-    assert monitor.explain("g").single_losses == ("a",)
-    assert monitor.execute_step(give(a=False)) == [{"id": "g", "active": False}]
-    assert monitor.explain("g").missing == (("a",), ("b",))
-    monkeypatch.setitem(sys.modules, "eddi_runtime.consert.search", None)
-    with pytest.raises(ModelError, match="earlier format: run `eddi-scaffold upgrade`"):
-        module_of(FORMER, "Former").Monitor()
-
-
 def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
     ids = [f"e{gate}{k}" for gate in range(4) for k in range(3)]  # 3 ** 4 sets
     edges = [*(f"{one}>or{one[1]}" for one in ids), *(f"or{gate}>G" for gate in range(4))]
     made = document(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges, specs={})
     text = compile_model(check_document(made))
     assert objections(text) == ""
-    assert needed_by(text) == ("consert", "consert/search", "core")
+    assert needed_by(text) == ("consert", "consert/search")
     assert "    graph = search.Graph(\n" in text
     assert "paths=" not in text
 
 
 def test_another_format_of_a_part_is_refused():
     text = compile_model(check_document(large())).replace("consert: 3}", "consert: 7}")
-    with pytest.raises(
-        ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 2 and 3: run"
-    ):
+    with pytest.raises(ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 3: run"):
         exec(text, {"__file__": "compiled.py"})

@@ -5,14 +5,13 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import jinja2
 import pytest
 
-from eddi_scaffold.compiling.parts import CORE, HOST, LIFE_CYCLE, PARTS, with_needed
+from eddi_scaffold.compiling.parts import HOST, LIFE_CYCLE, PARTS, with_needed
 from eddi_scaffold.regions.check import list_regions
 from tests.cli.command import run
 
@@ -72,19 +71,6 @@ def test_parts_come_and_go_with_the_monitors(place: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_monitor_of_an_earlier_format_keeps_what_it_needs(place: Path) -> None:
-    packages = place / "src" / "eddi_monitor"
-    search = packages / "eddi_runtime" / "src" / "eddi_runtime" / "consert" / "search.py"
-    assert not search.exists()
-    compiled = packages / "conserta" / "src" / "conserta" / "compiled.py"
-    compiled.write_text(compiled.read_text().replace("consert: 3}", "consert: 2}"))
-    generate(place, "motor-watch", "motor_watch.events", "motor_config.yml")
-    assert search.exists()
-    assert run("upgrade", "-w", place, cwd=place).status == 3  # the file was edited
-    assert not search.exists()
-
-
-@pytest.mark.slow
 def test_a_message_that_is_listened_to_is_there(tmp_path: Path) -> None:
     (tmp_path / "src").mkdir()
     config = (EXAMPLES / "two-conserts" / "consert_a_config.yml").read_text("utf-8")
@@ -101,16 +87,10 @@ def template() -> Any:
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_answers_of_an_older_release_get_what_their_parts_import_now(part: str) -> None:
-    def paths(left_out: Iterable[str]) -> list[str]:
-        return [f"/eddi_runtime/{one}{ending}" for one in left_out for ending in ("", ".py")]
-
-    needed = with_needed([part])
-    left_out = template().others([part, CORE], "/eddi_runtime").split()
-    assert left_out == paths(one for one in PARTS if one not in needed)
-    split = {one for whole in needed for one in template().SPLIT.get(whole, ())}
-    left_out = template().others([part], "/eddi_runtime").split()
-    assert left_out == paths(one for one in PARTS if one not in {*needed, *with_needed(split)})
+def test_what_parts_import_travels_with_them(part: str) -> None:
+    absent = [one for one in PARTS if one not in with_needed([part])]
+    paths = [f"/eddi_runtime/{one}{ending}" for one in absent for ending in ("", ".py")]
+    assert template().others([part], "/eddi_runtime").split() == paths
 
 
 def test_the_templates_know_the_same_parts() -> None:

@@ -28,7 +28,7 @@ OWN = sorted(TEMPLATES.glob("*/questions.yml"))
 NAMES = sorted({part for path in TEMPLATES.rglob("*") for part in path.parts if "{" in part})
 TAGS = {"for", "endfor", "if", "else", "endif", "include", "raw", "endraw"}
 FILTERS = {
-    "default",  # for what the answers of packages from an older release do not hold
+    "default",  # for what only some items have
     "e",
     "indent",
     "join",

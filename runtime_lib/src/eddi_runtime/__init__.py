@@ -10,11 +10,11 @@ from .compatibility import ModelError, __version__, needs
 from .inputs import EDDIInputBase, InputSpec, InputState, look_again
 from .monitor import Monitor
 
-FORMATS = (1,)
-"""Formats of compiled monitors that the core of this runtime runs."""
+FORMAT = 1
+"""Of compiled monitors that the core of this runtime runs."""
 
 __all__ = [
-    "FORMATS",
+    "FORMAT",
     "EDDIInputBase",
     "InputSpec",
     "InputState",

@@ -25,19 +25,16 @@ class ModelError(ValueError):
 def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
     """Refuse a compiled monitor that was changed, or that needs another runtime than this one.
 
-    Each part of the runtime runs its newest format and the one before (``FORMATS``), so that two
-    packages of different age work on one runtime.
+    Each part of the runtime runs one format (``FORMAT``).
 
     Raises:
         ModelError: with what to run.
     """
     for part, wanted in formats.items():
-        known = part.FORMATS
-        if wanted not in known:
-            runs = " and ".join(map(str, known))
+        if wanted != part.FORMAT:
             reason = (
                 f"compiled for format {wanted} of {part.__name__}, but eddi_runtime {__version__}"
-                f" runs {runs}: run `eddi-scaffold upgrade`"
+                f" runs {part.FORMAT}: run `eddi-scaffold upgrade`"
             )
             raise ModelError(file, reason)
     try:

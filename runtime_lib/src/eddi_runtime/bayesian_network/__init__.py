@@ -5,10 +5,10 @@ from .knowledge import Source
 from .monitor import BayesianNetworkMonitor
 from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
 
-FORMATS = (2, 3)
+FORMAT = 3
 
 __all__ = [
-    "FORMATS",
+    "FORMAT",
     "BayesianNetworkMonitor",
     "BayesianNetworkOutput",
     "Monitor",

@@ -4,10 +4,10 @@ from .explain import Explanation, Guarantee, Reason
 from .monitor import ConSert
 from .values import Binary, Categorical, Numeric
 
-FORMATS = (2, 3)
+FORMAT = 3
 
 __all__ = [
-    "FORMATS",
+    "FORMAT",
     "Binary",
     "Categorical",
     "ConSert",

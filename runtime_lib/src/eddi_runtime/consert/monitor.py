@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, Tuple, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, overload
 
-from ..compatibility import ModelError
-from ..inputs import InputSpec, accepted, look_again, states_of
+from ..inputs import accepted, look_again, states_of
 from ..monitor import Field, Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
 from .explain import Explanation, Guarantee, Reason, Sets
@@ -16,7 +15,6 @@ if TYPE_CHECKING:  # travels where a monitor has one
     from .search import Graph
 
 Rows = List[Dict[str, object]]
-Nodes = Tuple[Tuple[str, str, Tuple[int, ...]], ...]
 
 
 class ConSert(Monitor[Rows]):
@@ -30,7 +28,6 @@ class ConSert(Monitor[Rows]):
     leaves: tuple[Leaf, ...]  # how each of the inputs is judged
     guarantees: tuple[Guarantee, ...]  # in file order
     graph: Graph | None = None  # where the sets of a guarantee are too many to be written down
-    nodes: Nodes = ()  # of format 2
     services: tuple[tuple[str, tuple[str, ...]], ...] = ()  # each with ids of its guarantees
     raw: Sequence[object]  # of the last step, ``Absent`` where an input could not be read
     source: object  # that it was read from
@@ -38,8 +35,6 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
-        if self.nodes:
-            self.graph = _graph_of(self.inputs, self.nodes)
         self.guarantee_ids = tuple(one.id for one in self.guarantees)
         self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
@@ -292,16 +287,6 @@ class ConSert(Monitor[Rows]):
         if state is not None and state.state != "ok":
             return Reason(state.state, state.reason)
         return Reason(why, self.leaves[leaf].describe(raw, why))
-
-
-def _graph_of(inputs: Sequence[InputSpec], nodes: Nodes) -> Graph:
-    """Return the graph of a monitor that was compiled for format 2."""
-    try:
-        from .search import Graph  # noqa: PLC0415 - travels where it is used
-    except ImportError:
-        reason = "compiled.py is of an earlier format: run `eddi-scaffold upgrade`"
-        raise ModelError("", reason) from None
-    return Graph(inputs, nodes)
 
 
 def _row_tree(row: Any, faults: list[str]) -> Tree | None:

@@ -2,6 +2,6 @@
 
 from .monitor import Event, EventMonitor
 
-FORMATS = (1,)
+FORMAT = 1
 
-__all__ = ["FORMATS", "Event", "EventMonitor"]
+__all__ = ["FORMAT", "Event", "EventMonitor"]

@@ -37,9 +37,8 @@ class EventMonitor(Conditions, Monitor[Rows]):
     # of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or empty where
     # no event reads it
     types: tuple[str | tuple[str, ...], ...]
-    # of each input that is a number its RANGE, and whether there is ALLOW INF; empty in packages
-    # of older releases
-    limits: tuple[tuple[float, float, bool] | None, ...] = ()
+    # of each input that is a number its RANGE, and whether there is ALLOW INF
+    limits: tuple[tuple[float, float, bool] | None, ...]
     events: tuple[Event, ...]  # in file order
     reductions: tuple[int, ...] = ()  # for each reduction of a list the number of its first input
     raw: tuple[object, ...]  # values of the inputs in the last step, None where there is none
@@ -186,8 +185,7 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return found
 
     def _fault(self, k: int) -> str:
-        limits = self.limits[k] if self.limits else None
-        beyond = _beyond(limits, plain(self.raw[k]))
+        beyond = _beyond(self.limits[k], plain(self.raw[k]))
         factor = self.inputs[k].factor
         if beyond and factor is not None:
             given = scaled(self.raw[k], factor[1], factor[0])

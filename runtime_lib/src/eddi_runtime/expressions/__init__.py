@@ -6,6 +6,6 @@ them.
 
 from .conditions import Conditions, literal, number, reduced, scaled, stamp, truth
 
-FORMATS = (2, 3)
+FORMAT = 3
 
-__all__ = ["FORMATS", "Conditions", "literal", "number", "reduced", "scaled", "stamp", "truth"]
+__all__ = ["FORMAT", "Conditions", "literal", "number", "reduced", "scaled", "stamp", "truth"]

@@ -10,10 +10,10 @@ from .monitor import Reliability
 from .result import ReliabilityResult
 from .values import Rule
 
-FORMATS = (1, 2)
+FORMAT = 2
 
 __all__ = [
-    "FORMATS",
+    "FORMAT",
     "Explanation",
     "Importance",
     "Reliability",

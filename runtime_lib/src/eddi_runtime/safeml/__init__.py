@@ -6,10 +6,10 @@ from .monitor import SafeML
 from .result import OneTest, SafeMLResult
 from .tails import Interpolated, Kolmogorov
 
-FORMATS = (1,)
+FORMAT = 1
 
 __all__ = [
-    "FORMATS",
+    "FORMAT",
     "Axes",
     "Interpolated",
     "Kolmogorov",
