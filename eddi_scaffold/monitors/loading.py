@@ -18,6 +18,7 @@ from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.extensions import check_maps
+from eddi_scaffold.readers.features import check_features
 from eddi_scaffold.readers.links import links_in, links_of
 from eddi_scaffold.readers.monitored_by import observed
 from eddi_scaffold.readers.unread import event_monitors, foreign, unread
@@ -135,7 +136,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
             models += reading.models
             problems = [*problems, *reading.problems]
     seen = observed(document)
-    problems = [*problems, *seen.problems]
+    problems = [*dict.fromkeys([*problems, *check_features(document)]), *seen.problems]
     links = links_of(document, seen) if models else {}
     models = [
         replace(

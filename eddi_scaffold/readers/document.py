@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from eddi_scaffold.problems import Place, Problem, error
 from eddi_scaffold.readers.references import (
     References,
-    ReferenceToken,
     parse_fragment,
     parse_token,
 )
@@ -122,23 +121,27 @@ class EddiDocument:
             any reference at all.
         """
         name = self.attribute_name(element, spelling)
-        texts = [t for t in _BLANK.split(element.get(name) or "") if t] if name else []
-        texts += [h for c in self.children(element, spelling) if (h := c.get("href"))]
+        own = _BLANK.split(element.get(name) or "") if name else []
+        given = [(name or "", text) for text in own]
+        given += [(feature_of(c), c.get("href") or "") for c in self.children(element, spelling)]
+        texts = [(feature, text) for feature, text in given if text]
         limit = self.limits.reference_tokens
         if len(texts) > limit:
             message = f"{spelling.name} has {len(texts)} references, more than the limit of {limit}"
             return [], [error("X003", message, self.place(element), "split the model")], True
         found: list[Element] = []
         problems: list[Problem] = []
-        for text in texts:
-            target = self._target(element, name or spelling.name, parse_token(text))
+        for feature, text in texts:
+            target = self.target(element, feature, text)
             if isinstance(target, Problem):
                 problems.append(target)
             else:
                 found.append(target)
         return found, problems, bool(texts)
 
-    def _target(self, element: Element, feature: str, token: ReferenceToken) -> Element | Problem:
+    def target(self, element: Element, feature: str, text: str) -> Element | Problem:
+        """Resolve one reference of a feature of an element."""
+        token = parse_token(text)
         if token.resource:
             message = f'{feature} "{token.text}" points into another file, {token.resource}'
             hint = "models in several files are not read; merge them into one"
@@ -147,7 +150,9 @@ class EddiDocument:
             target = self.references.resolve(token.fragment)
             why = "" if target is not None else self.references.explain(token.fragment)
         elif token.id is not None:
-            target, why = self.references.by_id(token.id), f'no element has xmi:id "{token.id}"'
+            same = self.references.by_id(token.id)
+            target = same[0] if len(same) == 1 else None
+            why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token.id}"'
         else:
             message = f'{feature} "{token.text}" is not a reference'
             return error(

@@ -52,6 +52,17 @@ class EddiFindings:
         self.add(*problems)
         return first
 
+    def targets(self, element: Element, link: Spelling, wanted: Spelling) -> list[Element]:
+        """Return what a feature refers to; report what is in another feature (X009)."""
+        found, problems, _ = self.document.targets(element, link)
+        self.add(*problems)
+        for target in found:
+            if not wanted.accepts(self.document.feature(target)):
+                shown = self.document.describe(target)
+                message = f"{link.name} points at {shown}, expected one of {wanted.name}"
+                self.error("X009", message, element)
+        return [one for one in found if wanted.accepts(self.document.feature(one))]
+
     def problems(self) -> list[Problem]:
         """Return everything that was found."""
         counted = [

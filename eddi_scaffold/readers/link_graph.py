@@ -150,16 +150,16 @@ class LinkGraph:
             name, tokens = str(key), [token.removeprefix("#") for token in str(value).split()]
             if name.startswith("{") or fold(name) in _TEXTS:
                 continue
-            ends = [self._end(token) for token in tokens]
-            found = [end for end in ends if end is not None]
+            found = [end for token in tokens for end in self._end(token)]
             if found:
                 yield fold(local_name(name)), found
 
-    def _end(self, token: str) -> Element | None:
+    def _end(self, token: str) -> Sequence[Element]:
         if "/@" not in token:
             return self._references.by_id(token)
         fragment = parse_fragment(token)
-        return self._references.resolve(fragment) if fragment is not None else None
+        end = self._references.resolve(fragment) if fragment is not None else None
+        return () if end is None else (end,)
 
     def _refer(self, owner: Element, to: str) -> None:
         self._into.setdefault(to, {})[self._path(owner)] = owner

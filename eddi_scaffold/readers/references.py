@@ -159,9 +159,9 @@ class References:
             element = child
         return element
 
-    def by_id(self, xmi_id: str) -> Element | None:
-        """Return the element with an ``xmi:id``."""
-        return self._ids.get(xmi_id)
+    def by_id(self, xmi_id: str) -> Sequence[Element]:
+        """Return the elements with an ``xmi:id``: one, unless the file is damaged."""
+        return self._ids.get(xmi_id, ())
 
     def explain(self, fragment: Fragment) -> str:
         """Explain why a path points at nothing: the first segment that fails and what is there."""
@@ -178,14 +178,14 @@ class References:
         return "it exists"
 
     @cached_property
-    def _ids(self) -> dict[str, Element]:
-        found: dict[str, Element] = {}
+    def _ids(self) -> dict[str, list[Element]]:
+        found: dict[str, list[Element]] = {}
         query = 'descendant-or-self::*[@*[local-name()="id" and contains(namespace-uri(), "XMI")]]'
         for root in self._roots:
             for element in select(root, query):
                 for key, value in element.attrib.items():
                     if str(key).endswith("}id"):
-                        found.setdefault(str(value), element)
+                        found.setdefault(str(value), []).append(element)
         return found
 
     def _children(self, parent: Element) -> _Children:

@@ -8,7 +8,7 @@ value means, the spelling decides: names of the public metamodel have its defaul
 
 from __future__ import annotations
 
-from eddi_scaffold.readers.spelling import Spelling
+from eddi_scaffold.readers.spelling import Spelling, fold
 
 PACKAGE_CLASS = "consertpackage"
 CONSERT_CLASS = "consert"
@@ -48,6 +48,7 @@ SERVICE_GUARANTEES = Spelling("guarantees")
 EVENTS = Spelling("events")
 REQUIREMENT = Spelling("dependabilityRequirement", ("requirements",))
 SERVICE_CONFIGURATION = Spelling("serviceConfiguration")
+SERVICE_CONFIGURATIONS = Spelling("serviceConfigurations")
 
 # dimensions of SESAME
 PROPERTY = Spelling("dependabilityProperty", ("dependabilityProperties",))
@@ -126,3 +127,26 @@ REQUIRED_EVIDENCES = Spelling("requiredEvidences", ("requiredEvidence",))
 INFERENCE_TARGETS = Spelling("inferenceTargets", ("inferenceTarget",))
 INFERENCES = Spelling("inferences", ("inference",))
 EVENT, ACTION = Spelling("event"), Spelling("action")
+
+LINKS = frozenset(
+    fold(name)
+    for name in (
+        *("action", "actions", "dependabilityRequirement", "event", "events", "evidences"),
+        *("inferenceIntent", "onEntry", "onExit", "requirements", "subModels", "triggers"),
+    )
+)
+"""Features that refer to what no monitor needs."""
+REFERENCES = LINKS.union(
+    *(SOURCE.folded, TARGET.folded, REQUIRED_SERVICE.folded, PROVIDED_SERVICE.folded),
+    *(SERVICE_CONFIGURATION.folded, PROPERTY_TYPE.folded, DIMENSION.folded),
+    *(TOP_EVENT.folded, CAUSES.folded, FAILURES.folded, STATE.folded, FAIL_STATE.folded),
+    *(CAUSED_BY.folded, CCF_FAILURES.folded, FROM_STATES.folded, TO_STATES.folded),
+    *(NODE.folded, FROM.folded, TO.folded, PARENT_STATES.folded, NODE_STATE.folded),
+)
+"""Features of models that refer to other elements where they are attributes."""
+ONE_THING = {
+    name: spelling.name
+    for spelling in (SOURCE, TARGET, GATE_TYPE, DEFAULT, UNIT, FROM_STATES, TO_STATES)
+    for name in spelling.folded
+} | {fold(PUBLIC_UNIT.name): UNIT.name}
+"""Attributes -> what several of them say."""

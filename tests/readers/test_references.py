@@ -65,8 +65,8 @@ def test_several_roots() -> None:
 
 def test_xmi_ids() -> None:
     doc = document('<a xmlns:xmi="http://www.omg.org/XMI"><b xmi:id="_1" id="_2"/></a>')
-    assert doc.references.by_id("_1") is doc.roots[0][0]
-    assert doc.references.by_id("_2") is None
+    assert doc.references.by_id("_1") == [doc.roots[0][0]]
+    assert not doc.references.by_id("_2")
 
 
 def test_an_index_out_of_range_says_the_range() -> None:

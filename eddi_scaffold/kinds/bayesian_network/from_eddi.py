@@ -80,9 +80,8 @@ class _Reader:
         for intent in self.document.children(self.network, word.INTENTS):
             for wanted in self.document.children(intent, word.INFERENCE_TARGETS):
                 self.wanted.update(self._ends(wanted, word.NODE))
-                self._resolve(wanted, word.ACTION)
             for one in self.document.children(intent, word.REQUIRED_EVIDENCES):
-                told = self._resolve(one, word.EVENT)
+                told, _, _ = self.document.targets(one, word.EVENT)
                 events = [self.document.attribute(event, word.NAME) for event in told]
                 for node in self._ends(one, word.NODE):
                     known[self.nodes[node].name] = next(iter(events), None)
@@ -97,11 +96,6 @@ class _Reader:
             if found:
                 message = f"{feature.name} of {self.document.describe(self.network)} not used"
                 self.findings.count("info", "X014", message, found[0], len(found))
-
-    def _resolve(self, element: Element, feature: Spelling) -> list[Element]:
-        found, problems, _ = self.document.targets(element, feature)
-        self.findings.add(*problems)
-        return found
 
     def _connect(self, connection: Element) -> None:
         sources = self._ends(connection, word.FROM)

@@ -10,7 +10,6 @@ from eddi_scaffold.problems import Place
 from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
-from eddi_scaffold.readers.spelling import Spelling
 from eddi_scaffold.readers.xmi import Element, select
 
 _CLASS = "commoncausefailure"
@@ -25,9 +24,9 @@ class CommonCauses:
         self._causes: dict[Element, dict[Element, None]] = {}
         self._related: set[Element] = set()
         for failure in [one for root in document.roots for one in select(root, _RELATED)]:
-            for cause in self._targets(failure, word.CAUSED_BY):
+            for cause in findings.targets(failure, word.CAUSED_BY, word.FAILURES):
                 self._relate(failure, cause)
-            for member in self._targets(failure, word.CCF_FAILURES):
+            for member in findings.targets(failure, word.CCF_FAILURES, word.FAILURES):
                 self._relate(member, failure)
 
     def of(self, failure: Element) -> list[Element]:
@@ -47,11 +46,6 @@ class CommonCauses:
         if is_ccf and failure not in self._related:
             message = f"{what} has common causes, which are not analysed"
             self._findings.warning("R013", message, failure)
-
-    def _targets(self, failure: Element, feature: Spelling) -> list[Element]:
-        found, problems, _ = self._document.targets(failure, feature)
-        self._findings.add(*problems)
-        return found
 
     def _relate(self, member: Element, cause: Element) -> None:
         self._causes.setdefault(member, {})[cause] = None

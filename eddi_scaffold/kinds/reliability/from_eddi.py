@@ -31,12 +31,8 @@ from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
 _EVENTS = ("basicevent", "normalevent")
+_CAUSE_TYPES = ("InputEvent", "OutputEvent", "BasicEvent", "NormalEvent", "Gate")
 _OTHERS_OF_SETS = tuple(map(Spelling, ("state", "event", "isNegated")))
-_REFERENCES = {
-    name: Spelling(name)
-    for name in ("actions", "evidences", "events", "onEntry", "onExit", "triggers", "subModels")
-}
-"""References that no monitor uses; where they lead nowhere the file is damaged."""
 _K = ("k", "voteThreshold", "vote", "n")
 
 
@@ -84,8 +80,6 @@ class _Reader:
                 self.trees.append(element)
             elif kind == "state_machine":
                 self._machine(element)
-            if kind in ("fault_tree", "markov_chain", "state_machine"):
-                self._resolve_unused(element)
         for tree in self.trees:
             for cause in self.document.children(tree, word.CAUSES):
                 self.model_of[cause] = tree
@@ -125,6 +119,9 @@ class _Reader:
         self.findings.add(*problems)
         return found
 
+    def _failures(self, element: Element, spelling: Spelling) -> list[Element]:
+        return self.findings.targets(element, spelling, word.FAILURES)
+
     def _named(self, element: Element, index: int, letter: str) -> str:
         return self.document.attribute(element, word.NAME) or f"{letter}{index}"
 
@@ -146,8 +143,8 @@ class _Reader:
         for state, label in states.items():
             self.labels[state] = name, label
             older, failures = (
-                self._targets(state, word.FAIL_STATE),
-                self._targets(state, word.FAILURES),
+                self._failures(state, word.FAIL_STATE),
+                self._failures(state, word.FAILURES),
             )
             for failure in [*older, *failures]:
                 self.states_of.setdefault(failure, []).append(state)
@@ -163,11 +160,6 @@ class _Reader:
             tuple(arcs),
         )
         self.chains[name] = ComponentModel(name, "markov", chain, place=self._place(element))
-
-    def _resolve_unused(self, model: Element) -> None:
-        for part in model.iter():
-            for feature in filter(None, map(_REFERENCES.get, map(str, part.attrib))):
-                self._targets(part, feature)
 
     def _unused(self, machine: Element, states: Sequence[Element]) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
@@ -263,7 +255,7 @@ class _Reader:
         return any(order(ids[cause], below)[1] for cause in causes)
 
     def _is_output(self, cause: Element) -> bool:
-        failures = self._targets(cause, word.FAILURE)
+        failures = self._failures(cause, word.FAILURE)
         return any(
             fold(self.document.attribute(f, word.ORIGIN_TYPE) or "") == "output" for f in failures
         )
@@ -284,7 +276,11 @@ class _Reader:
         gates: dict[str, Gate] = {}
         failures: dict[Element, list[str]] = {}
         for cause in reached:
-            is_port = fold(self.document.attribute(cause, word.CAUSE_TYPE) or "") not in _EVENTS
+            stated = self.document.attribute(cause, word.CAUSE_TYPE) or _CAUSE_TYPES[0]
+            if fold(stated) not in map(fold, _CAUSE_TYPES):
+                message = f"{self.document.describe(cause)} has the unknown causeType {stated!r}"
+                self.findings.error("X011", message, cause, f"allowed: {', '.join(_CAUSE_TYPES)}")
+            is_port = fold(stated) not in _EVENTS
             if self._is_gate(cause) or (is_port and self.below.get(cause)):
                 gates[ids[cause]] = self._gate(cause, ids)
             elif is_port:
@@ -298,7 +294,7 @@ class _Reader:
         gates, instead = self._common_causes(events, gates, failures)
         uses = dict.fromkeys(e.law.model for e in events.values() if e.law and e.law.model)
         self._one_state_each(tree, list(uses))
-        own = self._targets(top, word.FAILURE)
+        own = self._failures(top, word.FAILURE)
         cut_sets = self._cut_sets(tree, own, failures)
         name = instead.get(ids[top], ids[top])
         return FaultTree(name, events, gates, cut_sets=cut_sets), list(uses)
@@ -402,7 +398,7 @@ class _Reader:
 
     def _event(self, cause: Element, name: str) -> tuple[BasicEvent, Element | None]:
         """Return a basic event and its failure."""
-        failures = self._targets(cause, word.FAILURE)
+        failures = self._failures(cause, word.FAILURE)
         if len(failures) > 1:
             message = f"{self.document.describe(cause)} has {len(failures)} failures, expected 1"
             self.findings.error("X011", message, cause)
@@ -452,14 +448,14 @@ class _Reader:
         found: set[frozenset[str]] = set()
         left_out = []
         for group in self._children(tree, word.CUT_SETS):
-            about = self._targets(group, word.FAILURE)
+            about = self._failures(group, word.FAILURE)
             if about and not set(about) & set(own):
                 continue  # of another gate
             for one in self._children(group, word.SETS):
                 causes = self._children(one, word.CAUSES)
-                of = self._targets(one, word.FAILURES)
+                of = self._failures(one, word.FAILURES)
                 of += [
-                    failure for cause in causes for failure in self._targets(cause, word.FAILURE)
+                    failure for cause in causes for failure in self._failures(cause, word.FAILURE)
                 ]
                 names = [failures.get(f, [self._named(f, 0, "?")]) for f in of]
                 odd = any(self.document.attribute(c, n) for c in causes for n in _OTHERS_OF_SETS)

@@ -43,7 +43,7 @@ def sesame_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimensi
     document = findings.document
     dimensions: dict[Element, Dimension | None] = {}
     for part in document.children(element, names.PROPERTY):
-        _check_property_type(part, findings)
+        findings.targets(part, names.PROPERTY_TYPE, names.PROPERTY_TYPES)
         for child in document.children(part, names.DIMENSION):
             dimensions[child] = _dimension(child, findings)
     related = _relations(element, dimensions, findings)
@@ -89,19 +89,6 @@ def read_boolean(value: str, what: str, element: Element, findings: EddiFindings
     return found
 
 
-def _check_property_type(part: Element, findings: EddiFindings) -> None:
-    document = findings.document
-    found, problems, _ = document.targets(part, names.PROPERTY_TYPE)
-    findings.add(*problems)
-    for target in found:
-        if not names.PROPERTY_TYPES.accepts(document.feature(target)):
-            message = (
-                f"dependabilityPropertyType points at {document.describe(target)}, "
-                "expected one of dependabilityPropertyTypes"
-            )
-            findings.error("X009", message, part)
-
-
 def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
     document = findings.document
     stated = document.class_of(element)
@@ -143,16 +130,14 @@ def _is_public(element: Element, findings: EddiFindings) -> bool:
     document = findings.document
     covered = document.children(element, names.COVERED)
     ends = [*document.children(element, names.START), *document.children(element, names.END)]
-    pairs = [(element, names.PUBLIC_UNIT, names.UNIT)]
-    pairs += [(part, names.NAME, names.VALUE) for part in covered]
-    for part, public, ours in pairs:
-        if document.attribute_name(part, public) and document.attribute_name(part, ours):
-            message = f'"{public.name}" and "{ours.name}" say the same thing; write one of them'
+    for part in covered:
+        if document.attribute_name(part, names.NAME) and document.attribute_name(part, names.VALUE):
+            message = '"name" and "value" say the same thing; write one of them'
             findings.error("X011", message, part)
     if ends and covered:
         findings.error("X011", '"start" or "end" stand beside "covered"; write one form', element)
-    if document.class_of(element).name.endswith("rangedimension"):
-        return True
+    if not covered:
+        return bool(ends) or document.class_of(element).name.endswith("rangedimension")
     return bool(ends) or any(document.attribute_name(one, names.NAME) for one in covered)
 
 
@@ -276,26 +261,24 @@ def _boundary(
     """Return one end of a range and whether it lies inside; absent, there is no bound."""
     document = findings.document
     nothing = Bound(unbounded, float(unbounded)), True
-    parts = document.children(element, spelling)
-    if not parts:
+    part = findings.only(element, spelling)
+    if part is None:
         return nothing
-    values = document.children(parts[0], names.VALUE)
-    text = document.attribute(parts[0], names.INCLUSIVE)
-    is_inside = text is not None and read_boolean(text, "inclusive", parts[0], findings)
-    if not values:
+    value = findings.only(part, names.VALUE)
+    text = document.attribute(part, names.INCLUSIVE)
+    is_inside = text is not None and read_boolean(text, "inclusive", part, findings)
+    if value is None:
         message = f"a child value of {spelling.name} is missing: nothing was said"
-        findings.error("X010", message, parts[0])
+        findings.error("X010", message, part)
         return nothing
-    epsilon = document.attribute(values[0], names.EPSILON)
+    epsilon = document.attribute(value, names.EPSILON)
     if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
         message = f'epsilon "{_shortened(epsilon)}" is not used: bounds are exact'
-        findings.count("warning", "X014", message, values[0])
-    if document.attribute(values[0], names.NUMBER_TYPE) is not None:
-        findings.count("info", "X014", "numberType is not used", values[0])
-    number = document.attribute(values[0], names.NUMBER)
-    bound = (
-        Bound("0", 0.0) if number is None else _number(number, names.NUMBER, values[0], findings)
-    )
+        findings.count("warning", "X014", message, value)
+    if document.attribute(value, names.NUMBER_TYPE) is not None:
+        findings.count("info", "X014", "numberType is not used", value)
+    number = document.attribute(value, names.NUMBER)
+    bound = Bound("0", 0.0) if number is None else _number(number, names.NUMBER, value, findings)
     return bound or nothing[0], bool(is_inside)
 
 

@@ -105,8 +105,8 @@ def _consert(
 
 def _system(element: Element, findings: EddiFindings) -> str:
     """Return the name of the system whose configuration of services a ConSert is for."""
-    found, problems, _ = findings.document.targets(element, names.SERVICE_CONFIGURATION)
-    findings.add(*problems)
+    wanted = names.SERVICE_CONFIGURATIONS
+    found = findings.targets(element, names.SERVICE_CONFIGURATION, wanted)
     systems = [configuration.getparent() for configuration in found]
     return next((one.get("name") or "" for one in systems if one is not None), "")
 

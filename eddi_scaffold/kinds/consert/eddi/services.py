@@ -28,7 +28,7 @@ def required_services(
     demands = findings.document.children(consert, names.DEMANDS)
     members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, parts, findings)
     members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, parts, findings)
-    rows = _rows(members, names.PROVIDED_ELSEWHERE, parts, findings)
+    rows = _rows(members, names.PROVIDED_ELSEWHERE, names.PROVIDED_SERVICES, parts, findings)
     return tuple(RequiredService(*row) for row in rows)
 
 
@@ -40,13 +40,14 @@ def provided_services(
     wanted = names.PROVIDED_SERVICES
     members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, parts, findings)
     members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, parts, findings)
-    rows = _rows(members, names.ALLOCATED, parts, findings)
+    rows = _rows(members, names.ALLOCATED, names.REQUIRED_SERVICES, parts, findings)
     return tuple(ProvidedService(*row) for row in rows)
 
 
 def _rows(
     members: Mapping[Element, list[str]],
     allocation: Spelling,
+    wanted: Spelling,
     parts: ConSertParts,
     findings: EddiFindings,
 ) -> Iterator[_Row]:
@@ -57,13 +58,8 @@ def _rows(
         kind = _service_type(service, findings) if name else None
         if name and kind:
             place = findings.document.place(service)
-            yield name, kind, tuple(ids), place, _allocated(service, allocation, findings)
-
-
-def _allocated(service: Element, link: Spelling, findings: EddiFindings) -> tuple[Place, ...]:
-    found, problems, _ = findings.document.targets(service, link)
-    findings.add(*problems)
-    return tuple(findings.document.place(one) for one in found)
+            others = findings.targets(service, allocation, wanted)
+            yield name, kind, tuple(ids), place, tuple(map(findings.document.place, others))
 
 
 def _referred(
@@ -76,14 +72,8 @@ def _referred(
     """Return the services that elements refer to, with the ids of these elements."""
     members: dict[Element, list[str]] = {}
     for element in elements:
-        found, problems, _ = findings.document.targets(element, link)
-        findings.add(*problems)
-        for service in found:
-            if not wanted.accepts(findings.document.feature(service)):
-                shown = findings.document.describe(service)
-                message = f"{link.name} points at {shown}, expected one of {wanted.name}"
-                findings.error("X009", message, element)
-            elif element in parts.ids:
+        for service in findings.targets(element, link, wanted):
+            if element in parts.ids:
                 members.setdefault(service, []).append(parts.ids[element])
     return members
 

@@ -1,0 +1,130 @@
+"""Two EDDIs written by hand, with all that mixes, and what a slip in them gives.
+
+``lift.xml`` has several roots, other prefixes, spellings of D7.2 and of the public metamodel, all
+relations of demands; ``pump.xml`` has ``xmi:id``, a top event, a common cause, a network.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.kinds import Reading, kinds
+from eddi_scaffold.kinds.consert.compose import compose
+from eddi_scaffold.kinds.consert.model import ConSert
+from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.problems import Problem
+from eddi_scaffold.source import Source
+
+MODELS = Path(__file__).parent / "models"
+
+
+def reading(file: str, *pairs: tuple[str, str]) -> Reading:
+    """Return what is read of a file in which texts, each of them once there, are replaced."""
+    text = (MODELS / file).read_text("utf-8")
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return read_models(Source(file, text.encode()))
+
+
+def errors(file: str, *pairs: tuple[str, str]) -> list[tuple[str, int | None]]:
+    found = reading(file, *pairs)
+    problems: list[Problem] = list(found.problems)
+    for model in found.models:
+        problems += kinds()[model.kind].functions.check(model)
+    return [(one.code, one.place.line) for one in problems if one.level == "error"]
+
+
+def test_all_is_read() -> None:
+    assert errors("lift.xml") == errors("pump.xml") == []
+    lift, camera = (one.data for one in reading("lift.xml").models)
+    assert isinstance(lift, ConSert)
+    assert isinstance(camera, ConSert)
+    (sees,) = lift.demands
+    relations = [getattr(one, "subset", None) for one in sees.dimensions]
+    assert relations == ["Demand", "Guarantee", "Intersection", None]
+    assert [one.id for one in lift.evidence] == ["OilWarm", "Load"]
+    composed = compose([("Lift", lift), ("Camera", camera)])
+    assert composed.bindings == {("Lift", "Sees"): (("Camera", "Looks"),)}
+    network, tree = reading("pump.xml").models
+    assert network.name == "Risk net"
+    # flood, or both pumps, or a storm and pump A
+    a, b = 1 - 0.9999000049998333, 1 - 0.9998000199986667
+    rest = a * (1 - 0.8 * (1 - b))
+    assert at_start(tree.data).p_fail == pytest.approx(0.01 + 0.99 * rest, rel=1e-9)
+
+
+LOAD = '<end inclusive="true"><value number="1.0E4" numberType="SPFP"/></end>'
+LOOK = 'externallyProvidedServices="/0/@systems.1/@serviceConfigurations.0/@providedServices.0"'
+CONFIGURED = 'name="Camera" serviceConfiguration="/0/@systems.1/@serviceConfigurations.0"'
+EDGE = '<guaranteePropagations source="/3/@conSerts.0/@consertGates.0"'
+BOTH = 'name="Both" gateType="AND"'
+SLIPS = [
+    # references, also those that no monitor uses
+    ("lift.xml", 'events="/1/@events.0"', 'events="/1/@events.9"', ("X008", 27)),
+    ("lift.xml", 'requirements="/2/@depend', 'requirements="/2/@dopend', ("X008", 34)),
+    ("lift.xml", 'name="Sees"', 'name="Sees" dependabilityRequirement="x"', ("X008", 33)),
+    ("lift.xml", LOOK, LOOK.replace("systems.1", "systems.8"), ("X008", 11)),
+    ("lift.xml", LOOK, 'externallyProvidedServices="/0/@systems.1"', ("X009", 11)),
+    ("lift.xml", CONFIGURED, 'name="Camera" serviceConfiguration="/0/@systems.1"', ("X009", 48)),
+    ("pump.xml", 'causedBy="_cc"><', 'causedBy="_cd"><', ("X008", 5)),
+    ("pump.xml", 'ccfFailures="_fa _fb"', 'ccfFailures="_a _fb"', ("X009", 8)),
+    ("pump.xml", 'actions="_act"', 'actions="_acted"', ("X008", 11)),
+    ("pump.xml", 'inferenceIntent="_i"', 'inferenceIntent="_j"', ("X008", 25)),
+    ("pump.xml", 'fromState="_on"', 'fromState="_onn"', ("X008", 27)),
+    ("pump.xml", 'topEvent="_g1"', 'topEvent="other.xml#_g1"', ("X012", 4)),
+    ("pump.xml", 'topEvent="_g1"', 'topEvent="_g1 _g2"', ("X009", 4)),
+    # one thing said twice
+    ("lift.xml", EDGE, EDGE.replace("source", 'sourceElement="/3" source'), ("X011", 46)),
+    ("lift.xml", 'gateType="AND"', 'gateType="AND" type="OR"', ("X011", 43)),
+    ("lift.xml", '"NEWTON"', '"NEWTON" unitOfMeasure="N"', ("X011", 30)),
+    ("lift.xml", LOAD, f"<end><value/></end>{LOAD}", ("X011", 30)),
+    ("lift.xml", LOAD, LOAD.replace("</end>", "<value/></end>"), ("X011", 30)),
+    ("lift.xml", LOAD, f'{LOAD}<covered start="0" end="1"/>', ("X011", 30)),
+    # values
+    ("lift.xml", LOAD, '<end inclusive="true"/>', ("X010", 30)),
+    ("lift.xml", '"1.0E4"', '"many"', ("X011", 30)),
+    ("lift.xml", '"NEWTON"', '"POUND"', ("C016", 30)),
+    ("lift.xml", '"IntersectionNotEmpty"', '"Intersects"', ("X011", 41)),
+    ("lift.xml", '<covered name="fork"/>', "<covered/>", ("X010", 37)),
+    ("lift.xml", '<type name="Load"/>', "", ("X010", 30)),
+    ("pump.xml", 'causeType="NormalEvent"', 'causeType="HouseEvent"', ("X011", 11)),
+    ("pump.xml", BOTH, 'name="Both" gateType="MAYBE"', ("X011", 12)),
+    ("pump.xml", BOTH, 'name="Both" gateType="VOTE"', ("R005", 12)),
+    ("pump.xml", 'causes="_a _b"', 'causes="_a _g1"', ("R012", 13)),
+    ("pump.xml", 'name="p" value="0.2"', 'name="p" value="1.2"', ("R002", 7)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("file", "old", "new", "said"), SLIPS, ids=[one[2] for one in SLIPS])
+def test_a_slip_is_an_error_at_its_line(
+    file: str, old: str, new: str, said: tuple[str, int]
+) -> None:
+    assert errors(file, (old, new)) == [said]
+
+
+def test_two_elements_with_one_id_are_no_target() -> None:
+    found = reading("pump.xml", ('xmi:id="_s" name="S"', 'xmi:id="_a" name="S"'))
+    texts = [one.message for one in found.problems if one.level == "error"]
+    assert 'causes "_a" points at nothing: 2 elements have xmi:id "_a"' in texts
+
+
+def test_a_range_is_read_as_it_is_written_whatever_its_class_is_called() -> None:
+    covered = '<covered start="2" end="3" inclusive="true"/>'
+    lift = reading("lift.xml", (LOAD, covered)).models[0].data
+    assert isinstance(lift, ConSert)
+    (one,) = lift.evidence[1].dimension.covered  # type: ignore[union-attr]
+    assert (one.start.value, one.end.value) == (2.0, 3.0)  # type: ignore[union-attr]
+
+
+def test_a_requirement_may_be_in_another_file_and_a_part_may_not() -> None:
+    at = 'requirements="/2/@dependabilityRequirements.0"'
+    far = reading("lift.xml", (at, 'requirements="goals.xml#//@dependabilityRequirements.0"'))
+    (said,) = (one for one in far.problems if one.code == "X012")
+    assert (said.level, said.place.line) == ("warning", 34)
+    part = '<runtimeEvidences name="LensClean"/>'
+    inside = reading("lift.xml", (part, '<runtimeEvidences href="parts.xml#//"/>'))
+    assert ("error", "X012") in {(one.level, one.code) for one in inside.problems}
