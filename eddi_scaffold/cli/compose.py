@@ -63,6 +63,7 @@ def compose(
     if as_json:
         console.json(result.as_json())
     else:
+        console.problems(result.problems)
         for line in result.as_text():
             console.data(line)
     if not result.composable:

@@ -32,6 +32,7 @@ from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.ids import slug
 from eddi_scaffold.positioned_yaml.nodes import Map, items_of
 from eddi_scaffold.problems import EddiError, in_order, with_excerpts
+from eddi_scaffold.readers.links import events_of
 from eddi_scaffold.source import Source, read_source
 
 
@@ -63,7 +64,8 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     others = [one for one in monitors_beside(models, around) if one.package != package]
     offered = offers(others, chosen, skeleton.inputs, topics)
     types = {**around.types, **known_messages(), **robot.types, **declared_types(root)}
-    needs = [Need.of(one, synonyms_of(root)) for one in skeleton.inputs]
+    synonyms = synonyms_of(root)
+    needs = [Need.of(one, synonyms, events_of(chosen.links, one.id)) for one in skeleton.inputs]
     decisions = decide(needs, topics, types.get, offered.by_input)
     named = {found.topic for one in decisions for found in one.candidates}
     new = [

@@ -139,6 +139,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         taken, topic = {}, ""
         source = _open_source(need, _CHOOSE if decision.candidates else _FIND)
         why = _choice(decision)
+    why = [*(_comment(f"the EDDI names the event {one}") for one in need.events), *why]
     if need.timeout is not None:
         age: str | None = known_age(Age(need.timeout, "TIMEOUT of the model"))
     else:

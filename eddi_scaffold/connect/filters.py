@@ -8,6 +8,7 @@ from eddi_scaffold import units
 from eddi_scaffold.connect.access import units_of
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.topics import Leaf
+from eddi_scaffold.connect.words import words
 
 _NO_MEASUREMENTS = (
     *("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs", "rosgraph_msgs"),
@@ -60,7 +61,8 @@ def _type(need: Need, message: str, leaf: Leaf) -> str | None:
     is_number = leaf.type in ("int", "float")
     is_coded = leaf.units == () and leaf.type == "int"  # an enumeration, bits
     if need.type == "bool":
-        fits = leaf.type == "bool" or (is_number and message.startswith(_COMPARED))
+        is_told = bool(leaf.path) and set(words(leaf.text)) <= set(need.told)
+        fits = leaf.type == "bool" or (is_number and (message.startswith(_COMPARED) or is_told))
     elif need.type in ("float", "int"):
         fits = is_number and not (is_coded and need.type == "float")
     elif need.type == "float[]":

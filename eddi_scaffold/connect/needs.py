@@ -22,6 +22,7 @@ class Need:
         states: names of the states of one that is a state.
         timeout: seconds after which the model takes it as unknown.
         synonyms: words that mean the same on this robot.
+        events: of the EDDI, that say when it holds, with their conditions.
     """
 
     id: str
@@ -33,6 +34,7 @@ class Need:
     states: tuple[str, ...] = ()
     timeout: float | None = None
     synonyms: Synonyms = frozenset()
+    events: tuple[str, ...] = ()
 
     @cached_property
     def words(self) -> Sequence[str]:
@@ -41,8 +43,14 @@ class Need:
 
     @cached_property
     def described(self) -> Sequence[str]:
-        """What the description tells."""
-        return telling(self.description)
+        """What the description and the events tell."""
+        return telling(" ".join((self.description, *self.events)))
+
+    @cached_property
+    def told(self) -> Sequence[str]:
+        """What the conditions of the events read."""
+        conditions = " ".join(one.partition(" (")[2] for one in self.events)
+        return [word for word in words(conditions) if word.isalpha()]
 
     @cached_property
     def every_word(self) -> frozenset[str]:
@@ -50,7 +58,9 @@ class Need:
         return frozenset(words(f"{self.id} {self.description}"))
 
     @classmethod
-    def of(cls, item: ModelInput, synonyms: Synonyms = frozenset()) -> Need:
+    def of(
+        cls, item: ModelInput, synonyms: Synonyms = frozenset(), events: tuple[str, ...] = ()
+    ) -> Need:
         """Return what an input of a model needs."""
         text = item.description or ""
         return cls(
@@ -63,6 +73,7 @@ class Need:
             item.states,
             item.timeout,
             synonyms,
+            events,
         )
 
     def fit(self, word: str, others: Iterable[str]) -> float:

@@ -12,6 +12,7 @@ from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.identifiers import attribute, free_name, key_text
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.readers.links import events_of
 
 _SILENT = (False,)
 """What a field may be while nothing is known, that evidence may be made of."""
@@ -116,8 +117,9 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:
     if not item.is_demand:
-        named = {claim for name, claim in monitor.model.observes if name == item.id}
-        return item.type == "bool" and (item.id == key or not named.isdisjoint((key, "")))
+        ids = {item.id, *(one.partition(" (")[0] for one in events_of(model.links, item.id))}
+        named = {claim for name, claim in monitor.model.observes if name in ids}
+        return item.type == "bool" and (key in ids or not named.isdisjoint((key, "")))
     unfulfilled = kinds()[model.kind].functions.unfulfilled
     if monitor.model.kind != model.kind or unfulfilled is None:
         return False

@@ -93,7 +93,7 @@ def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float
         matching = sum(1 for one in topics if need.fit(word, one.words) >= MEANS_THE_SAME)
         return 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
 
-    found = {word: weight(word) for word in (*need.words, *need.described)}
+    found = {word: weight(word) for word in (*need.words, *need.described, *need.told)}
     return found.__getitem__
 
 
@@ -141,6 +141,7 @@ def _name(
 
     own = mean(need.words)
     both = max(own, 0.6 * own + 0.4 * mean(need.described)) if need.described else own
+    both = max(both, mean(need.told))
     return _NAME * both, [word for word in need.words if need.fit(word, near) > 0]
 
 

@@ -122,8 +122,10 @@ class LinkGraph:
         """Note what the parts of a model refer to outside of all models."""
         for part in model.iterchildren():
             for element in part.iter():
-                for _, ends in self._targets(element):
-                    self._link(part, [end for end in ends if self._is_end(end)])
+                targets = dict(self._targets(element))
+                found = [end for ends in targets.values() for end in ends if self._is_end(end)]
+                for start in targets.get("node", [part]):  # what is known of a node, or wanted
+                    self._link(start, found)
 
     def _trace(self, ours: Sequence[Element], others: Sequence[Element]) -> None:
         """Note a trace, which is a link between two elements without a name of its own."""

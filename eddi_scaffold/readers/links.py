@@ -87,6 +87,12 @@ def links_of(document: EddiDocument, found: Observed | None = None) -> Links:
     return {path: _linked(document, ends) for path, ends in graph.ends()}
 
 
+def events_of(links: Links, id_: str) -> tuple[str, ...]:
+    """Return the events that an element is linked with, each with its condition, for people."""
+    found = [link for one in links.values() if one.id == id_ for link in one.links]
+    return tuple(one.name for one in found if one.class_name.casefold().endswith("event"))
+
+
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
     """Return the links of one model: of what lies in the element that it was read from.
 
@@ -109,7 +115,8 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
 
 def _linked(document: EddiDocument, ends: Ends) -> Linked:
     start = ends.start
-    what, name = fold(feature_of(start)).removesuffix("s"), name_of(document, start)
+    what = fold(feature_of(start)).removesuffix("s").removeprefix("runtime")
+    name = name_of(document, start)
     if what == "value":  # of a map of events: the name stands first in the declaration
         what = (start.get("tag") or what).lower()
         name = (start.get("value") or "").lstrip().partition(" ")[0].partition("(")[0]

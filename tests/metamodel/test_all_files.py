@@ -6,10 +6,22 @@ import re
 
 import pytest
 
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.readers.eddi import read_document
+from eddi_scaffold.readers.xmi import XMI
+from eddi_scaffold.source import read_source
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 
 WRONG = re.compile(r"\[(X008|X010|X011|X015|X017|R016)\]")
+KINDS = {
+    "consert": "consert",
+    "bayesian_network": "bayesian_network",
+    "fault_tree": "reliability",
+    "markov_chain": "reliability",
+    "state_machine": "",
+}
+"""Kind of a model in an EDDI -> that of its monitor; a machine has none yet."""
 SEVERE = re.compile(r": (warning|error): ")
 
 
@@ -32,5 +44,14 @@ def test_what_is_said_of_each_file(file: str) -> None:
         if "severity" in one:
             said = [line for line in text.splitlines() if SEVERE.search(line)]
             assert any(all(word in line for word in one["words"]) for line in said), one
+    wanted = [(KINDS[one["kind"]], one["name"]) for one in case["read"]]
+    found = read_models(read_source(FOLDER / file)).models if wanted else ()
+    in_order = sorted((model.place.line or 0, model.kind, model.name) for model in found)
+    assert [(kind, name) for _, kind, name in in_order] == [one for one in wanted if one[0]]
+    document, _ = read_document(read_source(FOLDER / file))
+    assert document is not None
+    every = list(document.document.iter())
+    beside = [one for one in every if one.tag == f"{{{XMI}}}XMI" or "href" in one.attrib]
+    assert len(every) - len(beside) == case["objects"]
     for model in case["read"]:
         assert not re.search(rf"{re.escape(model['name'])}[^\n]* not read", text)

@@ -17,8 +17,9 @@ from eddi_scaffold.kinds.consert.model import (
     Dimension,
 )
 from eddi_scaffold.problems import EddiError
+from tests.cli.command import run
 from tests.kinds.consert.running import monitor_of
-from tests.metamodel.expected import cases, expected, models
+from tests.metamodel.expected import FOLDER, cases, expected, models
 
 RELATIONS = {
     "DinG": "Demand",
@@ -46,22 +47,39 @@ def test_content(file: str, want: dict[str, Any]) -> None:
         else:
             assert evidence.dimension == BinaryDimension(evidence.id)
     assert [one.id for one in read.evidence] == list(want["evidence"])
-    assert {demand.id: described(demand) for demand in read.demands} == {
-        id_: wanted(one) for id_, one in want["demands"].items()
-    }
-    assert {one.id: [plain(d) for d in one.dimensions] for one in read.guarantees} == {
-        id_: one["dimensions"] for id_, one in want["guarantees"].items()
-    }
+    assert [(demand.id, described(demand)) for demand in read.demands] == [
+        (id_, wanted(one)) for id_, one in want["demands"].items()
+    ]
+    assert [(one.id, [plain(d) for d in one.dimensions]) for one in read.guarantees] == [
+        (id_, one["dimensions"]) for id_, one in want["guarantees"].items()
+    ]
     assert read.system == want.get("system", read.system)
     gates = {gate.id: gate.function for gate in read.gates}
     assert gates.pop(want.get("invariant"), "And") == "And"
-    assert gates == want["gates"]
+    assert list(gates.items()) == list(want["gates"].items())
     edges = [[edge.source, edge.target] for edge in read.tree_propagations]
     assert [edge for edge in edges if edge[0] != want.get("invariant")] == want["edges"]
     provided = {id_: s.id for s in read.provided_services for id_ in s.guarantees}
-    assert provided == {
-        id_: one["service"] for id_, one in want["guarantees"].items() if "service" in one
+    assert provided == stated(want["guarantees"], "service")
+    required = {id_: s.id for s in read.required_services for id_ in s.demands}
+    assert required == stated(want["demands"], "service")
+
+
+@pytest.mark.parametrize(("file", "want"), CASES, ids=[f"{f}:{w['name']}" for f, w in CASES])
+def test_requirements_and_events(file: str, want: dict[str, Any]) -> None:
+    linked = {
+        one.id: [link.name.partition(" (")[0] for link in one.links]
+        for one in consert(file, want["name"]).links.values()
     }
+    for part in ("evidence", "demands", "guarantees"):
+        for id_, requirement in stated(want[part], "requirement").items():
+            assert requirement in linked[id_]
+        for id_, events in stated(want[part], "events").items():
+            assert set(events) <= set(linked[id_])
+
+
+def stated(parts: dict[str, Any], key: str) -> dict[str, Any]:
+    return {id_: one[key] for id_, one in parts.items() if key in one}
 
 
 def plain(dimension: Dimension) -> dict[str, Any]:
@@ -166,7 +184,10 @@ def test_export_refuses_what_yaml_cannot_say(file: str, name: str, word: str, li
 def test_an_allocation_that_does_not_fulfil_the_demands_is_said() -> None:
     file = "04_consert_relations.xml"
     composed = compose([(model.name, model.data) for model in models(file)])
-    (said,) = composed.warnings
-    assert said.startswith("Robot/NeedsWatch is allocated to Scanner/Watch, which does not fulfil ")
-    assert "SeesTooFar" in said
-    assert composed.as_text()[-1] == f"  {said}"
+    (said,) = composed.problems
+    assert (said.level, said.code, said.place.line) == ("warning", "X009", 21)
+    assert said.message == (
+        "Robot/NeedsWatch is allocated to Scanner/Watch, which does not fulfil SeesTooFar"
+    )
+    printed = run("compose", file, cwd=FOLDER)
+    assert said.message in printed.err

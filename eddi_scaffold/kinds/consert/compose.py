@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.graphs import cycles
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 from eddi_scaffold.kinds.consert.paths import constants
-from eddi_scaffold.problems import NearNames, Problem, error
+from eddi_scaffold.problems import NearNames, Problem, error, warning
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -36,8 +36,8 @@ class Composition:
             where several instances have a demand of that id.
         unmatched_services: ids of required services that no ConSert in the set provides, likewise.
         reasons: one sentence for each obstacle.
-        warnings: one sentence for each service that a file allocates to one that does not do.
-        problems: instance names that are used twice (C027).
+        problems: instance names that are used twice (C027), services that a file allocates to one
+            that does not do (X009).
     """
 
     composable: bool
@@ -47,7 +47,6 @@ class Composition:
     unmatched_services: tuple[str, ...]
     reasons: tuple[str, ...]
     problems: tuple[Problem, ...] = ()
-    warnings: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``compose --json``."""
@@ -65,7 +64,7 @@ class Composition:
             "unmatched_demands": list(self.unmatched_demands),
             "unmatched_services": list(self.unmatched_services),
             "reasons": list(self.reasons),
-            "warnings": list(self.warnings),
+            "warnings": [one.message for one in self.problems if one.level == "warning"],
         }
 
     def as_text(self) -> list[str]:
@@ -80,7 +79,6 @@ class Composition:
             *([f"order: {', '.join(self.order)}"] if self.order else []),
             *(["bindings:", *bound] if bound else []),
             *(["reasons:", *(f"  {reason}" for reason in self.reasons)] if self.reasons else []),
-            *(["warnings:", *(f"  {one}" for one in self.warnings)] if self.warnings else []),
         ]
 
 
@@ -139,11 +137,13 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
         unmatched_demands=_ids(needs, unmet, is_demand=True),
         unmatched_services=_ids(needs, unmet, is_demand=False),
         reasons=(*_with_near_names(unmet, offers, provided), *_waiting(instances, needs, rounds)),
-        warnings=tuple(_allocations(instances, needs)),
+        problems=tuple(_allocations(instances, needs)),
     )
 
 
-def _allocations(instances: Sequence[tuple[str, ConSert]], needs: Sequence[_Need]) -> Iterator[str]:
+def _allocations(
+    instances: Sequence[tuple[str, ConSert]], needs: Sequence[_Need]
+) -> Iterator[Problem]:
     """Yield where a file allocates a service to one that does not fulfil all of its demands."""
     met_by = {(need.instance, need.id): need.met_by for need in needs if need.is_demand}
     services = [(name, one) for name, consert in instances for one in consert.provided_services]
@@ -160,7 +160,8 @@ def _allocations(instances: Sequence[tuple[str, ConSert]], needs: Sequence[_Need
                 ]
                 if unmet:
                     what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
-                    yield f"{what}, which does not fulfil {', '.join(unmet)}"
+                    message = f"{what}, which does not fulfil {', '.join(unmet)}"
+                    yield warning("X009", message, service.place)
 
 
 def _with_near_names(

@@ -10,7 +10,13 @@ from eddi_scaffold.kinds.consert.inputs import covered_text
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from eddi_scaffold.kinds.consert.model import ConSert, ProvidedService, RequiredService
+    from eddi_scaffold.kinds.consert.model import (
+        ConSert,
+        Demand,
+        Guarantee,
+        ProvidedService,
+        RequiredService,
+    )
 
 DEEPEST = 30
 """Levels that are printed; what lies deeper is counted as "..." (a line grows with its level)."""
@@ -63,15 +69,18 @@ def _tree(
 def _labels(consert: ConSert) -> dict[str, str]:
     labels = {e.id: f"evidence {e.id}: {covered_text(e.dimension)}" for e in consert.evidence}
     for demand in consert.demands:
-        text = "; ".join(covered_text(dimension) for dimension in demand.dimensions)
-        labels[demand.id] = f"demand {demand.id}: {text}"
+        labels[demand.id] = f"demand {demand.id}{_covered(demand)}"
     for gate in consert.gates:
         labels[gate.id] = f"{gate.function} {gate.id}"
     for guarantee in consert.guarantees:
-        text = "; ".join(covered_text(dimension) for dimension in guarantee.dimensions)
         mark = " (default)" if guarantee.default else ""
-        labels[guarantee.id] = f"guarantee {guarantee.id}: {text}{mark}"
+        labels[guarantee.id] = f"guarantee {guarantee.id}{_covered(guarantee)}{mark}"
     return labels
+
+
+def _covered(part: Demand | Guarantee) -> str:
+    text = "; ".join(covered_text(dimension) for dimension in part.dimensions)
+    return f": {text}" if text else ""
 
 
 def _required(service: RequiredService) -> str:
