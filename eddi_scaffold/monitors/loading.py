@@ -21,7 +21,7 @@ from eddi_scaffold.readers.extensions import check_maps
 from eddi_scaffold.readers.features import check_features
 from eddi_scaffold.readers.links import links_in, links_of
 from eddi_scaffold.readers.monitored_by import observed
-from eddi_scaffold.readers.unread import event_monitors, foreign, unread
+from eddi_scaffold.readers.unread import event_monitors, foreign, unread, unused_design
 from eddi_scaffold.readers.xmi import select
 from eddi_scaffold.source import Source, read_source
 
@@ -149,8 +149,9 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
     found = foreign(document) if not models else None
     if found is not None:
         return Reading((), (found,))
-    not_read = (*(one.problem() for one in unread(document)), *event_monitors(document))
-    return Reading(tuple(models), tuple(problems), not_read)
+    not_read = [one.problem() for one in unread(document)]
+    not_read += (*event_monitors(document), *unused_design(document))
+    return Reading(tuple(models), tuple(problems), tuple(not_read))
 
 
 def _is_in(document: EddiDocument, kind: Kind[Model]) -> bool:

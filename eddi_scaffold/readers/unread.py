@@ -25,6 +25,14 @@ _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogi
 """Packages that readers look into, whether or not there is a model in them."""
 _LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
 """Models of which no monitors are generated."""
+_DESIGN = frozenset(
+    fold(name)
+    for name in (
+        *("systems", "serviceConfigurations", "requiredServices", "providedServices"),
+        *("serviceType", "configurations"),
+    )
+)
+"""Features of a design that readers look into."""
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
 """Names in the namespaces of all generations of the metamodel."""
 _LOOKS_LIKE = {
@@ -99,6 +107,24 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
         message = f"{counted(len(found), 'EventMonitor')} ({shown}) not used by itself"
         hint = "name topic and field in the configuration"
         yield info("X021", message, document.place(found[0]), hint)
+
+
+def unused_design(document: EddiDocument) -> Iterator[Problem]:
+    """Yield an info (X021) on what the design holds besides systems and services."""
+    found: list[Element] = []
+    waiting = [one for one in document.packages() if document.class_of(one).name == "designpackage"]
+    for element in waiting:
+        for child in element.iterchildren():
+            feature = fold(feature_of(child))
+            if feature in _DESIGN:
+                waiting.append(child)
+            elif feature != "keyvaluemaps" and not _holds_models(document, child):
+                found.append(child)
+    if found:
+        counts = Counter(map(feature_of, found))
+        shown = ", ".join(f"{count} {feature}" for feature, count in counts.items())
+        message = f"the design holds {shown}: used by no monitor"
+        yield info("X021", message, min(map(document.place, found), key=lambda one: one.line or 0))
 
 
 def foreign(document: EddiDocument) -> Problem | None:

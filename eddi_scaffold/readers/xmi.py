@@ -175,11 +175,13 @@ def text_of(element: Element) -> str:
 def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, str]]:
     """Return the texts inside an element that are not white space, each with its parent.
 
+    One alone in an element without attributes is none: so EMF writes an attribute of many values.
+
     Args:
         element: where to look.
         deep: look inside its children too.
     """
-    steps = "descendant-or-self::*/" if deep else ""
+    steps = "descendant-or-self::*[@* or *]/" if deep else ""
     texts = select(element, f"{steps}text()[normalize-space()]")
     found: list[tuple[Element, str]] = []
     for text in texts:

@@ -128,3 +128,19 @@ def test_a_requirement_may_be_in_another_file_and_a_part_may_not() -> None:
     part = '<runtimeEvidences name="LensClean"/>'
     inside = reading("lift.xml", (part, '<runtimeEvidences href="parts.xml#//"/>'))
     assert ("error", "X012") in {(one.level, one.code) for one in inside.problems}
+
+
+def test_an_attribute_of_many_values_is_no_stray_text() -> None:
+    lines = "<keywords>one</keywords><keywords>two</keywords>"
+    system = '<systemBoundaries name="b"/>'
+    assert not [
+        one for one in reading("lift.xml", (system, system + lines)).problems if one.code == "X013"
+    ]
+    stray = reading("lift.xml", (system, f"{system} lost {lines}"))
+    assert [one.place.line for one in stray.problems if one.code == "X013"] == [6]
+
+
+def test_what_the_design_holds_for_no_monitor_is_said_with_counts() -> None:
+    (said,) = (one for one in reading("lift.xml").unread if "design" in one.message)
+    assert (said.level, said.code, said.place.line) == ("info", "X021", 7)
+    assert "1 functions, 1 systemBoundaries, 1 ports" in said.message

@@ -39,6 +39,30 @@ def test_classes_of_the_metamodel_and_of_others(package: str, model: str) -> Non
     assert said(package, model) == []
 
 
+PUBLIC = """
+FaultTree StateMachine BayesianNetwork FailureModel FMEA FMEDA AttackTree Action FunctionAction
+MessageAction WarningAction CommonCauseFailure SecurityViolation Failure
+"""
+OTHERS = """
+DDIPackage ConSertPackage ConSert DesignPackage System PhysicalComponent LogicalComponent Function
+SafetyRelatedSystem ServiceType DependabilityPropertyType FailureLogicPackage DependabilityPackage
+HARAPackage TARAPackage RequirementPackage DomainPackage TraceabilityPackage Trace Hazard Measure
+RiskAssessment Malfunction DependabilityRequirement SafetyRequirement EventPackage OdeEvent
+ConditionEvent ExternalEvent AssuranceCasePackage ArgumentPackage ArtifactPackage Claim
+TerminologyPackage AssertedInference AssertedContext ArtifactReference
+"""
+
+
+@pytest.mark.parametrize("name", PUBLIC.split())
+def test_what_the_public_metamodel_has_in_the_failure_logic_is_known(name: str) -> None:
+    assert said("f:FailureLogicPackage", f"f:{name}") == []
+
+
+@pytest.mark.parametrize("name", OTHERS.split())
+def test_no_class_of_the_public_metamodel_is_taken_for_a_slip(name: str) -> None:
+    assert not [one for one in said("a:ArgumentPackage", f"a:{name}") if '"M"' in one]
+
+
 @pytest.mark.parametrize(
     ("model", "hint"),
     [
