@@ -16,7 +16,9 @@ from eddi_scaffold.kinds.consert.model import (
     ConSertModel,
     Dimension,
 )
+from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.problems import EddiError
+from eddi_scaffold.source import Source
 from tests.cli.command import run
 from tests.kinds.consert.running import monitor_of
 from tests.metamodel.expected import FOLDER, cases, expected, models
@@ -163,6 +165,17 @@ def test_relations_decide_what_fulfils_a_demand() -> None:
         "demand Robot/SeesTooFar is not fulfilled: dimension Range: [0, 20.0] km of SeesTooFar "
         "is not inside [0, 20.0] m of Scanner/Range"
     )
+
+
+def test_a_relation_without_its_dimension_is_of_the_only_one() -> None:
+    at = ' dimension="//@odeProductPackages.2/@conSerts.1/@demands.2/@dependabilityProperty'
+    text = (FOLDER / "04_consert_relations.xml").read_text("utf-8")
+    assert text.count(at) == 1
+    text = text.replace(f'{at}/@dimensions.0"', "")
+    read = read_models(Source("04.xml", text.encode()))
+    assert not [one for one in read.problems if one.level == "error"]
+    demands = {one.id: one for one in read.models[1].data.demands}  # type: ignore[attr-defined]
+    assert described(demands["Exact"])[1] == ["Guarantee"]
 
 
 @pytest.mark.parametrize(

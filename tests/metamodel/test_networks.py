@@ -32,6 +32,19 @@ def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None
             assert list(found[node]) == pytest.approx(list(states.values()), rel=1e-9, abs=1e-15)
 
 
+def test_what_states_mean_is_said_to_be_unused() -> None:
+    text = (FOLDER / "07_bayesian_network.xml").read_text("utf-8")
+    state = '<nodeStates name="fog"/>'
+    assert text.count(state) == 1
+    text = text.replace(state, '<nodeStates name="fog"><dimension/></nodeStates>')
+    (said,) = (
+        one
+        for one in read_models(Source("07.xml", text.encode())).problems
+        if "dimension" in one.message
+    )
+    assert (said.code, said.level) == ("X014", "info")
+
+
 def test_what_is_known_is_proposed_as_inputs() -> None:
     (model,) = models("07_bayesian_network.xml")
     drafted = FUNCTIONS.skeleton(model, Options())

@@ -193,12 +193,17 @@ def test_rates_beside_triggers_are_no_chain_and_said() -> None:
     assert sum("StateMachine" in one.message for one in problems) == 1
 
 
-def test_what_would_change_a_chain_is_said() -> None:
-    start = '<states name="Five"/>'
-    given = '<states name="Five"><initialProb/></states>'
-    (said,) = changed("12_markov_chain.xml", (start, given))
+@pytest.mark.parametrize(
+    ("name", "given"),
+    [
+        ("initialProb", '<states name="Five"><initialProb/></states>'),
+        ("transitionMatrices", '<states name="Five"/><transitionMatrices/>'),
+    ],
+)
+def test_what_would_change_a_chain_is_said(name: str, given: str) -> None:
+    (said,) = changed("12_markov_chain.xml", ('<states name="Five"/>', given))
     assert (said.code, said.level, said.place.line) == ("X018", "warning", 6)
-    assert "initialProb" in said.message
+    assert name in said.message
 
 
 @pytest.mark.parametrize(

@@ -91,6 +91,7 @@ SLIPS = [
     ("lift.xml", '"IntersectionNotEmpty"', '"Intersects"', ("X011", 41)),
     ("lift.xml", '<covered name="fork"/>', "<covered/>", ("X010", 37)),
     ("lift.xml", '<type name="Load"/>', "", ("X010", 30)),
+    ("lift.xml", f'{EDGE} target="/3/@conSerts.0/@guarantees.0"/>', "", ("C012", 44)),
     ("pump.xml", 'causeType="NormalEvent"', 'causeType="HouseEvent"', ("X011", 11)),
     ("pump.xml", BOTH, 'name="Both" gateType="MAYBE"', ("X011", 12)),
     ("pump.xml", BOTH, 'name="Both" gateType="VOTE"', ("R005", 12)),
@@ -144,3 +145,16 @@ def test_what_the_design_holds_for_no_monitor_is_said_with_counts() -> None:
     (said,) = (one for one in reading("lift.xml").unread if "design" in one.message)
     assert (said.level, said.code, said.place.line) == ("info", "X021", 7)
     assert "1 functions, 1 systemBoundaries, 1 ports" in said.message
+
+
+def test_a_package_alone_is_the_root_of_its_paths() -> None:
+    text = """<c:ConSertPackage xmlns:c="http://www.sesame-project.eu/ode/conserts">
+      <conSerts name="Alone"><runtimeEvidences name="A"/><guarantees name="B"/>
+        <guaranteePropagations source="//@conSerts.0/@runtimeEvidences.0"
+          target="//@conSerts.0/@guarantees.0"/></conSerts></c:ConSertPackage>"""
+    read = read_models(Source("alone.xml", text.encode()))
+    (alone,) = read.models
+    assert [one.code for one in read.problems] == ["X014"]
+    assert isinstance(alone.data, ConSert)
+    (edge,) = alone.data.tree_propagations
+    assert (edge.source, edge.target) == ("A", "B")
