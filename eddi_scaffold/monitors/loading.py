@@ -18,10 +18,15 @@ from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.eddi import read_document
 from eddi_scaffold.readers.eddi import sniff as is_xml
 from eddi_scaffold.readers.extensions import check_maps
-from eddi_scaffold.readers.features import check_features
 from eddi_scaffold.readers.links import links_in, links_of
 from eddi_scaffold.readers.monitored_by import observed
-from eddi_scaffold.readers.unread import event_monitors, foreign, unread, unused_design
+from eddi_scaffold.readers.unread import (
+    check_features,
+    event_monitors,
+    foreign,
+    unread,
+    unused_design,
+)
 from eddi_scaffold.readers.xmi import select
 from eddi_scaffold.source import Source, read_source
 

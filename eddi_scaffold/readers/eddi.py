@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import BinaryIO
 
 from eddi_scaffold.problems import Problem, warning
-from eddi_scaffold.readers.classes import unknown_classes
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.spelling import (
     fold,
     is_misprint,
     local_name,
 )
+from eddi_scaffold.readers.unread import unknown_classes
 from eddi_scaffold.readers.xmi import (
     DEFAULT_LIMITS,
     Limits,

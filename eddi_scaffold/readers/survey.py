@@ -14,7 +14,6 @@ from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
 from eddi_scaffold.readers.references import References, parse_fragment
 from eddi_scaffold.readers.spelling import Spelling, fold
-from eddi_scaffold.readers.state_machines import is_chain
 from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
 
 if TYPE_CHECKING:
@@ -74,16 +73,7 @@ class Survey:
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``show --json``."""
         return {
-            "models": [
-                {
-                    "kind": m.kind,
-                    "name": m.name,
-                    "path": m.path,
-                    "line": m.line,
-                    "counts": dict(m.counts),
-                }
-                for m in self.models
-            ],
+            "models": [dict(vars(one)) for one in self.models],
             "packages": [
                 {"class": p.class_name, "name": p.name, "path": p.path, "line": p.line}
                 for p in self.packages
@@ -187,6 +177,34 @@ def kind_of_model(document: EddiDocument, element: Element) -> str | None:
     if kind == "assurance_case" and _is_nested(element):
         return None
     return kind
+
+
+def is_chain(document: EddiDocument, machine: Element) -> bool:
+    """Tell whether every transition has a rate, and none a trigger."""
+    transitions = document.children(machine, word.TRANSITIONS)
+    return bool(transitions) and all(
+        has_rate(document, one) and not has_trigger(document, one) for one in transitions
+    )
+
+
+def has_rate(document: EddiDocument, transition: Element) -> bool:
+    """Tell whether a transition has a rate; EMF may write the zero that was not given."""
+    if (document.attribute(transition, word.RATE) or "").strip("0. "):
+        return True
+    laws = document.children(transition, word.RATE_DISTRIBUTION)
+    return any(not is_none(document, law) for law in laws)
+
+
+def has_trigger(document: EddiDocument, transition: Element) -> bool:
+    """Tell whether a transition waits for an event."""
+    given = (document.attribute(transition, word.TRIGGERS) or "").strip()
+    return bool(given or document.children(transition, word.TRIGGERS))
+
+
+def is_none(document: EddiDocument, distribution: Element) -> bool:
+    """Tell whether a distribution says that there is none."""
+    stated = (document.attribute(distribution, word.DISTRIBUTION_TYPE) or "").strip().casefold()
+    return stated in ("", "none") and not document.children(distribution, word.PARAMETERS)
 
 
 def _holds_conserts(document: EddiDocument, parent: Element | None) -> bool:

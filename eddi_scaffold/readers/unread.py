@@ -1,6 +1,7 @@
 """What no monitor is made of: packages of an EDDI that nothing reads, and XML that is not an EDDI.
 
-Models in them would otherwise be lost without a word.
+Models in them would otherwise be lost without a word. So would misspelt classes, references that
+no monitor uses, and one of two spellings of one thing.
 """
 
 from __future__ import annotations
@@ -8,19 +9,41 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.problems import Place, Problem, counted, error, info, warning
-from eddi_scaffold.readers.classes import CLASSES
+from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.spelling import fold, local_name
 from eddi_scaffold.readers.survey import MONITORED, kind_of_model
-from eddi_scaffold.readers.xmi import feature_of, select
+from eddi_scaffold.readers.xmi import XSI_TYPE, feature_of, select
 
 if TYPE_CHECKING:
     from eddi_scaffold.readers.document import EddiDocument
     from eddi_scaffold.readers.xmi import Element
 
+MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
+"""Classes that monitors are made of."""
+PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")
+"""Packages that hold them."""
+OTHERS = (
+    *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
+    *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),
+    *("RosAction", "StateMachineAction"),
+    *("AssuranceCasePackage", "ArgumentPackage", "ArtifactPackage", "TerminologyPackage"),
+    *("ArchitecturePackage", "DesignPackage", "DependabilityPackage", "RequirementPackage"),
+    *("DomainPackage", "HARAPackage", "TARAPackage", "StandardPackage", "ODEProductPackage"),
+    *("EventPackage", "TraceabilityPackage", "SafetyRelatedSystem"),
+    *("System", "PhysicalComponent", "LogicalComponent", "SoftwareComponent", "Function"),
+)
+"""Classes of the metamodel that are left out on purpose."""
+
+CLASSES = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
+"""All that are known, folded."""
+_RUN = frozenset({"failurelogic", "bayesiannetwork"})
+"""Packages of which every class should be known."""
+_NEAR = 0.8
 _READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
 """Packages that readers look into, whether or not there is a model in them."""
 _LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
@@ -205,3 +228,78 @@ def _described(document: EddiDocument, stated: str, same: Sequence[Element]) -> 
         local_name(_class_of(document, one)) for one in below if _is_left_out(document, one)
     )
     return Unread(stated, len(same), len(same) + len(below), inside, document.place(same[0]))
+
+
+def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
+    """Yield a warning (X015) for each element of a package whose class looks like a misspelt one.
+
+    In the packages that hold chains, trees and networks every unknown class is named.
+    """
+    for package in document.packages():
+        if kind_of_model(document, package) in MONITORED:
+            continue  # the root is a model, whose reader knows its parts
+        for element in package.iterchildren():
+            if element.get(XSI_TYPE) is None:
+                continue
+            kind = document.class_of(element)
+            if kind.name in CLASSES:
+                continue
+            meant = _nearest(local_name(kind.printed))
+            if meant is None and (kind.package not in _RUN or kind.name.endswith("package")):
+                continue
+            name = element.get("name")
+            what = feature_of(element) + (f' "{name}"' if name else "")
+            message = f'{what} is of the unknown class "{kind.printed}"'
+            if not any(kind_of_model(document, one) in MONITORED for one in element.iter()):
+                message += ", so that nothing is read from it"
+            hint = f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}"
+            yield warning("X015", message, document.place(element), hint)
+
+
+def _nearest(name: str) -> str | None:
+    folded = fold(name)
+    likeness = {
+        known: SequenceMatcher(None, folded, fold(known)).ratio() for known in (*MODELS, *PACKAGES)
+    }
+    best = max(likeness, key=likeness.__getitem__)
+    return best if likeness[best] >= _NEAR else None
+
+
+def check_features(document: EddiDocument) -> Iterator[Problem]:
+    """Yield X011 for two spellings of one thing, and X007, X008, X012 for references."""
+    waiting = list(reversed(document.roots))
+    while waiting:
+        element = waiting.pop()
+        if kind_of_model(document, element) not in MONITORED | {"failure_model", "state_machine"}:
+            waiting += reversed(element)
+            continue
+        for part in element.iter():
+            yield from _said_twice(document, part)
+            yield from _references(document, part)
+
+
+def _said_twice(document: EddiDocument, part: Element) -> Iterator[Problem]:
+    first: dict[str, str] = {}
+    for name in map(str, part.attrib):
+        other = first.setdefault(word.ONE_THING.get(fold(name), name), name)
+        if other != name:
+            message = f'"{other}" and "{name}" say the same thing; write one of them'
+            yield error("X011", message, document.place(part))
+
+
+def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
+    parent, limit = part.getparent(), document.limits.reference_tokens
+    tokens = [
+        (part, name, token)
+        for name, text in part.attrib.items()
+        if fold(str(name)) in word.REFERENCES
+        for token in str(text).split()[:limit]
+    ]
+    if parent is not None and "href" in part.attrib:
+        tokens.append((parent, feature_of(part), part.attrib["href"]))
+    for element, name, token in tokens:
+        found = document.target(element, str(name), str(token))
+        if isinstance(found, Problem):
+            # what a monitor needs not be there: a requirement in a file of its own, for example
+            is_far = found.code == "X012" and fold(str(name)) in word.LINKS
+            yield replace(found, level="warning") if is_far else found

@@ -19,7 +19,7 @@ from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling
-from eddi_scaffold.readers.state_machines import is_none
+from eddi_scaffold.readers.survey import is_none
 from eddi_scaffold.readers.xmi import Element, only
 
 

@@ -25,8 +25,7 @@ from eddi_scaffold.readers import vocabulary as word
 from eddi_scaffold.readers.document import EddiDocument
 from eddi_scaffold.readers.findings import EddiFindings
 from eddi_scaffold.readers.spelling import Spelling, fold
-from eddi_scaffold.readers.state_machines import has_rate
-from eddi_scaffold.readers.survey import kind_of_model
+from eddi_scaffold.readers.survey import has_rate, kind_of_model
 from eddi_scaffold.readers.xmi import Element, select
 from eddi_scaffold.source import Source
 
