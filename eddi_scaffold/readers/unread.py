@@ -291,15 +291,15 @@ def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
     parent, limit = part.getparent(), document.limits.reference_tokens
     tokens = [
         (part, name, token)
-        for name, text in part.attrib.items()
-        if fold(str(name)) in word.REFERENCES
+        for name, text in zip(map(str, part.attrib), part.attrib.values(), strict=True)
+        if fold(name) in word.REFERENCES
         for token in str(text).split()[:limit]
     ]
     if parent is not None and "href" in part.attrib:
-        tokens.append((parent, feature_of(part), part.attrib["href"]))
+        tokens.append((parent, feature_of(part), str(part.attrib["href"])))
     for element, name, token in tokens:
-        found = document.target(element, str(name), str(token))
+        found = document.target(element, name, token)
         if isinstance(found, Problem):
             # what a monitor needs not be there: a requirement in a file of its own, for example
-            is_far = found.code == "X012" and fold(str(name)) in word.LINKS
+            is_far = found.code == "X012" and fold(name) in word.LINKS
             yield replace(found, level="warning") if is_far else found
