@@ -105,7 +105,7 @@ def links_of(document: EddiDocument, found: Observed | None = None) -> Links:
 def events_of(links: Links, id_: str) -> tuple[str, ...]:
     """Return the events that an element is linked with, each with its condition, for people."""
     found = [link for one in links.values() if one.id == id_ for link in one.links]
-    return tuple(one.name for one in found if one.class_name.casefold().endswith("event"))
+    return tuple(one.name for one in found if fold(one.class_name).endswith(("event", "events")))
 
 
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:

@@ -215,6 +215,14 @@ def test_cut_sets_of_more_than_failures_are_not_compared(odd: str) -> None:
     assert (said.code, said.level) == ("R016", "info")
 
 
+def test_cut_sets_of_another_gate_are_said_to_be_unused() -> None:
+    group = '<minimalCutsets name="Loss of flow cut sets"'
+    other = 'failure="//@odeProductPackages.0/@failureModels.0/@failures.0"'
+    (said,) = changed("08_fault_tree.xml", (group, f"{group} {other}"))
+    assert (said.code, said.level) == ("R016", "info")
+    assert "not of its top" in said.message
+
+
 def test_other_cut_sets_are_a_warning() -> None:
     text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
     other = text.replace('<causes name="Power" failure', '<causes name="Power" other')

@@ -449,7 +449,10 @@ class _Reader:
         for group in self._children(tree, word.CUT_SETS):
             about = self._failures(group, word.FAILURE)
             if about and not set(about) & set(own):
-                continue  # of another gate
+                if self.document.attribute(tree, word.TOP_EVENT):  # else it is another top
+                    message = f"cut sets of {self.document.describe(tree)} that are not of its top "
+                    self.findings.count("info", "R016", f"{message}are not compared", group)
+                continue
             for one in self._children(group, word.SETS):
                 causes = self._children(one, word.CAUSES)
                 of = self._failures(one, word.FAILURES)
