@@ -87,7 +87,7 @@ def _fork(
                 runpy.run_path(command[1], run_name="__main__")
         except SystemExit as end:
             status = end.code
-        except BaseException:
+        except BaseException:  # noqa: BLE001
             traceback.print_exc()
         finally:
             sys.stdout.flush()

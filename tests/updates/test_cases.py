@@ -1,7 +1,7 @@
 """The cases of hand edits as data: each key of a step is a method of ``_Player``.
 
-The long profile runs each case with each command, the others with ``generate`` and, in turn, one of
-Copier's: these differ in how a rendering arrives, which ``test_with_copier.py`` shows for all.
+The long profile runs each case with each command, the others take the commands in turn: they differ
+in how a rendering arrives, which ``test_with_copier.py`` shows on each platform.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ def _runs() -> list[Any]:
     runs = []
     for number, case in enumerate(CASES):
         lists = [step["do"] for step in case["steps"] if isinstance(step.get("do"), list)]
-        ours, *copiers = lists[0] if lists else [None]
-        turn = number % max(len(copiers), 1)
+        commands = lists[0] if lists else [None]
+        turn = number % len(commands)
         runs += [
             pytest.param(case, command, id=f"{case['id']}-{command or 'own'}")
-            for command in (ours, *copiers[histories(turn, 0) : histories(turn + 1, 3)])
+            for command in commands[histories(turn, 0) : histories(turn + 1, 4)]
         ]
     return runs
 
