@@ -143,7 +143,7 @@ def test_so_is_a_command(folder: Path, templates: Templates, command: str) -> No
         assert place.bring(command).status == 3
         after = snapshot(place.world.workspace)
         some = sorted(random.Random(command).sample(range(260), 3))
-        numbers = histories(0, 1) and count() or some
+        numbers = count() if histories(0, 1) else some
         for number in numbers:
             put_back()
             run = lambda: place.bring(command).status  # noqa: E731
