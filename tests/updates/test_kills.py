@@ -248,15 +248,6 @@ def test_a_folder_that_cannot_be_written_changes_nothing(folder: Path) -> None:
     assert snapshot(place.package) == before
 
 
-def test_a_file_that_cannot_be_written_stays_so(folder: Path) -> None:
-    place = Bare(folder)
-    life = edited(place)
-    file = place.package / life.regions()["launch.node"][0]
-    file.chmod(0o444)
-    assert place.bring("generate").status == 3
-    assert file.stat().st_mode & 0o777 == 0o444
-
-
 def test_two_runs_at_once(folder: Path, templates: Templates) -> None:
     place = Real(World(folder, templates, START))
     edited(place)
