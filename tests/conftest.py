@@ -12,9 +12,11 @@ import shutil
 import signal
 import tempfile
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
+import typer.main
 from hypothesis import HealthCheck, settings
 
 from tests.data_files import left_out
@@ -30,6 +32,9 @@ if (
 ):  # git, Copier and our own transactions flush a lot: several times faster in memory
     os.environ["TMPDIR"] = str(_MEMORY)
     tempfile.tempdir = None  # asked before, by pytest itself
+
+# Every command that runs in this process would make typer look at all commands and options again.
+typer.main.get_command = cache(typer.main.get_command)
 
 # A shell starts background jobs with SIGINT ignored, and every child of ours would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -9,25 +9,37 @@ from __future__ import annotations
 
 import os
 import pickle
+import runpy
 import subprocess
+import sys
 import tempfile
+import traceback
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
+from contextvars import Context
 from functools import cache
 from pathlib import Path
-from types import CodeType
+from types import CodeType, SimpleNamespace
 from typing import Any, cast
+from unittest.mock import patch
 
+import copier._main
 import copier._template
 import jinja2
 from copier._cli import CopierApp
 from copier._main import Worker
+from plumbum import local
 
 _ASK = ("git", "config", "--type=bool", "--get", "core.fileMode")
 _ANSWER = "git ignores modes"
 
 
 def copier_here(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Run Copier's command line in this process: it starts once, and keeps what it repeats."""
+    """Run Copier's command line in this process: it starts once, and keeps what it repeats.
+
+    The programs that it starts are forks of this process. `tests/packaging`, `tests/e2e` and
+    `tests/generated` start all of them anew.
+    """
     render_faster()
     before, here = [os.dup(1), os.dup(2)], Path.cwd()
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
@@ -35,7 +47,11 @@ def copier_here(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
         os.dup2(err.fileno(), 2)
         os.chdir(cwd)
         try:
-            with redirect_stdout(out), redirect_stderr(err):
+            with (
+                redirect_stdout(out),
+                redirect_stderr(err),
+                patch.object(copier._main, "subprocess", SimpleNamespace(run=_fork)),
+            ):
                 _, status = CopierApp.run(["copier", *map(str, words)], exit=False)
         finally:
             os.chdir(here)
@@ -45,6 +61,40 @@ def copier_here(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
         out.seek(0)
         err.seek(0)
         return subprocess.CompletedProcess(words, status, out.read(), err.read())
+
+
+def _fork(
+    command: Sequence[str], env: Mapping[str, str], **_: object
+) -> subprocess.CompletedProcess[str]:
+    """Run a task of a template, `python FOLDER ...` or `python -m copier ...`."""
+    assert command[0] == sys.executable, command
+    sys.stdout.flush()
+    sys.stderr.flush()
+    child = os.fork()
+    if child == 0:
+        status: object = 1
+        try:
+            os.chdir(local.cwd)
+            os.environ.clear()
+            os.environ.update(env)
+            sys.argv = [*command[1:]]
+            if command[1] == "-m":
+                _, status = Context().run(CopierApp.run, [*command[2:]], exit=False)
+            else:
+                ours = [name for name in sys.modules if name.split(".")[0] == "eddi_scaffold"]
+                for name in ours:  # the template brings its own
+                    del sys.modules[name]
+                runpy.run_path(command[1], run_name="__main__")
+        except SystemExit as end:
+            status = end.code
+        except BaseException:  # noqa: BLE001
+            traceback.print_exc()
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os._exit(status if isinstance(status, int) else int(status is not None))
+    ended = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return subprocess.CompletedProcess(command, ended)
 
 
 @cache

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.compiling.compilation import KINDS
+from eddi_scaffold.regions.marked_file import parse
 from tests.cli.command import run
 
 pytestmark = pytest.mark.slow
@@ -24,11 +25,11 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(
     r"(?P<shown><!-- shown only: [^\n]+ -->\n)?```console\n(?P<text>.*?)```"
-    r"|<!-- file: (?P<file>[\w./]+) -->\n```\w+\n(?P<content>.*?)```",
+    r"|<!-- (?P<file>(?:region: \S+ in|file:) [\w./]+) -->\n```\w+\n(?P<content>.*?)```",
     re.DOTALL,
 )
 CONTINUES = re.compile(r"<!-- continues: (\S+) -->")
-WRITE = "write "
+WRITE, BETWEEN = "file: ", "region: "
 PROGRAM = "eddi-scaffold "
 OPERATORS = {"2>&1", ">", "|"}
 
@@ -36,12 +37,13 @@ OPERATORS = {"2>&1", ">", "|"}
 def commands(page: Path) -> list[tuple[str, str]]:
     """Return (command, printed output) of every block that is not marked as shown only.
 
-    A block that is marked as a file is the command ``write FILE`` with its content.
+    A block that is marked as a file is the command ``file: FILE`` with its content, one that is
+    marked as the body of a region ``region: ID in FILE``.
     """
     found = []
     for block in BLOCK.finditer(page.read_text(encoding="utf-8")):
         if block["file"]:
-            found.append((f"{WRITE}{block['file']}", block["content"]))
+            found.append((block["file"], block["content"]))
         if block["shown"] or block["file"]:
             continue
         for part in re.split(r"^\$ ", block["text"], flags=re.MULTILINE)[1:]:
@@ -75,10 +77,21 @@ def test_the_commands_of_a_page_run(pages: list[Path], tmp_path: Path) -> None:
             folder /= command.removeprefix("cd ")
         elif command.startswith(WRITE):
             (folder / command.removeprefix(WRITE)).write_text(output, encoding="utf-8")
+        elif command.startswith(BETWEEN):
+            put(*command.removeprefix(BETWEEN).split(" in "), output, folder)
         else:
             printed = run_line(command, folder)
             if output:
                 assert printed == output, command
+
+
+def put(region: str, name: str, body: str, folder: Path) -> None:
+    """Write between two marker lines."""
+    text = (folder / name).read_text("utf-8")
+    one = parse(text)[0].regions[region]
+    lines = text.splitlines(keepends=True)
+    lines[one.line : one.line + one.body.count("\n")] = [body]
+    (folder / name).write_text("".join(lines), "utf-8")
 
 
 def run_line(line: str, folder: Path) -> str:

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.hostile import special
 from tests.hostile.world import World, build
+
+
+@pytest.fixture
+def limited() -> Iterator[None]:
+    """Time and memory have limits."""
+    with special.limited():
+        yield
 
 
 @pytest.fixture(scope="session")

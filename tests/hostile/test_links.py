@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import stat
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -16,6 +16,7 @@ from eddi_scaffold.regions.__main__ import main as regions_tool
 from tests.cli.command import Result, example, run
 from tests.diagnosed import assert_example
 from tests.hostile import special
+from tests.hostile.watch import look
 
 pytestmark = pytest.mark.slow
 
@@ -23,13 +24,8 @@ MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 PACKAGE = "consertb"
 INPUT = "EDDIInput.py"
 OLD, NEW = "The sensor of system B is healthy", "The sensor of B is well"
+CATKIN = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
 GENERATE = ("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG)
-
-
-@pytest.fixture
-def limited() -> Iterator[None]:
-    with special.limited():
-        yield
 
 
 @pytest.fixture(scope="module")
@@ -64,18 +60,11 @@ def status(package: Path) -> Result:
     return run("status", "-w", package.parent, cwd=package.parents[1])
 
 
-def states(folder: Path) -> dict[str, tuple[int, int, bytes | str]]:
-    """Return all that stands below a folder: mode, time of change, content or target."""
-    found: dict[str, tuple[int, int, bytes | str]] = {}
-    for path in sorted(folder.rglob("*")):
-        kind = path.lstat()
-        content: bytes | str = ""
-        if stat.S_ISREG(kind.st_mode) and kind.st_size < 1 << 20:
-            content = path.read_bytes()
-        elif stat.S_ISLNK(kind.st_mode):
-            content = str(path.readlink())
-        found[str(path.relative_to(folder))] = (kind.st_mode, kind.st_mtime_ns, content)
-    return found
+def workspace(folder: Path) -> Path:
+    """Generate into a catkin workspace."""
+    (folder / "ws/src").mkdir(parents=True)
+    assert run(*CATKIN, cwd=example(folder)).status == 0
+    return folder
 
 
 def move_out(place: Path, outside: Path) -> None:
@@ -120,21 +109,21 @@ def a_large_file(package: Path) -> None:
         file.truncate(1 << 33)
 
 
-@pytest.mark.parametrize(
-    "make",
-    [a_link, a_link_to_everything, a_link_to_itself, a_lock_file, a_fifo, a_socket, a_large_file],
-)
+OWN = [a_link, a_link_to_everything, a_link_to_itself, a_lock_file, a_fifo, a_socket, a_large_file]
+
+
+@pytest.mark.parametrize("make", OWN)
 def test_what_is_a_persons_own_stays(
     package: Path, make: Callable[[Path], None], limited: None
 ) -> None:
     make(package)
-    own = states(package)
+    own = look(package)
     result = generate(package)
     assert result.status == 0, result.err
     assert is_new(package)
-    after = states(package)
+    after = look(package)
     for name, state in own.items():
-        if not stat.S_ISREG(state[0]) and not stat.S_ISDIR(state[0]):
+        if state.kind not in {stat.S_IFREG, stat.S_IFDIR}:
             assert after[name] == state
     assert status(package).status == 0
 
@@ -156,12 +145,12 @@ def test_nothing_is_written_through_a_link_or_over_it(
     for file in outside.rglob("*.py"):
         file.chmod(0o600)
         file.write_text(f"{file.read_text()}\n# mine\n")
-    before = states(outside), states(package)
+    before = look(outside), look(package)
     result = generate(package)
     assert result.status == 2
     assert f"{name} is a link" in result.err
     assert status(package).status != 0
-    assert (states(outside), states(package)) == before
+    assert (look(outside), look(package)) == before
     (package / name).unlink()
     (outside / name.rpartition("/")[2]).rename(package / name)
     result = generate(package)
@@ -173,9 +162,9 @@ def test_nothing_is_written_through_a_link_or_over_it(
 def test_what_is_on_its_way_goes_through_no_link(package: Path, outside: Path, name: str) -> None:
     (outside / "notes.txt").write_text("mine")
     (package / name).symlink_to(outside)
-    before = states(outside)
+    before = look(outside)
     assert generate(package).status in {0, 2}
-    assert states(outside) == before
+    assert look(outside) == before
 
 
 @pytest.mark.parametrize("target", ["own.py", "gone.py", f"{PACKAGE}/README.md"])
@@ -184,9 +173,9 @@ def test_a_link_to_whatever_file_is_refused(package: Path, target: str) -> None:
     (package.parent / "own.py").write_text("mine = 1\n")
     (package / INPUT).unlink()
     (package / INPUT).symlink_to(os.path.relpath(package.parent / target, package))
-    before = states(package.parent)
+    before = look(package.parent)
     assert generate(package).status == 2
-    assert states(package.parent) == before
+    assert look(package.parent) == before
 
 
 @pytest.mark.parametrize("make", [a_fifo, a_socket])
@@ -197,18 +186,18 @@ def test_a_special_file_in_the_place_of_ours_is_refused(
     make(package)
     (package / name).unlink()
     (package / "special").rename(package / name)
-    before = states(package)
+    before = look(package)
     result = generate(package)
     assert result.status == 2
     kind = "a FIFO" if make is a_fifo else "a socket"
     assert f"{name} is {kind}" in result.err
     assert status(package).status != 0
-    assert states(package) == before
+    assert look(package) == before
 
 
 def test_a_package_that_is_a_link_is_left_alone(package: Path, outside: Path) -> None:
     move_out(package, outside)
-    before = states(outside)
+    before = look(outside)
     said = f"left alone: {PACKAGE} is a link: it is left alone; name the folder that it leads to"
     for words in (["-w", package.parent], [package]):
         result = run("upgrade", *words, cwd=package.parents[1])
@@ -216,7 +205,7 @@ def test_a_package_that_is_a_link_is_left_alone(package: Path, outside: Path) ->
         assert run("status", *words, cwd=package.parents[1]).status == 1
     result = generate(package)
     assert (result.status, f"{PACKAGE} is a link" in result.err) == (2, True)
-    assert states(outside) == before
+    assert look(outside) == before
 
 
 def test_records_that_are_everything_are_not_walked(package: Path, limited: None) -> None:
@@ -237,20 +226,15 @@ def test_a_link_to_a_package_beside_it_blocks_nothing(package: Path) -> None:
 
 @pytest.mark.parametrize("link", ["src", "src/eddi_monitor"])
 def test_a_workspace_whose_folders_lie_elsewhere(tmp_path: Path, outside: Path, link: str) -> None:
-    folder = tmp_path / "clone"
-    folder.mkdir()
-    example(folder)
-    (folder / "ws/src").mkdir(parents=True)
-    words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run(*words, cwd=folder).status == 0
+    folder = workspace(tmp_path / "clone")
     move_out(folder / "ws" / link, outside)
     next(outside.rglob("Guarantee.msg")).write_text("string other\n")
-    before = states(outside)
-    for command in (words, ("upgrade", "-w", "ws"), ("status", "-w", "ws")):
+    before = look(outside)
+    for command in (CATKIN, ("upgrade", "-w", "ws"), ("status", "-w", "ws")):
         result = run(*command, cwd=folder)
         assert result.status == 2
         assert_example("F011", result.err)
-    assert states(outside) == before
+    assert look(outside) == before
 
 
 def test_an_output_is_not_written_behind_a_link(tmp_path: Path, outside: Path) -> None:
@@ -283,12 +267,7 @@ def test_modes_stay(package: Path, mode: int) -> None:
 
 
 def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> None:
-    folder = tmp_path / "clone"
-    folder.mkdir()
-    example(folder)
-    (folder / "ws/src").mkdir(parents=True)
-    words = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run(*words, cwd=folder).status == 0
+    folder = workspace(tmp_path / "clone")
     program = folder / "ws/src/eddi_monitor" / PACKAGE / "scripts/RosNode.py"
     assert program.stat().st_mode & 0o777 == 0o755
     program.chmod(0o640)
@@ -303,10 +282,10 @@ def test_accept_writes_nothing_behind_a_link(package: Path, outside: Path) -> No
     (package / INPUT).write_text(looked.replace("= RtE_E0.data", "= not RtE_E0.data"))
     place = package / INPUT
     move_out(place, outside)
-    before = states(outside)
+    before = look(outside)
     accept = ("regions", "--accept", "process_RtE_A_E0", package)
     assert run(*accept, cwd=package).status == 2
-    assert states(outside) == before
+    assert look(outside) == before
     place.unlink()
     (outside / INPUT).rename(place)
     assert run(*accept, cwd=package).status == 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -12,16 +12,13 @@ import pytest
 from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.files import entries, open_regular, read_regular
 from eddi_scaffold.source import read_source
-from tests.cli.command import ROOT, Result, example, run
+from tests.cli.command import ROOT, example, run
 from tests.hostile import special
 
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
 
 
-@pytest.fixture(autouse=True)
-def limited() -> Iterator[None]:
-    with special.limited():
-        yield
+pytestmark = pytest.mark.usefixtures("limited")
 
 
 def a_fifo(path: Path) -> None:
@@ -35,31 +32,23 @@ def a_device(path: Path) -> None:
 KINDS = {"a FIFO": a_fifo, "a socket": special.a_socket, "a device": a_device}
 
 
-def asked(path: str, folder: Path) -> Result:
-    """Have a command read a file of some name."""
-    commands: dict[str, tuple[object, ...]] = {
-        "model.xml": ("check", "model.xml"),
-        "shown.xml": ("show", "shown.xml"),
-        "config.yml": ("check", MODEL, "config.yml"),
-        "newer.xml": ("generate", "--platform", "plain", "-o", "ws", "-m", "newer.xml"),
-        "recorded.csv": ("run", MODEL, "-c", CONFIG, "--inputs", "recorded.csv"),
-        "recorded.bag": ("run", MODEL, "-c", CONFIG, "--bag", "recorded.bag"),
-        "values.csv": ("event", "x > 1", "--inputs", "values.csv"),
-        "safety.events": ("check", "safety.events"),
-        "robot.rossystem": ("parse-rossystem", "-s", "robot.rossystem", "-m", "."),
-        "old/EDDIInput.py": ("adopt", "old", "-o", "new"),
-    }
-    return run(*commands[path], cwd=folder)
+READING: dict[str, tuple[object, ...]] = {
+    "model.xml": ("check", "model.xml"),
+    "shown.xml": ("show", "shown.xml"),
+    "config.yml": ("check", MODEL, "config.yml"),
+    "newer.xml": ("generate", "--platform", "plain", "-o", "ws", "-m", "newer.xml"),
+    "recorded.csv": ("run", MODEL, "-c", CONFIG, "--inputs", "recorded.csv"),
+    "recorded.bag": ("run", MODEL, "-c", CONFIG, "--bag", "recorded.bag"),
+    "values.csv": ("event", "x > 1", "--inputs", "values.csv"),
+    "safety.events": ("check", "safety.events"),
+    "robot.rossystem": ("parse-rossystem", "-s", "robot.rossystem", "-m", "."),
+    "old/EDDIInput.py": ("adopt", "old", "-o", "new"),
+}
+"""A file, and a command that reads it."""
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(
-    "name",
-    [
-        "model.xml", "shown.xml", "config.yml", "newer.xml", "recorded.csv", "recorded.bag",
-        "values.csv", "safety.events", "robot.rossystem", "old/EDDIInput.py",
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize("name", READING)
 def test_a_file_that_the_user_names_is_refused_at_once(
     tmp_path: Path, name: str, kind: str
 ) -> None:
@@ -68,7 +57,7 @@ def test_a_file_that_the_user_names_is_refused_at_once(
     example(tmp_path)
     (tmp_path / name).parent.mkdir(exist_ok=True)
     KINDS[kind](tmp_path / name)
-    result = asked(name, tmp_path)
+    result = run(*READING[name], cwd=tmp_path)
     assert result.status == (1 if name in {"model.xml", "config.yml", "safety.events"} else 2)
     assert f"{name}: error: cannot read the " in result.err
     assert f"it is {kind}, and only regular files are read" in result.err

@@ -17,7 +17,7 @@ class Seen:
         kind: ``stat``'s file type.
         mode: permission bits.
         mtime_ns: when it was last changed; of a folder, when a name in it came or went.
-        content: digest of a file, target of a link.
+        content: digest of a file that is not large, target of a link.
     """
 
     kind: int
@@ -46,7 +46,7 @@ def _seen(path: Path) -> Seen:
     content = ""
     if stat.S_ISLNK(found.st_mode):
         content = str(path.readlink())
-    elif stat.S_ISREG(found.st_mode):
+    elif stat.S_ISREG(found.st_mode) and found.st_size < 1 << 20:
         content = hashlib.sha256(path.read_bytes()).hexdigest()
     kind, mode = stat.S_IFMT(found.st_mode), stat.S_IMODE(found.st_mode)
     return Seen(kind, mode, found.st_mtime_ns, content)

@@ -1,9 +1,8 @@
-"""Real Copier and real git, in a home of their own and, where there is one, on a RAM disk."""
+"""Real Copier and real git, in a home of their own."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,17 +12,11 @@ import pytest
 from tests.quick_copier import render_faster
 from tests.updates.templates import Templates, make_templates
 
-_RAM_DISK = Path("/dev/shm")
-_ENOUGH = 512 * 2**20
-
 
 @pytest.fixture(scope="session")
 def fast_folder() -> Iterator[Path]:
-    """A folder where fsync costs nothing: Copier and git call it some hundred times per update."""
-    fast = os.access(_RAM_DISK, os.W_OK) and shutil.disk_usage(_RAM_DISK).free > _ENOUGH
-    with tempfile.TemporaryDirectory(
-        prefix="eddi-updates-", dir=_RAM_DISK if fast else None
-    ) as folder:
+    """A folder in memory where that is possible, whose path anybody may follow."""
+    with tempfile.TemporaryDirectory(prefix="eddi-updates-") as folder:
         yield Path(folder)
 
 

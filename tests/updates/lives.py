@@ -279,6 +279,7 @@ class Life:
         before = snapshot(self.place.package)
         self.copies += [self.file(name).read_bytes() for name in self.outside]
         self.outside = set()
+        there = {name: text for name, text in self.shown.items() if self.file(name).exists()}
         done = self.place.bring(command)
         self.log.append(f"{command} -> {done.status}")
         stolen = [name for name in self.own if name in shown and name not in self.shown]
@@ -291,7 +292,7 @@ class Life:
                 self.own[f"{name}.own"] = self.own.pop(name)
             done = self.place.bring(command)
         assert done.status in {0, 3}, done.said
-        self._expect(shown)
+        self._expect(shown, there)
         told, self.removed = self.removed, False
         self.check()
         looked = bool(self.kept or self.copies or any(one.look for one in self.written.values()))
@@ -304,13 +305,17 @@ class Life:
         assert again.status == (3 if looked else 0), again.said
         assert snapshot(self.place.package) == after, "a second run changes something"
 
-    def _expect(self, shown: Mapping[str, str]) -> None:
-        """Move each text to where it must be with a new rendering."""
+    def _expect(self, shown: Mapping[str, str], there: Mapping[str, str]) -> None:
+        """Move each text to where it must be with a new rendering.
+
+        What a name was is read in the files that are ``there``: of a deleted one nobody knows it.
+        """
+        defining = {name: text for name, text in there.items() if name.endswith("EDDIInput.py")}
         regions = {id_: one for id_, (_, one) in self.regions(shown).items()}
         inputs = {f"process_{one.id}": one for one in self.place.inputs}
         owners = {id_: self.who[inputs[id_].id] if id_ in inputs else id_ for id_ in regions}
         here = set(self.owners.values())
-        vanished = {one for one in IDS if is_named(one, self.shown) and not is_named(one, shown)}
+        vanished = {one for one in IDS if is_named(one, defining) and not is_named(one, shown)}
         for owner, one in list(self.written.items()):
             if digest(one.text) == one.digests.of:  # somebody put the generated body back
                 del self.written[owner]

@@ -1,4 +1,8 @@
-"""The cases of hand edits as data: each key of a step is a method of ``_Player``."""
+"""The cases of hand edits as data: each key of a step is a method of ``_Player``.
+
+The long profile runs each case with each command, the others take the commands in turn: they differ
+in how a rendering arrives, which ``test_with_copier.py`` shows on each platform.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +19,26 @@ import yaml
 
 from eddi_scaffold.regions.marked_file import parse
 from tests.updates.inputs import inputs_of
+from tests.updates.lives import histories
 from tests.updates.templates import Templates, git
 from tests.updates.world import World
 
+pytestmark = pytest.mark.slow
 _FILE = Path(__file__).parents[1] / "data/oracles/edits/cases.yml"
 CASES: list[dict[str, Any]] = yaml.safe_load(_FILE.read_text())
 _OURS = ("generate", "upgrade")
 
 
 def _runs() -> list[Any]:
-    """Return each case with each of the commands for which it is run."""
+    """Return the cases with the commands for which they are run."""
     runs = []
-    for case in CASES:
+    for number, case in enumerate(CASES):
         lists = [step["do"] for step in case["steps"] if isinstance(step.get("do"), list)]
+        commands = lists[0] if lists else [None]
+        turn = number % len(commands)
         runs += [
             pytest.param(case, command, id=f"{case['id']}-{command or 'own'}")
-            for command in (lists[0] if lists else [None])
+            for command in commands[histories(turn, 0) : histories(turn + 1, 4)]
         ]
     return runs
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,8 @@ from eddi_scaffold.regions.sync import plan_sync
 from eddi_scaffold.regions.write import move_in
 
 IGNORED = f"{EDDI}/.gitignore"
-RECORDS = {ANSWERS: b"template: t\n", IGNORED: b"/new/\n"}
+RECORDS: dict[str, bytes | None] = {ANSWERS: b"template: t\n", IGNORED: b"/new/\n"}
+GONE: dict[str, bytes | None] = dict.fromkeys(RECORDS)
 
 
 def rendering(folder: Path, files: dict[str, list[str]]) -> Path:
@@ -42,6 +45,30 @@ def texts(package: Path) -> dict[str, str]:
     }
 
 
+def begun(package: Path, first: Path, *ids: str) -> Path:
+    """Make a package, and write in some of its regions."""
+    package.mkdir()
+    finish(package, first)
+    for id_ in ids:
+        write(package, id_, f"mine {id_}")
+    return package
+
+
+def finish(package: Path, then: Path, records: Mapping[str, bytes | None] = RECORDS) -> None:
+    plan = plan_sync(package, then, records)
+    assert not plan.refusals
+    plan.prepare()
+    plan.finish()
+
+
+def killed(package: Path, then: Path, after: int, records: Mapping[str, bytes | None]) -> int:
+    """Finish a part of a sync; returns of how many steps."""
+    plan = plan_sync(package, then, records)
+    plan.prepare()
+    move_in(package, plan.steps[:after])
+    return len(plan.steps)
+
+
 @pytest.mark.parametrize(
     "then",
     [
@@ -56,73 +83,37 @@ def test_a_region_moves_to_another_file(tmp_path: Path, then: dict[str, list[str
     first = rendering(tmp_path / "first", {"a.cfg": ["x"], "b.cfg": ["y"]})
     second = rendering(tmp_path / "second", then)
 
-    def begun(name: str) -> Path:
-        package = tmp_path / name
-        package.mkdir()
-        plan = plan_sync(package, first, RECORDS)
-        plan.prepare()
-        plan.finish()
-        return package
-
-    def finish(package: Path) -> dict[str, str]:
-        plan = plan_sync(package, second, RECORDS)
-        assert not plan.refusals
-        plan.prepare()
-        plan.finish()
-        return texts(package)
-
-    whole = begun("whole")
-    for id_ in "xy":
-        write(whole, id_, f"mine {id_}")
-    steps = len(plan_sync(whole, second, RECORDS).steps)
-    expected = finish(whole)
+    whole = begun(tmp_path / "whole", first, *"xy")
+    finish(whole, second)
+    expected = texts(whole)
     assert not any(name.startswith(KEPT) for name in expected)
     assert sum(text.count("mine") for text in expected.values()) == 2
-    for killed_after in range(steps):
-        package = begun(str(killed_after))
-        for id_ in "xy":
-            write(package, id_, f"mine {id_}")
-        plan = plan_sync(package, second, RECORDS)
-        plan.prepare()
-        move_in(package, plan.steps[:killed_after])
+    for after in count():
+        package = begun(tmp_path / str(after), first, *"xy")
+        steps = killed(package, second, after, RECORDS)
         found = "".join(texts(package).values())
-        assert "mine x" in found, killed_after
-        assert "mine y" in found, killed_after
-        assert finish(package) == expected, killed_after
+        assert "mine x" in found, after
+        assert "mine y" in found, after
+        finish(package, second)
+        assert texts(package) == expected, after
+        if after == steps:
+            break
 
 
 def test_a_package_leaves(tmp_path: Path) -> None:
     first = rendering(tmp_path / "first", {"a.cfg": ["x"], "src/b.cfg": ["y"]})
     nothing = rendering(tmp_path / "nothing", {})
-    gone: dict[str, bytes | None] = dict.fromkeys(RECORDS)
-    for killed_after in range(6):
-        package = tmp_path / str(killed_after)
-        package.mkdir()
-        plan = plan_sync(package, first, RECORDS)
-        plan.prepare()
-        plan.finish()
-        plan = plan_sync(package, nothing, gone)
-        assert len(plan.steps) == 6
-        plan.prepare()
-        move_in(package, plan.steps[:killed_after])
+    for after in range(6):
+        package = begun(tmp_path / str(after), first)
+        assert killed(package, nothing, after, GONE) == 6
         # nobody takes it for one whose answers were lost
         assert (package / ANSWERS).exists() or not (package / MANIFEST).exists()
-        plan = plan_sync(package, nothing, gone)
-        plan.prepare()
-        plan.finish()
+        finish(package, nothing, GONE)
         assert not package.exists()
 
 
 def test_of_a_package_that_leaves_its_texts_stay(tmp_path: Path) -> None:
-    first = rendering(tmp_path / "first", {"a.cfg": ["x"]})
-    package = tmp_path / "package"
-    package.mkdir()
-    plan = plan_sync(package, first, RECORDS)
-    plan.prepare()
-    plan.finish()
-    write(package, "x", "mine")
+    package = begun(tmp_path / "package", rendering(tmp_path / "first", {"a.cfg": ["x"]}), "x")
     (package / "own.txt").write_text("own")
-    plan = plan_sync(package, rendering(tmp_path / "nothing", {}), dict.fromkeys(RECORDS))
-    plan.prepare()
-    plan.finish()
+    finish(package, rendering(tmp_path / "nothing", {}), GONE)
     assert list(texts(package)) == [f"{KEPT}/x.region", "own.txt"]

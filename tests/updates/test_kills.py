@@ -142,9 +142,8 @@ def test_so_is_a_command(folder: Path, templates: Templates, command: str) -> No
     with always_from(place.world.workspace) as put_back:
         assert place.bring(command).status == 3
         after = snapshot(place.world.workspace)
-        numbers = (
-            sorted(random.Random(1).sample(range(260), 5)) if histories(0, 1) == 0 else count()
-        )
+        some = sorted(random.Random(command).sample(range(260), 3))
+        numbers = count() if histories(0, 1) else some
         for number in numbers:
             put_back()
             run = lambda: place.bring(command).status  # noqa: E731
@@ -169,7 +168,7 @@ def test_so_is_copier(folder: Path, templates: Templates, command: str) -> None:
         assert place.bring(command).status == 3
         takes = time.monotonic() - began
         after = snapshot(package)
-        for _ in range(histories(3, 40)):
+        for _ in range(histories(1, 40)):
             put_back()
             child = os.fork()
             if child == 0:
@@ -247,15 +246,6 @@ def test_a_folder_that_cannot_be_written_changes_nothing(folder: Path) -> None:
     assert in_child(run, lambda *_: None) == _FULL
     (place.package / "launch").chmod(0o777)
     assert snapshot(place.package) == before
-
-
-def test_a_file_that_cannot_be_written_stays_so(folder: Path) -> None:
-    place = Bare(folder)
-    life = edited(place)
-    file = place.package / life.regions()["launch.node"][0]
-    file.chmod(0o444)
-    assert place.bring("generate").status == 3
-    assert file.stat().st_mode & 0o777 == 0o444
 
 
 def test_two_runs_at_once(folder: Path, templates: Templates) -> None:

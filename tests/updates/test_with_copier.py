@@ -18,7 +18,7 @@ from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import example, run
 from tests.quick_copier import copier_here
 from tests.updates.inputs import Input, write_inputs
-from tests.updates.lives import START, Life, outside, parsed, snapshot, texts, write_in
+from tests.updates.lives import START, Life, histories, outside, parsed, snapshot, texts, write_in
 from tests.updates.templates import TAGS, Templates, git
 from tests.updates.world import Result, World
 
@@ -101,11 +101,24 @@ class OnlyCopier:
         return Result(2 if done.returncode else checked.status, done.stdout + done.stderr)
 
 
-@pytest.mark.parametrize("command", ["copy", "recopy", "update"])
+_PLACES = {
+    "ros1": ("ros1", START, "update"),
+    "ros2": ("ros2", START, "copy"),
+    "plain": ("plain", START, "recopy"),
+    "network": ("plain", (), "copy"),
+    "ros2-network": ("ros2", (), "update"),
+}
+"""Platform, inputs and the command with which the quick profile is content."""
+
+
 @pytest.mark.parametrize(
-    ("platform", "inputs"),
-    [("ros1", START), ("ros2", START), ("plain", START), ("plain", ()), ("ros2", ())],
-    ids=["ros1", "ros2", "plain", "network", "ros2-network"],
+    ("platform", "inputs", "command"),
+    [
+        pytest.param(platform, inputs, command, id=f"{name}-{command}")
+        for name, (platform, inputs, quick) in _PLACES.items()
+        for command in ("copy", "recopy", "update")
+        if histories(int(command == quick), 1)
+    ],
 )
 def test_every_region_keeps_its_text(
     folder: Path, templates: Templates, platform: str, inputs: tuple[Input, ...], command: str

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -36,12 +37,27 @@ class Result:
 
 
 @cache
-def answers_of(inputs: tuple[Input, ...], folder: Path) -> dict[str, object]:
+def answers_of(inputs: tuple[Input, ...]) -> str:
     """Return the answers for plain Copier."""
-    model, config = write_inputs(folder, inputs)
-    monitors, problems = monitors_of(model, [config])
-    assembly = assemble(monitors, chosen("ros1"), folder / "none", problems)
-    return dict(next(one for one in assembly.packages if one.folder == "rover").answers)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        model, config = write_inputs(folder, inputs)
+        monitors, problems = monitors_of(model, [config])
+        assembly = assemble(monitors, chosen("ros1"), folder / "none", problems)
+    answers = next(one for one in assembly.packages if one.folder == "rover").answers
+    return yaml.safe_dump(dict(answers))
+
+
+@cache
+def begun(templates: Templates, inputs: tuple[Input, ...], template: str) -> Path:
+    """Generate into an empty workspace, once."""
+    world = World(Path(tempfile.mkdtemp(dir=templates.path.parent)), templates, inputs, template)
+    (world.workspace / "src").mkdir(parents=True)
+    git(world.workspace, "init", "-q", "-b", "main")
+    done = world.run("generate")
+    assert done.status == 0, done.said
+    world.commit()
+    return world.folder
 
 
 @dataclass
@@ -70,11 +86,8 @@ class World:
         return self.workspace / "src/eddi_monitor/rover"
 
     def begin(self) -> None:
-        (self.workspace / "src").mkdir(parents=True)
-        git(self.workspace, "init", "-q", "-b", "main")
-        done = self.run("generate")
-        assert done.status == 0, done.said
-        self.commit()
+        base = begun(self.templates, self.inputs, self.template)
+        shutil.copytree(base, self.folder, symlinks=True, dirs_exist_ok=True)
 
     def run(self, command: str, flags: Sequence[str] = ()) -> Result:
         """Run one of our commands, or one of Copier's."""
@@ -84,7 +97,7 @@ class World:
         if command == "upgrade":
             return self.command("upgrade", "-w", self.workspace)
         data = self.folder / "answers.yml"
-        data.write_text(yaml.safe_dump(answers_of(self.inputs, self.folder / "answering")))
+        data.write_text(answers_of(self.inputs))
         words: list[object] = [command, "--trust", "--defaults", "--quiet", "--data-file", data]
         words += ["--vcs-ref", TAGS[self.template], *flags]
         words += [] if command == "update" else ["--overwrite"]
