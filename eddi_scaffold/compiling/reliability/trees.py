@@ -57,7 +57,7 @@ def class_lines(
             yield "    grows = False"
         if not written or (not diagram.coherent and (observed or models)):
             yield "    # Nodes (variable, high, low) of each module, and its root."
-            yield from assignment("modules", literal(_table(diagram)), 4)
+            yield from assignment("modules", literal(table(diagram)), 4)
     yield from _laws(events)
     if diagram is not None and written:
         for method, of_failure in (("failure", True), ("survival", False)):
@@ -65,7 +65,7 @@ def class_lines(
             yield from _sums(tree, diagram, of_failure=of_failure)
 
 
-def _table(diagram: Diagram) -> tuple[object, ...]:
+def table(diagram: Diagram) -> tuple[object, ...]:
     """Return the modules with variables that count those before behind the events."""
     number_of = {module.variable: diagram.events + i for i, module in enumerate(diagram.modules)}
     return tuple(
