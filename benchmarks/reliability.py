@@ -35,7 +35,7 @@ from benchmarks.timing import per_call  # noqa: E402 - from the checkout
 from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
 from eddi_scaffold.compiling.execution import build, module_of  # noqa: E402
 from eddi_scaffold.compiling.reliability import trees  # noqa: E402
-from eddi_scaffold.compiling.reliability.diagram import Gate  # noqa: E402
+from eddi_scaffold.compiling.reliability.diagram import Diagram, Gate  # noqa: E402
 from eddi_scaffold.compiling.reliability.diagram import build as diagram_of  # noqa: E402
 from eddi_scaffold.compiling.reliability.markov import Chain, rates_of  # noqa: E402
 from eddi_scaffold.compiling.reliability.model import (  # noqa: E402
@@ -61,6 +61,7 @@ def main() -> None:
     rows = [row for states in STATES for row in rows_of_chain(states, runs, seconds)]
     rows += rows_of_monitors(runs, seconds)
     rows += [row_of_tree(events, runs, seconds) for events in EVENTS]
+    rows.append(row_of_large_tree(runs, seconds))
     if options.json:
         print(json.dumps({"rows": rows}, indent=1))
         return
@@ -202,17 +203,40 @@ def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
             above.append(events + len(gates) - 1)
         level = above
     diagram = diagram_of(events, gates, level[0])
-    basic = tuple(Event(str(i), "fixed", (0.0,), "", None, 0.0, "") for i in range(events))
-    named = tuple(Named(gate.type, "") for gate in gates)
-    tree = FaultTree(basic, named, diagram, None, repair=False)
-    lines = trees.class_lines("Tree", tree, [], 4000)
-    text = "\n".join(["from eddi_runtime.reliability import tree", *lines])
-    evaluate = module_of(text, "tree").Tree().failure
+    evaluate = compiled(diagram, gates).failure
     q = [chance.random() * 1e-2 for _ in range(events)]
     peer = (lambda: enumerated(gates, q)) if events <= 10 else None
     case = f"tree, {events} events, {diagram.size} nodes"
     reason = "too many combinations"
     return paired(case, lambda: evaluate(q), "enumeration", peer, runs, seconds, reason)
+
+
+def row_of_large_tree(runs: int, seconds: float) -> dict[str, Any]:
+    """Return the row of a vote of 200 out of 400, whose sums are not written out."""
+    gates = [Gate("VOTE", tuple(range(400)), 200)]
+    diagram = diagram_of(400, gates, 400)
+    evaluate = compiled(diagram, gates).failure
+    nodes = diagram.modules[0].nodes
+    q = [0.4 + i / 4000 for i in range(400)]
+
+    def loop() -> float:
+        values = [0.0, 1.0]
+        for variable, high, low in nodes:
+            values.append(q[variable] * values[high] + (1.0 - q[variable]) * values[low])
+        return values[diagram.modules[0].root]
+
+    case = f"tree, 400 events, {diagram.size} nodes"
+    return paired(case, lambda: evaluate(q), "a loop over the nodes", loop, runs, seconds, "")
+
+
+def compiled(diagram: Diagram, gates: list[Gate]) -> Any:
+    """Return a tree as a package has it."""
+    events = tuple(Event(str(i), "fixed", (0.0,), "", None, 0.0, "") for i in range(diagram.events))
+    named = tuple(Named(gate.type, "") for gate in gates)
+    tree = FaultTree(events, named, diagram, None, repair=False)
+    lines = trees.class_lines("Tree", tree, [], trees.WRITTEN_OUT)
+    text = "\n".join(["from eddi_runtime.reliability import large_tree, tree", *lines])
+    return module_of(text, "tree").Tree()
 
 
 def enumerated(gates: list[Gate], q: list[float]) -> float:

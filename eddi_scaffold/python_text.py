@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ast
-import re
 import warnings
 
-_COMMA = re.compile(r"\d+,0\d+")
 DEEPEST = 150
 """Levels of a tree that recursive functions of ``ast`` get through with their callers."""
 _MOST_BITS = 14_000  # of a number that Python writes in decimal digits
@@ -26,14 +24,6 @@ def parse_python(text: str | bytes) -> ast.Module:
         raise SyntaxError("nested too deeply") from None
     except ValueError as problem:
         raise SyntaxError(str(problem)) from None
-
-
-def reason_of(problem: SyntaxError) -> str:
-    """Return why a text is not Python; of a decimal comma Python says that it is octal."""
-    comma = _COMMA.search(problem.text or "")
-    if comma and problem.msg.startswith("leading zeros"):
-        return f"{comma[0]!r}: a decimal number has a point"
-    return problem.msg
 
 
 def parse_shallow(text: str | bytes) -> ast.Module:

@@ -38,6 +38,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     "reliability/chain": ("reliability/powers",),
     "reliability/cut_sets": ("reliability/tree",),
     "reliability/large_chain": ("reliability/chain",),
+    "reliability/large_tree": ("reliability/tree",),
     "reliability/laws": ("reliability",),
     "reliability/missed": ("reliability/chain",),
     "reliability/observed": ("reliability/chain", "reliability/missed"),

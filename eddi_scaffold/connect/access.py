@@ -14,7 +14,6 @@ from eddi_scaffold.kinds import TODO
 
 _SCANS = ("LaserScan", "MultiEchoLaserScan")
 _DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
-_OWN = "eddi_messages/"
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ def access(need: Need, topic: RobotTopic, leaf: Leaf) -> Access:
     if not leaf.path:
         return Access("field", TODO, is_complete=False)
     path, name = leaf.text.replace("[]", f"[{TODO}]"), attribute(topic.id)
-    unit, is_own = _unit(need, leaf), topic.type.startswith(_OWN)
+    unit, is_own = _unit(need, leaf), topic.is_of_monitor
     if need.type.endswith("[]") and leaf.lists == 1 and leaf.text.endswith("[]"):
         return Access("field", leaf.text.removesuffix("[]"), unit)
     if leaf.is_variance:

@@ -77,14 +77,13 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     full = {one.topic: full_topic(one.topic, "", package) for one in topics}
     known = {**robot.ages, **around.ages}
     ages = {topic: known[name] for topic, name in full.items() if name in known}
-    ages = {**offered.ages, **ages}
     draft = Draft(
         _model(chosen, kind, model, config),
         skeleton.options,
         skeleton.notes,
         [drafts.entry(one, ages) for one in decisions],
         drafts.outputs(package, kind.topic, kind.functions.parts(chosen)),
-        {one.id: drafts.known_age(ages.get(one.topic)) for one in topics},
+        {one.id: drafts.age_line(one, ages) for one in topics},
     )
     after = with_draft(document, draft)
     ids = [one.id for one in skeleton.inputs]

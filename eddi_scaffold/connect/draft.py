@@ -15,6 +15,7 @@ from statistics import median
 from eddi_scaffold.connect.matching import Decision
 from eddi_scaffold.connect.needs import Need
 from eddi_scaffold.connect.scoring import Candidate
+from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.escaping import one_line
 from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import TODO, JsonValue
@@ -63,14 +64,14 @@ class EntryDraft:
         why: its comments.
         source: the lines that say where the value comes from.
         taken: keys and texts of these where nothing is open.
-        age: line of the age limit, ``None`` where the input needs none.
+        age: line of the age limit, empty where the input needs none.
     """
 
     id: str
     why: tuple[str, ...]
     source: tuple[str, ...]
     taken: Mapping[str, str]
-    age: str | None
+    age: str
 
     def lines(self) -> list[str]:
         """Return the whole entry, without indentation."""
@@ -134,16 +135,17 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         source = [_key_line(key, value) for key, value in taken.items()]
         is_ours = decision.state == "taken"
         why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")] if is_ours else []
-        topic = best.topic.topic
+        limit = age_line(best.topic, ages)
+        age = _todo("max_age", _NO_RATE.format(best.topic.topic)) if limit is None else limit
     else:
-        taken, topic = {}, ""
+        taken, age = {}, _todo("max_age", _SECONDS)
         source = _open_source(need, _CHOOSE if decision.candidates else _FIND)
         why = _choice(decision)
     why = [*(_comment(f"the EDDI names the event {one}") for one in need.events), *why]
     if need.timeout is not None:
-        age: str | None = known_age(Age(need.timeout, "TIMEOUT of the model"))
-    else:
-        age = _age_line(topic, ages) if need.needs_age else None
+        age = _known(Age(need.timeout, "TIMEOUT of the model"))
+    elif not need.needs_age:
+        age = ""
     return EntryDraft(need.id, tuple(why), tuple(source), taken, age)
 
 
@@ -249,15 +251,17 @@ def _ahead(decision: Decision) -> str:
     )
 
 
-def _age_line(topic: str, ages: Mapping[str, Age]) -> str:
-    note = _NO_RATE.format(topic) if topic else _SECONDS
-    return known_age(ages.get(topic)) or _todo("max_age", note)
+def age_line(topic: RobotTopic, ages: Mapping[str, Age]) -> str | None:
+    """Return the line of the age limit of a topic, ``None`` where it is not known.
+
+    It is empty for a topic of a monitor: its messages have a limit where none is written.
+    """
+    if topic.is_of_monitor:
+        return ""
+    return _known(ages[topic.topic]) if topic.topic in ages else None
 
 
-def known_age(age: Age | None) -> str | None:
-    """Return the line of an age limit, ``None`` for none."""
-    if age is None:
-        return None
+def _known(age: Age) -> str:
     return f"max_age: {age.seconds:g}{f'  # {one_line(age.why)}' if age.why else ''}"
 
 

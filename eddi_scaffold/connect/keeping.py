@@ -33,7 +33,8 @@ class Draft:
         notes: key path of an option -> what there is to decide.
         entries: of ``EDDIInputs``.
         outputs: of ``EDDIOutputs``.
-        ages: id of a simulator output -> line of the age limit, ``None`` where it is not known.
+        ages: id of a simulator output -> line of the age limit, empty where it needs none, ``None``
+            where it is not known.
     """
 
     model: Mapping[str, JsonValue]
@@ -178,13 +179,13 @@ class _Editor:
             self.insert(self._line_end(item.end), draft.source, column)
         age = draft.age if is_ours else self._age(pairs, ages)
         if "max_age" in open_ and age is not None:
-            self._replace_line(pairs["max_age"], (age,), column)
+            self._replace_line(pairs["max_age"], (age,) if age else (), column)
 
     def _refresh_age(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
         """Decide an open age limit of an entry in braces, where the source is decided."""
         pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
         age = draft.age if self._takes(pairs, draft) else self._age(pairs, ages)
-        if "max_age" in pairs and self._is_open(pairs["max_age"][1]) and age is not None:
+        if "max_age" in pairs and self._is_open(pairs["max_age"][1]) and age:
             key, value = pairs["max_age"]
             text, _, _ = age.partition("  #")  # a comment would end the braces
             self.edits.append((key.start, len(self.edits), value.end, text))

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.connect.draft import Age, age_of
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.identifiers import attribute, free_name, key_text
@@ -25,12 +24,10 @@ class Offers:
     Attributes:
         by_input: input -> what fulfils it.
         topics: those that are not topics of the robot yet.
-        ages: topic -> when its messages are too old.
     """
 
     by_input: dict[str, list[Offer]]
     topics: tuple[RobotTopic, ...]
-    ages: dict[str, Age]
 
 
 def offers(
@@ -51,7 +48,7 @@ def offers(
     """
     by_topic = {one.topic: one for one in robot}
     new: list[RobotTopic] = []
-    found = Offers({}, (), {})
+    found: dict[str, list[Offer]] = {}
     claims = [(one, claim) for one in monitors for claim in _claims(one)]
     for item in inputs:
         sure = [(one, claim) for one, claim in claims if _fulfils(one, claim.key, model, item)]
@@ -61,12 +58,10 @@ def offers(
                 name = free_name(attribute(one.output), {have.id for have in by_topic.values()})
                 by_topic[one.topic] = RobotTopic(name, one.type, one.topic)
                 new.append(by_topic[one.topic])
-            name = monitor.model.name
-            found.ages[one.topic] = age_of(one.period, 0.0, f"2.5 periods of {name}")
-            why = f"{one.key} fulfils it" if sure else f"{one.key} of {name}"
+            why = f"{one.key} fulfils it" if sure else f"{one.key} of {monitor.model.name}"
             offer = Offer(by_topic[one.topic], one.field, why, one.key, is_sure=bool(sure))
-            found.by_input.setdefault(item.id, []).append(offer)
-    return Offers(found.by_input, tuple(new), found.ages)
+            found.setdefault(item.id, []).append(offer)
+    return Offers(found, tuple(new))
 
 
 @dataclass(frozen=True)
@@ -77,7 +72,6 @@ class _Claim:
         output: id of the output on which it is published.
         key: id of the guarantee, threshold or event.
         field: its path in the message.
-        period: seconds between two messages.
     """
 
     output: str
@@ -85,14 +79,12 @@ class _Claim:
     topic: str
     key: str
     field: str
-    period: float
 
 
 def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
     config = monitor.config
     if config is None:
         return
-    period = 1.0 / config.config.Model.frequency
     functions, document = monitor.kind.functions, json.loads(monitor.model_json)
     ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
     own = {path: [path] for path in functions.support(document)}
@@ -112,7 +104,7 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
                 head, is_list, tail = path.partition("[].")
                 for key in ids.get(head, ()) if is_list else own.get(path, only):
                     field = f"{head}[{key_text(key)}].{tail}" if is_list else path
-                    yield _Claim(output.id, type_, topic, key, field, period)
+                    yield _Claim(output.id, type_, topic, key, field)
 
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:

@@ -34,6 +34,11 @@ class RobotTopic:
     type: str
     topic: str
 
+    @property
+    def is_of_monitor(self) -> bool:
+        """Whether one of our own monitors publishes it."""
+        return self.type.startswith("eddi_messages/")
+
     @cached_property
     def message(self) -> str:
         """The name of the type without its package."""

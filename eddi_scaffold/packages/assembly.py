@@ -12,7 +12,6 @@ from eddi_scaffold import __version__
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.wiring.ages import check_ages
 from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
@@ -38,8 +37,6 @@ from eddi_scaffold.platforms import (
 )
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.regions.package import manifest_of
-
-_IDENTITY = ("maintainer_name", "maintainer_email", "license")
 
 
 @dataclass(frozen=True)
@@ -192,7 +189,6 @@ def assemble(
         found.append(error("G014", message, hint="leave it out"))
     if has_errors(found):
         raise EddiError(*found)
-    config = next((m.config.config for m in monitors if m.config is not None), None)
     new = [package.folder for package in packages]
     beside = _sharing(platform, present)
     renamed = [answers for name, answers in before.items() if name in gone]
@@ -209,7 +205,7 @@ def assemble(
         if folder not in new and {**answers, **asked} != answers
     ]
     wanted = {package.folder: package.answers for package in packages}
-    shared = support(platform, root, before, wanted, config, gone)
+    shared = support(platform, root, before, wanted, gone)
     told = until_written(found, lambda package: [root / package])
     return Assembly([*packages, *shared], new, told, before)
 
@@ -274,7 +270,6 @@ def support(
     root: Path,
     present: Mapping[str, Mapping[str, Any]],
     monitors: Mapping[str, Mapping[str, Any]],
-    config: Config | None,
     gone: Container[str] = (),
 ) -> list[PackageAnswers]:
     """Return the shared packages for these monitors and those that are there already.
@@ -286,13 +281,10 @@ def support(
         root: folder of all packages.
         present: package -> answers of those that are there.
         monitors: the same of those that are new, or newer.
-        config: names the maintainer of the shared packages.
         gone: packages that are there, but will have another name.
 
     Raises:
         EddiError: a monitor of another platform has these packages (G027).
-
-    The maintainer of a shared package was set when it was first generated, and is kept.
     """
     own = platform.templates.monitor
     there = {
@@ -300,14 +292,11 @@ def support(
         for name, answers in present.items()
         if answers["template"] == own and name not in gone
     }
-    packages = platform.support({**there, **monitors}, config)
+    packages = platform.support({**there, **monitors})
     kept = {part for name in there if name not in monitors for part in needed_parts(root / name)}
     packages = [with_parts(package, kept) for package in packages]
     _refuse_other_platform(platform, root, present, [package.folder for package in packages])
-    shared = {
-        package.folder: {**package.answers, **_kept_identity(present.get(package.folder, {}))}
-        for package in packages
-    }
+    shared = {package.folder: package.answers for package in packages}
     leaving = {
         folder: dict[str, Any]()
         for folder, answers in present.items()
@@ -395,7 +384,3 @@ def _beside(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> Se
     """Return the monitors of the packages that are not made anew."""
     found = (remembered(name, of) for name, of in present.items() if name not in new)
     return [one for one in found if one is not None]
-
-
-def _kept_identity(answers: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: answers[key] for key in _IDENTITY if key in answers}

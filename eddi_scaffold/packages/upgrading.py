@@ -218,7 +218,7 @@ def targets(
     for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
         own = {p.folder: p.answers for p in packages if monitors.get(p.folder) is platform}
         present = existing(group.root, own)
-        made = support(platform, group.root, present, own, None)
+        made = support(platform, group.root, present, own)
         packages += [package for package in made if package.folder in shared]
     problems = unanswered(problems, [one.model for one in joined if one.config is not None])
     if has_errors(problems):

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 from eddi_scaffold.problems import EddiError, error
 
 if TYPE_CHECKING:
-    from eddi_scaffold.config.schema import Config
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.problems import Problem
@@ -153,7 +152,7 @@ class Platform:
         needs_config: a monitor cannot be generated without a configuration.
         monitor: answers of the package of one monitor, and problems.
         support: answers of the packages that all monitors share; gets every monitor package of the
-            workspace with its answers, and who maintains them.
+            workspace with its answers.
         taken_names: folder of all packages, or ``None`` -> names that would break the platform ->
             why.
         next_steps: workspace or folder, and monitor packages -> shell commands that build and
@@ -166,7 +165,7 @@ class Platform:
     workspace: Workspace | None
     needs_config: bool
     monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
-    support: Callable[[Mapping[str, Mapping[str, JsonValue]], Config | None], list[PackageAnswers]]
+    support: Callable[[Mapping[str, Mapping[str, JsonValue]]], list[PackageAnswers]]
     taken_names: Callable[[Path | None], Mapping[str, str]]
     next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
     meeting: Meeting | None = None

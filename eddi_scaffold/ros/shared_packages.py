@@ -8,7 +8,6 @@ from eddi_scaffold import __version__
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, needed_by, with_needed
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import identity_answers
 from eddi_scaffold.problems import EddiError, Place, error
@@ -19,7 +18,12 @@ _MAINTAINED = ("maintainer_name", "maintainer_email", "license")
 
 
 def package_answers(
-    template: str, name: str, description: str, config: Config | None, **more: JsonValue
+    template: str,
+    name: str,
+    description: str,
+    monitors: Mapping[str, Mapping[str, JsonValue]],
+    /,
+    **more: JsonValue,
 ) -> dict[str, JsonValue]:
     """Return the answers of one such package.
 
@@ -27,14 +31,15 @@ def package_answers(
         template: of it.
         name: of the package.
         description: one sentence.
-        config: names who maintains it, if anybody does.
+        monitors: package -> answers of those that share it: the first one by its name that says
+            who maintains it, says so of this one too.
         more: answers that only this template asks for.
     """
     answers = {"template": template, **identity_answers(name, description, None), **more}
-    answers["package_version"] = _RELEASE
-    if config is not None and config.Package.maintainer is not None:
-        given = identity_answers(name, description, config)
-        answers |= {key: given[key] for key in _MAINTAINED}
+    answers["package_version"], nobody = _RELEASE, answers["maintainer_email"]
+    for package in sorted(monitors, reverse=True):
+        said = {key: monitors[package][key] for key in _MAINTAINED if key in monitors[package]}
+        answers |= said if said.get("maintainer_email") != nobody else {}
     return answers
 
 

@@ -322,7 +322,8 @@ def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
     assert "  - id: RtE_A_D0\n    # connect: a guarantee of another monitor; --with" in alone.out
     both = run(*words, "--with", "consert_b_config.yml", cwd=tmp_path)
     assert both.status == 0
-    assert '    field: "guarantees[System_A_G0_c2].active"\n    max_age: 0.25  #' in both.out
+    taken = '    field: "guarantees[System_A_G0_c2].active"\n'
+    assert f"{taken}  - id" in both.out  # without max_age: a monitor's message has its own
     assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
 
 
@@ -330,7 +331,13 @@ def test_evidence_takes_the_event_of_its_id(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "motor-watch", tmp_path, dirs_exist_ok=True)
     done = run("connect", "drive.yml", "--with", "motor_config.yml", cwd=tmp_path)
     assert done.status == 0
-    assert "    requires: [motor_watch]\n    field: active\n    max_age: 0.25  #" in done.out
+    taken = "    requires: [motor_watch]\n    field: active\n"
+    assert f"{taken}EDDIOutputs" in done.out
+    path = tmp_path / "open.yml"
+    path.write_text(done.out.replace(taken, f"{taken}    max_age: TODO\n"), "utf-8")
+    again = run("connect", "drive.yml", "--with", "motor_config.yml", "-o", str(path), cwd=tmp_path)
+    assert again.status == 0
+    assert path.read_text("utf-8") == done.out
 
 
 def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:

@@ -43,6 +43,21 @@ assert drives(whole, lambda k: False) == [True] * 6 + [False] * 55
 assert drives(whole, lambda k: k % 10 == 0) == ([True] * 6 + [False] * 4) * 6 + [True]
 assert drives(stuck, lambda k: True) == [True] * 6 + [False] * 55
 """
+MISSION = """
+from types import SimpleNamespace as Message
+from mission.EDDIInput import EDDIInput
+from mission.EDDIMonitor import EDDIMonitor
+
+def reliability():
+    return Message(reason="", evidence=[Message(id="RtE_continue", active=True)])
+
+told, monitor, found = EDDIInput(), EDDIMonitor(), []
+for k in range(12):
+    latest = reliability() if k in (0, 10) else latest
+    told.processing({"reliability": latest}, k * 10**8)
+    found.append(monitor.execute_step(told, k * 10**8)[0]["active"])  # ContinueMission
+assert found == [True] * 6 + [False] * 4 + [True] * 2, found
+"""
 EVERY_KIND = """
 import importlib, json, sys
 from types import SimpleNamespace as Message
@@ -92,6 +107,14 @@ def test_the_cart_of_the_tutorial(tmp_path: Path) -> None:
     plain = ("generate", "--platform", "plain", "-o", ".", "-c", "cart_config.yml")
     assert run(*plain, cwd=tmp_path).status == 0
     program(CART, tmp_path)
+
+
+def test_evidence_of_another_monitor(tmp_path: Path) -> None:
+    example = ROOT / "examples" / "drone"
+    given = ("-m", "drone.xml", "--name", "Mission", "-c", "mission_config.yml")
+    made = run("generate", "--platform", "plain", "-o", str(tmp_path), *given, cwd=example)
+    assert made.status == 0, made.err
+    program(MISSION, tmp_path)
 
 
 def test_every_kind(tmp_path: Path) -> None:

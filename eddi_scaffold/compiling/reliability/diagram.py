@@ -6,7 +6,8 @@ Nodes of a diagram are triples (variable, high, low); 0 and 1 are the leaves fal
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -20,9 +21,9 @@ from eddi_scaffold.compiling.reliability.simplification import (
 )
 
 FALSE, TRUE = 0, 1
-NODE_LIMIT = 1_280_000
+NODE_LIMIT = 2_000_000
 _FIRST_LIMIT = 20_000
-"""Nodes up to which all orders of the variables are tried; four times more as long as none fits."""
+"""Nodes up to which all orders of the variables are tried; ten times more as long as none fits."""
 _LARGEST = 2**60
 COHERENT = frozenset({"OR", "AND", "VOTE"})
 
@@ -136,7 +137,7 @@ def _smallest(
             return min(found, key=lambda one: len(one.nodes))
         if allowed == limit:
             raise TooLargeError(tree.origin.get(top, top), limit)
-        allowed = min(4 * allowed, limit)
+        allowed = min(10 * allowed, limit)
 
 
 def _module(gates: Mapping[int, Gate], order: Sequence[int], top: int, limit: int) -> Module | None:
@@ -150,13 +151,22 @@ def _module(gates: Mapping[int, Gate], order: Sequence[int], top: int, limit: in
 def _orders(
     gates: Mapping[int, Gate], top: int, first: frozenset[int]
 ) -> Iterator[tuple[int, ...]]:
-    """Yield orders of the variables below a gate: first visit, inputs as given or by their size."""
+    """Yield orders of the variables below a gate: first visit of the inputs.
+
+    These as given, small ones first, and those that most gates share first.
+    """
     size: dict[int, int] = {}
     for number, gate in gates.items():
         size[number] = min(sum(size.get(n, 1) for n in gate.of), _LARGEST)
-    for sign in (0, 1, -1):
+    uses = Counter(n for gate in gates.values() for n in gate.of)
+    keys: tuple[Callable[[int], tuple[int, ...]], ...] = (
+        lambda _: (),
+        lambda n: (size.get(n, 1),),
+        lambda n: (-uses[n], size.get(n, 1)),
+    )
+    for key in keys:
         sorted_gates = {
-            number: Gate(gate.type, tuple(sorted(gate.of, key=lambda n: sign * size.get(n, 1))))
+            number: Gate(gate.type, tuple(sorted(gate.of, key=key)))
             for number, gate in gates.items()
         }
         order = (n for n in reached(sorted_gates, top) if n not in gates)

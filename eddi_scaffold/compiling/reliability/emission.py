@@ -47,6 +47,7 @@ MODULES = (
     "cut_sets",
     "laws",
     "large_chain",
+    "large_tree",
     "observed",
     "processor",
     "rotors",

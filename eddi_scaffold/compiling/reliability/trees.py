@@ -34,7 +34,9 @@ def class_lines(
         limit: nodes up to which sums are written out.
     """
     events, diagram = tree.events, tree.diagram
-    yield f"class {name}({'tree.FaultTree' if diagram else 'cut_sets.BoundedTree'}):"
+    written = diagram is not None and diagram.size <= limit
+    exact = "tree.FaultTree" if written else "large_tree.LargeTree"
+    yield f"class {name}({exact if diagram else 'cut_sets.BoundedTree'}):"
     yield from assignment("names", tuple_of(text_literal(one.name) for one in events), 4)
     observed = tuple((i, one.input) for i, one in enumerate(events) if one.input is not None)
     models = tuple((i, one.model) for i, one in enumerate(events) if one.law == "model")
@@ -46,7 +48,6 @@ def class_lines(
         yield from assignment("orders", tuple_of(made), 4)
     if tree.repair:
         yield "    repair = True"
-    written = diagram is not None and diagram.size <= limit
     if tree.cut_sets is not None:
         yield "    # Minimal cut sets, by the numbers of the events."
         sets = (Item(literal(one)) for one in tree.cut_sets)
@@ -56,7 +57,7 @@ def class_lines(
             yield "    grows = False"
         if not written or (not diagram.coherent and (observed or models)):
             yield "    # Nodes (variable, high, low) of each module, and its root."
-            yield from assignment("modules", literal(_table(diagram)), 4)
+            yield from assignment("modules", literal(table(diagram)), 4)
     yield from _laws(events)
     if diagram is not None and written:
         for method, of_failure in (("failure", True), ("survival", False)):
@@ -64,7 +65,7 @@ def class_lines(
             yield from _sums(tree, diagram, of_failure=of_failure)
 
 
-def _table(diagram: Diagram) -> tuple[object, ...]:
+def table(diagram: Diagram) -> tuple[object, ...]:
     """Return the modules with variables that count those before behind the events."""
     number_of = {module.variable: diagram.events + i for i, module in enumerate(diagram.modules)}
     return tuple(

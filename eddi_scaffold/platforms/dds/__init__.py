@@ -9,7 +9,6 @@ from shlex import quote
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.parts import PEERS, needed_by
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import toml_text
 from eddi_scaffold.identifiers import taken_by_python
 from eddi_scaffold.kinds import JsonValue
@@ -53,9 +52,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
 
 
-def _support(
-    _monitors: Mapping[str, Mapping[str, JsonValue]], _config: Config | None
-) -> list[PackageAnswers]:
+def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     return []
 
 

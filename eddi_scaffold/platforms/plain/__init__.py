@@ -9,7 +9,6 @@ from shlex import quote
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.parts import needed_by
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.escaping import python_literal, toml_text
 from eddi_scaffold.identifiers import taken_by_python
 from eddi_scaffold.kinds import JsonValue
@@ -41,9 +40,7 @@ def _sample(binding: InputBinding) -> str:
     return f"{binding.attribute}={python_literal(value)}"
 
 
-def _support(
-    _monitors: Mapping[str, Mapping[str, JsonValue]], _config: Config | None
-) -> list[PackageAnswers]:
+def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     return []
 
 

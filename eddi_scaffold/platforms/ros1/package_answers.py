@@ -8,7 +8,6 @@ from functools import partial
 from eddi_scaffold import platforms
 from eddi_scaffold.compiling.parts import HOST
 from eddi_scaffold.config.message_types import known_messages, packages_of
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
@@ -49,9 +48,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     return PackageAnswers(monitor.package, answers, files), [*problems, *node.problems]
 
 
-def support_answers(
-    monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
-) -> list[PackageAnswers]:
+def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
     texts = messages_of(monitors)
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
@@ -60,7 +57,7 @@ def support_answers(
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
-        return PackageAnswers(name, package_answers(template, name, description, config, **more))
+        return PackageAnswers(name, package_answers(template, name, description, monitors, **more))
 
     packages = [
         package(

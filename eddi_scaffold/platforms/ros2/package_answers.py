@@ -7,7 +7,6 @@ from functools import partial
 
 from eddi_scaffold import platforms
 from eddi_scaffold.config.message_types import packages_of
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
@@ -73,9 +72,7 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
             yield error("K005", message, places.get(topic, node.config.place("Model")))
 
 
-def support_answers(
-    monitors: Mapping[str, Mapping[str, JsonValue]], config: Config | None
-) -> list[PackageAnswers]:
+def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
     """Return the answers of messages, launcher, and of the runtime library if one needs it."""
     texts = messages_of(monitors)
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
@@ -83,7 +80,7 @@ def support_answers(
     listed = sorted(monitors)
 
     def package(template: str, name: str, description: str, **more: JsonValue) -> PackageAnswers:
-        return PackageAnswers(name, package_answers(template, name, description, config, **more))
+        return PackageAnswers(name, package_answers(template, name, description, monitors, **more))
 
     title = "Messages of the EDDI runtime monitors"
     start = "Launch file that starts every EDDI runtime monitor of this workspace"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -120,8 +120,3 @@ def _inputs(now: float, monitors: _Monitors) -> Iterator[Family]:
 
 def _worst(family: Family, labels: Labels, value: float) -> None:
     family.samples[labels] = max(value, family.samples.get(labels, value))
-
-
-def labelled(family: Family, labels: Labels) -> Mapping[str, str]:
-    """Return the labels of a sample by their names."""
-    return dict(zip(family.labels, labels, strict=True))

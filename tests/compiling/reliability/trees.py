@@ -18,5 +18,5 @@ def compiled(diagram: Diagram, limit: int = WRITTEN_OUT) -> Any:
     )
     tree = FaultTree(events, gates, diagram, None, repair=False)
     lines = class_lines("Tree", tree, [], limit)
-    text = "\n".join(["from eddi_runtime.reliability import tree", *lines])
+    text = "\n".join(["from eddi_runtime.reliability import large_tree, tree", *lines])
     return module_of(text, "tree").Tree()

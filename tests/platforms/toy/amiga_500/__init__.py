@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from eddi_scaffold.config.schema import Config
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
@@ -19,7 +18,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     return PackageAnswers(monitor.package, answers), []
 
 
-def _support(monitors: Sequence[str], _config: Config | None) -> list[PackageAnswers]:
+def _support(monitors: Sequence[str]) -> list[PackageAnswers]:
     (template,) = _TEMPLATES.support
     identity = identity_answers("all_robots", "All of them", None)
     return [
