@@ -25,6 +25,7 @@ from eddi_scaffold.regions.package import (
     EDDI,
     MANIFEST,
     NEW,
+    bytes_at,
     manifest_of,
     manifest_text,
     obstacle,
@@ -74,6 +75,8 @@ class _Work:
     """What the packages of one command add up to."""
 
     plans: dict[str, Plan] = field(default_factory=dict)
+    changes: dict[str, bytes | None] = field(default_factory=dict)
+    before: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     editable: set[str] = field(default_factory=set)
     attention: bool = False
@@ -134,21 +137,19 @@ def write_packages(
             work.plans[package.folder] = plan
             work.notes += warnings
             _tell(package, plan, target, work)
+            for step in plan.steps:
+                path, old = f"{package.folder}/{step.path}", bytes_at(target, step.path)
+                work.changes[path] = step.data
+                work.before |= {path: old} if old is not None else {}
         _refuse(work.plans.values())
         if not dry_run:
             _write(work.plans, renames, root)
-    changes: dict[str, bytes | None] = {}
-    before: dict[str, bytes] = {}
-    for folder, plan in work.plans.items():
-        changes |= {f"{folder}/{step.path}": step.data for step in plan.steps}
-        paths = {step.path for step in plan.steps} & plan.before.keys()
-        before |= {f"{folder}/{path}": plan.before[path] for path in paths}
     written = {} if dry_run else work.plans
     mentions = renames.mentions(root, written)
     work.attention = work.attention or bool(mentions)
     notes = [*dict.fromkeys(work.notes), *renames.notes(written), *mentions]
     editable = frozenset(work.editable)
-    return Outcome(root, changes, before, notes, work.attention, (), editable)
+    return Outcome(root, work.changes, work.before, notes, work.attention, (), editable)
 
 
 def _planned(
@@ -184,8 +185,7 @@ def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> Non
     lost = lost_sources(target, was, package.answers)
     work.notes += [f"{package.folder}: {one}" for one in lost]
     for note in plan.notes:
-        place = note.file if note.line is None else f"{note.file}:{note.line}"
-        work.notes.append(f"{package.folder}/{place}: {note.text}")
+        work.notes.append(f"{package.folder}/{note.place}: {note.text}")
     work.attention |= bool(lost) or any(note.attention for note in plan.notes)
     if "model_json" in package.answers:
         marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
@@ -207,7 +207,7 @@ def _refuse(plans: Iterable[Plan]) -> None:
         for one in plan.refusals:
             file = plan.root / one.file
             hint = ADOPT if is_of_d72(file) else None
-            problems.append(error("H010", one.reason, Place(str(file), one.line), hint))
+            problems.append(error("H010", one.text, Place(str(file), one.line), hint))
     if problems:
         last = problems[-1]
         hint = last.hint or "Nothing was changed; mend this, and run the command again"

@@ -20,9 +20,8 @@ from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.package import EDDI, KEPT
+from eddi_scaffold.regions.package import EDDI, KEPT, SavedError
 from eddi_scaffold.regions.sync import Plan
-from eddi_scaffold.regions.write import SavedError
 from eddi_scaffold.source import saved_meanwhile
 
 

@@ -14,8 +14,7 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import list_regions
-from eddi_scaffold.regions.files import entries
-from eddi_scaffold.regions.package import EDDI, manifest_of, read_file
+from eddi_scaffold.regions.package import EDDI, entries, manifest_of, read_file
 from eddi_scaffold.regions.sync import Plan
 
 

@@ -8,9 +8,9 @@ from bisect import bisect_left
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from eddi_scaffold.files import read_regular
 from eddi_scaffold.packages.mistakes import Inputs, Messages
 from eddi_scaffold.python_text import parse_python
-from eddi_scaffold.regions.files import read_regular
 from eddi_scaffold.regions.marked_file import Region
 
 NO_MESSAGES = Messages()

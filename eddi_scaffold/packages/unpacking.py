@@ -17,7 +17,7 @@ from pathlib import Path
 
 from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.problems import EddiError, error
-from eddi_scaffold.regions.git import GitError, Repository, git, git_dir_of
+from eddi_scaffold.regions.git import GitError, git
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 """All that rendering reads; the tasks, which need more, do not run from here."""
@@ -71,7 +71,7 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         if place.is_file():
             templates = _cloned(place, Path(scratch, "bundle.git"))
         else:
-            templates = Repository(place, git_dir_of(place))
+            templates = place / ".git"
         commit = _git(templates, "describe", "--tags", "--always", ref).decode().strip()
         changed = ref == "HEAD" and bool(_git(templates, "status", "--porcelain", "--", *MADE_BY))
 
@@ -84,24 +84,25 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         yield Unpacked(commit, changed, unpack)
 
 
-def _cloned(bundle: Path, target: Path) -> Repository:
+def _cloned(bundle: Path, target: Path) -> Path:
     words = ("clone", "--quiet", "--bare", "--", str(bundle.absolute()), str(target))
     _git(None, *words, GIT_ALLOW_PROTOCOL="file")
-    return Repository(target, target)
+    return target
 
 
-def _archive(templates: Repository, tree: str, **environment: str) -> bytes:
+def _archive(templates: Path, tree: str, **environment: str) -> bytes:
     words = ("-c", "tar.umask=0022", "archive", tree, "--", *PATHS)
     return _git(templates, *words, **environment)
 
 
-def _changed(templates: Repository, scratch: Path) -> bytes:
+def _changed(templates: Path, scratch: Path) -> bytes:
     """Archive the working tree, by way of an index and objects of our own."""
     objects = _git(templates, "rev-parse", "--git-path", "objects").decode().strip()
+    work_tree = templates.parent.absolute()
     own = {
         "GIT_INDEX_FILE": str(scratch / "index"),
         "GIT_OBJECT_DIRECTORY": str(scratch / "objects"),
-        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(templates.work_tree.absolute() / objects),
+        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(work_tree / objects),
     }
     (scratch / "objects").mkdir()
     _git(templates, "add", "--all", "--", *PATHS, **own)
@@ -117,10 +118,10 @@ def _extract(archive: bytes, folder: Path) -> None:
             tar.extractall(folder)  # noqa: S202
 
 
-def _git(templates: Repository | None, *words: str, **environment: str) -> bytes:
-    git_dir, work_tree = (templates.git_dir, templates.work_tree) if templates else (None, None)
+def _git(templates: Path | None, *words: str, **environment: str) -> bytes:
+    work_tree = templates.parent if templates is not None else None
     try:
-        return git(*words, repository=git_dir, work_tree=work_tree, environment=environment)
+        return git(*words, repository=templates, work_tree=work_tree, environment=environment)
     except FileNotFoundError:
         message = "git is not installed, the templates cannot be read"
         raise EddiError(error("T003", message, hint="apt-get install git")) from None

@@ -10,14 +10,13 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.files import stays
 from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.versions import is_newer, release
 from eddi_scaffold.platforms import Platform
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.files import stays
-from eddi_scaffold.regions.package import MANIFEST, manifest_of
-from eddi_scaffold.regions.write import BusyError, locked
+from eddi_scaffold.regions.package import MANIFEST, BusyError, locked, manifest_of
 
 
 def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:

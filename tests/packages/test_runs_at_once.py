@@ -16,7 +16,7 @@ import pytest
 
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.regions.__main__ import main as regions_tool
-from eddi_scaffold.regions.write import BusyError, locked
+from eddi_scaffold.regions.package import BusyError, locked
 from tests.cli.command import Result, example, files_below, run
 from tests.diagnosed import assert_example
 
@@ -123,7 +123,7 @@ ROOT = PACKAGE.parent
 _HOLD = """
 import sys, time
 from pathlib import Path
-from eddi_scaffold.regions.write import locked
+from eddi_scaffold.regions.package import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(float(sys.argv[2]))
