@@ -133,7 +133,7 @@ def write_packages(
                 progress(package.folder)
             rendered = Path(scratch, str(number))
             changed = bool(source.notes)
-            plan, warnings = _planned(renderer, package, rendered, target, changed=changed)
+            plan, warnings = _planned(renderer, package, rendered, target, renames, changed=changed)
             work.plans[package.folder] = plan
             work.notes += warnings
             _tell(package, plan, target, work)
@@ -153,7 +153,13 @@ def write_packages(
 
 
 def _planned(
-    renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path, *, changed: bool
+    renderer: Renderer,
+    package: PackageAnswers,
+    rendered: Path,
+    target: Path,
+    renames: Renames,
+    *,
+    changed: bool,
 ) -> tuple[Plan, list[str]]:
     """Render a package, with what Copier does not render, and plan to bring it there.
 
@@ -176,7 +182,8 @@ def _planned(
     else:
         warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
-    return plan_sync(target, rendering, beside, package.saved, package.adopted), warnings
+    more = (package.saved, package.adopted, renames.regions)
+    return plan_sync(target, rendering, beside, *more), warnings
 
 
 def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> None:
@@ -219,7 +226,7 @@ def _write(planned: Mapping[str, Plan], renames: Renames, root: Path) -> None:
     try:
         write_plans([replace(plan, root=root / folder) for folder, plan in planned.items()])
     except EddiError:
-        renames.reverse().move(root)
+        renames.move(root, back=True)
         raise
     renames.move_inside(root)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from .choosing import (
@@ -108,6 +108,7 @@ def plan_sync(
     beside: Mapping[str, bytes | None] | None = None,
     adopted: Sequence[Body] = (),
     kept: Mapping[str, bytes] | None = None,
+    renamed: Mapping[str, str] | None = None,
 ) -> Plan:
     """Plan to bring a package to a rendering.
 
@@ -117,9 +118,10 @@ def plan_sync(
         beside: files of ours that have no place in it, such as the answers; ``None``: it goes.
         adopted: bodies of a former package, which count as saved ones.
         kept: more texts of a person to keep, by name.
+        renamed: new id of a region -> old one, for this time: the rendering does not tell it.
     """
     saved = {body.region.id: body for body in adopted}
-    return _Sync(root, rendering, beside or {}, saved).plan(kept or {})
+    return _Sync(root, rendering, beside or {}, saved).plan(kept or {}, renamed or {})
 
 
 class _Sync:
@@ -144,9 +146,13 @@ class _Sync:
         self.first: list[Step] = []  # copies and saved bodies
         self.last: list[Step] = []  # saved bodies that are back in their places
 
-    def plan(self, kept: Mapping[str, bytes]) -> Plan:
+    def plan(self, kept: Mapping[str, bytes], renamed: Mapping[str, str]) -> Plan:
         self._read()
-        present, saved = self._present(), self._saved()
+        before, saved = self._present(), self._saved()
+        moved = {new: before[old] for new, old in renamed.items() if old in before}
+        present = {id_: one for id_, one in before.items() if id_ not in renamed.values()}
+        for id_, body in moved.items():
+            present[id_] = replace(body, region=replace(body.region, id=id_))
         edited = [name for name in sorted(self.files) if self._is_edited(name)]
         if self.refusals:
             return Plan(self.root, self.refusals)
