@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from .marked_file import Region
 from .markers import tail_of, with_tail
 from .package import (
+    EDDI,
     MANIFEST,
     NEW,
     PackageFile,
@@ -56,7 +58,10 @@ def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
         yield RegionStatus("", MANIFEST, None, "broken", (note,))
     if any(kind is None for _, kind in entries(root / NEW)):
         yield RegionStatus("", NEW, None, "broken", ("a rendering waits there; generate again",))
-    for name, known in sorted(manifest.files.items()):
+    files = _files_of(root)
+    if files and not manifest.exists:
+        yield RegionStatus("", MANIFEST, None, "missing", ("it was generated; generate again",))
+    for name, known in sorted(files.items()):
         stop, file = obstacle(root, name), None
         try:
             file = read_file(root, name)
@@ -77,6 +82,20 @@ def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
             note = "kept for you; take what you need, then remove it"
             note = "no region can be read in it" if name in regions else note
             yield RegionStatus("", name, None, "rejected", (note,))
+
+
+def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
+    """Return the generated files with their digests; without a manifest, those with regions."""
+    manifest = manifest_of(root)
+    if manifest.exists:
+        return manifest.files
+    found = {}
+    for name, kind in entries(root, {".git", EDDI}):
+        readable = kind is None and os.access(root / name, os.R_OK)
+        file = read_file(root, name) if readable else None
+        if file is not None and b"Manual edit" in file.data and file.marked.regions:
+            found[name] = frozenset(file.digests)  # nothing is known of what is outside of them
+    return found
 
 
 def _in_file(
@@ -107,7 +126,7 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
     wanted, found = set(ids), list[str]()
     steps: list[Step] = []
     stamps = {}
-    for name in sorted(manifest_of(root).files):
+    for name in sorted(_files_of(root)):
         file = read_file(root, name)
         if file is None or file.faults or len(file.sides) > 1:
             continue
