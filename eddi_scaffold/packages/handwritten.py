@@ -109,12 +109,6 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
     return found
 
 
-def region_of(entry: Mapping[str, Any]) -> str | None:
-    """Return the id of the region that an entry of the answers has."""
-    marker = _marker(entry)
-    return marker.id if marker is not None else None
-
-
 def _marker(entry: Mapping[str, Any]) -> Marker | None:
     marker = read_marker(str(entry.get("region_begin")), 1)
     return marker if isinstance(marker, Marker) else None
