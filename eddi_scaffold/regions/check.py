@@ -7,23 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from . import package
 from .marked_file import Region
 from .markers import tail_of, with_tail
-from .package import (
-    EDDI,
-    MANIFEST,
-    NEW,
-    PackageFile,
-    Step,
-    bytes_of,
-    entries,
-    kept_names,
-    kept_regions,
-    made_by_git,
-    manifest_of,
-    obstacle,
-    read_file,
-)
+from .package import EDDI, MANIFEST, NEW, PackageFile, Step
 from .sync import Plan, look_reasons
 
 Doubts = Callable[[str, Iterable[Region]], Mapping[str, Sequence[str]]]
@@ -52,19 +39,19 @@ def list_regions(root: Path, doubts: Doubts | None = None) -> list[RegionStatus]
 
 
 def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
-    manifest = manifest_of(root)
+    manifest = package.manifest_of(root)
     if manifest.mixed:
         note = "lists two renderings: after a merge, or a killed run; generate again"
         yield RegionStatus("", MANIFEST, None, "broken", (note,))
-    if any(kind is None for _, kind in entries(root / NEW)):
+    if any(kind is None for _, kind in package.entries(root / NEW)):
         yield RegionStatus("", NEW, None, "broken", ("a rendering waits there; generate again",))
     files = _files_of(root)
     if files and not manifest.exists:
         yield RegionStatus("", MANIFEST, None, "missing", ("it was generated; generate again",))
     for name, known in sorted(files.items()):
-        stop, file = obstacle(root, name), None
+        stop, file = package.obstacle(root, name), None
         try:
-            file = read_file(root, name)
+            file = package.read_file(root, name)
         except OSError as refused:
             stop = f"cannot be read: {refused.strerror}"
         if stop is not None:
@@ -73,8 +60,8 @@ def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
             yield RegionStatus("", name, None, "missing", ("it was generated; generate again",))
         else:
             yield from _in_file(root, name, file, known, doubts)
-    regions = dict(kept_regions(root))
-    for name in kept_names(root):
+    regions = dict(package.kept_regions(root))
+    for name in package.kept_names(root):
         if body := regions.get(name):
             note = "its place is gone; it returns with it; remove it when it is not needed"
             yield RegionStatus(body.region.id, name, None, "orphaned", (note,))
@@ -86,13 +73,13 @@ def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
 
 def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
     """Return the generated files with their digests; without a manifest, those with regions."""
-    manifest = manifest_of(root)
+    manifest = package.manifest_of(root)
     if manifest.exists:
         return manifest.files
     found = {}
-    for name, kind in entries(root, {".git", EDDI}):
+    for name, kind in package.entries(root, {".git", EDDI}):
         readable = kind is None and os.access(root / name, os.R_OK)
-        file = read_file(root, name) if readable else None
+        file = package.read_file(root, name) if readable else None
         if file is not None and b"Manual edit" in file.data and file.marked.regions:
             found[name] = frozenset(file.digests)  # nothing is known of what is outside of them
     return found
@@ -108,7 +95,7 @@ def _in_file(
         for fault in file.faults:
             yield RegionStatus("", name, fault.line, "broken", (fault.reason,))
         return
-    if not known.issuperset(file.digests) and not made_by_git(root, name, file.digests, known):
+    if not package.is_as_made(root, name, file.digests, known):
         yield RegionStatus("", name, None, "outside", ("edited outside regions; generate again",))
     regions = file.marked.regions
     written = [region for region in regions.values() if not region.untouched]
@@ -127,7 +114,7 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
     steps: list[Step] = []
     stamps = {}
     for name in sorted(_files_of(root)):
-        file = read_file(root, name)
+        file = package.read_file(root, name)
         if file is None or file.faults or len(file.sides) > 1:
             continue
         lines = file.text.split("\n")
@@ -139,5 +126,5 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
                 lines[region.line - 1] = with_tail(region.begin, id_, tail) + end
                 stamps[name] = file.stamp
         if name in stamps:
-            steps.append(Step(name, bytes_of("\n".join(lines)), file.mode))
+            steps.append(Step(name, package.bytes_of("\n".join(lines)), file.mode))
     return Plan(root, steps=steps, stamps=stamps), found

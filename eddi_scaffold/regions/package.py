@@ -210,8 +210,15 @@ def manifest_text(files: Mapping[str, str], answers: str) -> str:
     return f"{text_digest(listed + answers)} *\n{listed}"
 
 
-def made_by_git(root: Path, name: str, digests: Iterable[str], known: frozenset[str]) -> bool:
-    """Return whether git put a file there: a rendering of another time, or a merge of two."""
+def is_as_made(
+    root: Path, name: str, digests: Iterable[str], known: frozenset[str], new: Iterable[str] = ()
+) -> bool:
+    """Return whether what stands outside of the regions of a file is a rendering.
+
+    It is a known one, the new one, one of another time that git has put there, or a merge of two.
+    """
+    if known.union(new).issuperset(digests):
+        return True
     lines = (_LINE.fullmatch(text_of(line).rstrip()) for line in former_lines(root, MANIFEST))
     former = known | {match[1] for match in lines if match and match[2] == name}
     if former.issuperset(digests):

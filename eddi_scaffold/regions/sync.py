@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from . import package
 from .choosing import (
     Body,
     Chosen,
@@ -27,32 +28,7 @@ from .choosing import (
 from .git import ancestor_bytes
 from .marked_file import MarkedFile, Region, parse
 from .markers import Digests, Look, encode_id, normal, text_digest
-from .package import (
-    ANSWERS,
-    EDDI,
-    KEPT,
-    MANIFEST,
-    NEW,
-    PUT,
-    PackageFile,
-    Step,
-    bytes_at,
-    bytes_of,
-    entries,
-    free_name,
-    kept_names,
-    kept_regions,
-    made_by_git,
-    manifest_of,
-    manifest_text,
-    move_in,
-    obstacle,
-    put_aside,
-    read_file,
-    refuse_saved,
-    stamp_of,
-    text_of,
-)
+from .package import ANSWERS, EDDI, KEPT, MANIFEST, NEW, PUT, PackageFile, Step
 
 _MOST_LINES = 6
 
@@ -89,13 +65,13 @@ class Plan:
             OSError: the disk is full, or a folder is not writable; nothing of a person changed.
             SavedError: a person saved a file meanwhile.
         """
-        put_aside(self.root, self.steps, self.root / PUT)
-        refuse_saved(self.root, self.stamps)
+        package.put_aside(self.root, self.steps, self.root / PUT)
+        package.refuse_saved(self.root, self.stamps)
 
     def finish(self) -> None:
         """Move everything to its place; of a package that leaves no empty folder stays."""
-        refuse_saved(self.root, self.stamps)
-        move_in(self.root, self.steps)
+        package.refuse_saved(self.root, self.stamps)
+        package.move_in(self.root, self.steps)
         shutil.rmtree(self.root / NEW, ignore_errors=True)
         for folder in (self.root / EDDI, self.root):
             if folder.is_dir() and not any(folder.iterdir()):
@@ -133,8 +109,8 @@ class _Sync:
         adopted: Mapping[str, Body],
     ) -> None:
         self.root, self.beside, self.adopted = root, beside, adopted
-        self.manifest = manifest_of(root)
-        names = sorted(name for name, kind in entries(rendering) if kind is None)
+        self.manifest = package.manifest_of(root)
+        names = sorted(name for name, kind in package.entries(rendering) if kind is None)
         self.new = {name: _rendered(rendering / name) for name in names}
         self.home = {id_: name for name, new in self.new.items() for id_ in new.marked.regions}
         self.rendered = {id_: self.new[name].marked.regions[id_] for id_, name in self.home.items()}
@@ -177,14 +153,14 @@ class _Sync:
         """Read all files that are, or were, generated; refuse what is none, or damaged."""
         ours = [*self.beside, MANIFEST, f"{KEPT}/*"]
         for name in sorted({*self.new, *self.manifest.files, *ours}):
-            found = obstacle(self.root, name)
+            found = package.obstacle(self.root, name)
             if found is not None:
                 hint = "move it away, nothing is written through it or over it"
                 self._refuse(name, None, f"{found}; {hint}")
                 continue
-            self.stamps[name] = stamp_of(self.root / name)
+            self.stamps[name] = package.stamp_of(self.root / name)
             try:
-                file = None if name in ours else read_file(self.root, name)
+                file = None if name in ours else package.read_file(self.root, name)
             except OSError as refused:
                 self._refuse(name, None, f"cannot be read: {refused.strerror}")
                 continue
@@ -216,7 +192,7 @@ class _Sync:
 
     def _saved(self) -> dict[str, Body]:
         saved: dict[str, Body] = {}
-        for name, found in kept_regions(self.root):
+        for name, found in package.kept_regions(self.root):
             if found is not None:
                 saved[found.region.id] = found
             else:
@@ -244,7 +220,7 @@ class _Sync:
         if len(found) == 1:
             return found[0]
         ours, theirs = found
-        common = parse(text_of(ancestor_bytes(self.root, name)))[0].regions
+        common = parse(package.text_of(ancestor_bytes(self.root, name)))[0].regions
         merged = {**theirs, **ours}
         for id_ in ours.keys() & theirs.keys():
             a, b = ours[id_], theirs[id_]
@@ -263,10 +239,8 @@ class _Sync:
         """Return whether a file is not as it was made; refuse one that is a person's."""
         file = self.files[name]
         known = self.manifest.files.get(name, frozenset())
-        made = known.union(self.new[name].digests if name in self.new else ())
-        if made.issuperset(file.digests):
-            return False
-        if made_by_git(self.root, name, file.digests, known):
+        new = self.new[name].digests if name in self.new else ()
+        if package.is_as_made(self.root, name, file.digests, known, new):
             return False
         if not known and self.manifest.exists and name in self.new:
             reason = "this file is yours, and a generated one has this name now; give yours another"
@@ -332,19 +306,19 @@ class _Sync:
             if one.source and one.source.file in self.new.keys() - {self.home[id_]}:
                 self.last.append(Step(self._keep_region(one.source), None))
         held |= {(id_, normal(one.body)) for id_, one in content.items()}
-        for name, saved in kept_regions(self.root):
+        for name, saved in package.kept_regions(self.root):
             if saved is not None and (saved.region.id, normal(saved.region.body)) in held:
-                self.stamps[name] = stamp_of(self.root / name)
+                self.stamps[name] = package.stamp_of(self.root / name)
                 self.last.append(Step(name, None))
 
     def _keep_region(self, body: Body) -> str:
         """Plan to keep a region; return where it is then."""
         name = f"{encode_id(body.region.id)}.region"
-        return self._keep(name, bytes_of(saved_text(body.region)))
+        return self._keep(name, package.bytes_of(saved_text(body.region)))
 
     def _keep(self, name: str, data: bytes) -> str:
         """Plan to keep a text; return where it is then."""
-        place = free_name(self.root, name, data, [step.path for step in self.first])
+        place = package.free_name(self.root, name, data, [step.path for step in self.first])
         if place is not None:
             self.first.append(Step(place, data))
         return place or f"{KEPT}/{name}"
@@ -363,8 +337,8 @@ class _Sync:
             if new.is_text:
                 text = old.text if old is not None else ""
                 composed = compose(new.marked, content, eol_of(text))
-                data = bytes_of(text[: text.startswith("\ufeff")] + composed)
-                if old is not None and text_digest(text_of(data)) == text_digest(text):
+                data = package.bytes_of(text[: text.startswith("\ufeff")] + composed)
+                if old is not None and text_digest(package.text_of(data)) == text_digest(text):
                     data = old.data  # no more than blanks at line ends
             if old is not None:  # permissions stay, but a program can be run
                 mode = old.mode | ((old.mode & 0o444) >> 2 if new.mode & 0o100 else 0)
@@ -376,12 +350,14 @@ class _Sync:
 
         Between the first and the last of the files the manifest lists both renderings.
         """
-        there = {name: bytes_at(self.root, name) for name in (*self.beside, ANSWERS, MANIFEST)}
+        there = {
+            name: package.bytes_at(self.root, name) for name in (*self.beside, ANSWERS, MANIFEST)
+        }
         beside = [Step(name, data) for name, data in self.beside.items() if data != there[name]]
         answers = self.beside.get(ANSWERS) or there[ANSWERS] or b""
         now = {name: new.digests[0] for name, new in self.new.items()}
         leaves = not self.new and bool(self.beside)
-        final = None if leaves else manifest_text(now, text_of(answers)).encode()
+        final = None if leaves else package.manifest_text(now, package.text_of(answers)).encode()
         old = there[MANIFEST]
         listed = {line for text in (final, old) if text for line in text.decode().splitlines()}
         mixed = "".join(f"{line}\n" for line in sorted(listed)).encode()
@@ -396,7 +372,7 @@ class _Sync:
         """Yield what is kept since earlier runs."""
         told = " ".join(note.text + note.file for note in self.notes)
         gone = {step.path for step in self.last}
-        for name in kept_names(self.root):
+        for name in package.kept_names(self.root):
             if name not in gone and name not in told:
                 yield Note(name, None, "it is kept there until you remove it")
 
