@@ -19,7 +19,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))  # nothing of ours is installed while it is built
 
-from eddi_scaffold.regions.git import git, git_dir_of
+from eddi_scaffold.regions.git import git
 
 PATHS = (
     "copier.yml",
@@ -112,13 +112,13 @@ def _releases(root: Path) -> list[str]:
     if not (root / ".git").exists():
         return []
     words = ("tag", "--list", "v*", "--sort=version:refname")
-    tags = git(*words, repository=git_dir_of(root)).decode().split()
+    tags = git(*words, repository=root / ".git").decode().split()
     return [tag for tag in tags if re.fullmatch(r"v\d+\.\d+\.\d+", tag)]
 
 
 def _commit_release(root: Path, work: Path, tag: str, bundled: Path) -> None:
     work.mkdir()
-    released = git_dir_of(root)
+    released = root / ".git"
     words = ("ls-tree", "--name-only", tag, "--", *PATHS)
     present = git(*words, repository=released).decode().split()
     archive = work.with_suffix(".tar")

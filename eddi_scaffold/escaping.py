@@ -33,8 +33,8 @@ _MARKUP = re.compile(
 
 
 def one_line(text: str) -> str:
-    """Fold any text into one line of printable characters."""
-    folded = " ".join(text.split())
+    """Fold any text into one line of printable characters, which is no marker of a region."""
+    folded = " ".join(text.split()).replace("Manual edit ", "manual edit ")
     return "".join(char if char.isprintable() else "?" for char in folded)
 
 
@@ -52,7 +52,7 @@ def c_comment(text: str) -> str:
     """Return text that is safe in a block comment of C, and in a docstring of Python."""
     plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
     plain = plain.replace("*/", "* /").replace("/*", "/ *")
-    plain = plain.replace("Manual edit", "manual edit")  # which only markers of regions say
+    plain = plain.replace("Manual edit", "manual edit")  # as in :func:`one_line`
     return re.sub(r"\?(?=\?)", "? ", plain).strip()  # ??/ is a backslash
 
 

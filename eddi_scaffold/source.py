@@ -14,15 +14,9 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
+from eddi_scaffold.files import MAX_BYTES, NotRegularError, inside, open_regular, read_regular
 from eddi_scaffold.other_formats import HEAD_BYTES, other_format
 from eddi_scaffold.problems import EddiError, Place, Problem, error, nearest
-from eddi_scaffold.regions.files import (
-    MAX_BYTES,
-    NotRegularError,
-    inside,
-    open_regular,
-    read_regular,
-)
 
 KEPT_BYTES = 4 * 1024 * 1024
 """Larger files are not kept in memory next to what is made of them."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from eddi_scaffold.files import open_regular
 from eddi_scaffold.problems import Problem
-from eddi_scaffold.regions.files import open_regular
 
 MAX_LINE = 1024 * 1024
 """Bytes of a longer line are not shown: the place could not be found in it."""

@@ -90,7 +90,7 @@ def generate(
     from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
-    from eddi_scaffold.packages.identity import exchanged, left_behind
+    from eddi_scaffold.packages.identity import left_behind
     from eddi_scaffold.packages.renaming import read_renames
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, packages_root
@@ -112,7 +112,6 @@ def generate(
         assembly = assemble(monitors, target, root, [*problems, *found], asked, moved)
         console.problems(assembly.problems)
         present = assembly.present
-        swapped = list(exchanged(root, present, assembly.packages, moved))
         older = list(left_behind(present, assembly.packages, monitors, moved))
         outcome = write_packages(
             root,
@@ -127,7 +126,6 @@ def generate(
         outcome,
         left=[
             *outcome.left,
-            *swapped,
             *(text for text, is_new in older if is_new),
         ],
         notes=[

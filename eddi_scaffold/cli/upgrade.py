@@ -41,7 +41,6 @@ def upgrade(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish_all
     from eddi_scaffold.packages.generation import Outcome, write_packages
-    from eddi_scaffold.packages.identity import exchanged
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
     from eddi_scaffold.packages.workspace import alone, linked_package
@@ -64,7 +63,6 @@ def upgrade(
         console.problems(unsure)
         for group, wanted, problems in planned:
             console.problems(problems)
-            swapped = list(exchanged(group.root, group.present, wanted))
             done = write_packages(
                 group.root,
                 wanted,
@@ -74,5 +72,5 @@ def upgrade(
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            outcomes.append(replace(done, left=[*links, *done.left, *swapped]))
+            outcomes.append(replace(done, left=[*links, *done.left]))
     finish_all(outcomes, dry_run=dry_run)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from eddi_scaffold.compiling.compilation import compile_model, tables_of
 from eddi_scaffold.compiling.document import ModelError, ModelFile, parse_model
 from eddi_scaffold.compiling.text import text_literal
-from eddi_scaffold.regions.files import entries, read_regular
+from eddi_scaffold.regions.package import entries, kind_of
 
 _COMPILED = "compiled.py"
 _BESIDE = "EDDIMonitor.py"
@@ -116,7 +116,7 @@ def _model(rendering: Path, place: _Place) -> ModelFile:
 def _bytes_of(path: Path, digest: str) -> bytes | None:
     """Return the bytes of a file if they are the right ones."""
     try:
-        data = read_regular(path)
+        data = path.read_bytes() if kind_of(path.resolve()) is None else b""
     except OSError:
         return None
     return data if hashlib.sha256(data).hexdigest() == digest else None

@@ -9,7 +9,6 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from eddi_scaffold.regions.choosing import Body
 from eddi_scaffold.regions.marked_file import Region, parse
 from eddi_scaffold.regions.package import read_file
 
@@ -35,7 +34,7 @@ def lost_inputs(root: Path, rendering: Path) -> Iterator[str]:
             names = [one for one in (region.id, *region.was) if one in before]
             for was in names[:1]:
                 made = _statement(before[was])
-                own = Body(before[was], name).untouched
+                own = before[was].untouched
                 if own and made and not _WAITS.fullmatch(made) and _waits(region):
                     yield (
                         f"input {region.id.removeprefix('process_')!r} has no source any more: "

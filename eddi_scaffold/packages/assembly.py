@@ -23,10 +23,10 @@ from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.choosing import select
 from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.packages.answers_check import check_answers
 from eddi_scaffold.packages.handwritten import until_written
+from eddi_scaffold.packages.renaming import aside
 from eddi_scaffold.packages.rendering import read_answers
-from eddi_scaffold.packages.workspace import existing, needed_parts
+from eddi_scaffold.packages.workspace import check_answers, existing, needed_parts
 from eddi_scaffold.platforms import (
     RUNTIME,
     SINGLE_PROCESS,
@@ -107,6 +107,7 @@ def monitors_of(
         raise EddiError(*problems)
     if root is not None:
         made = {*(package_name(one.config.Model.id) for one in configs), *former.values()}
+        made |= {*map(aside, former.values())}
         others = _beside(existing(root, made), made)
         problems += absent_publishers(deployment(members_of(monitors), others))
     return monitors, problems

@@ -10,7 +10,7 @@ from eddi_scaffold.deployments.fleet.sites import Site
 from eddi_scaffold.packages.assembly import Assembly, assemble
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.handwritten import unwritten
-from eddi_scaffold.packages.identity import exchanged, left_behind
+from eddi_scaffold.packages.identity import left_behind
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.workspace import existing, root_below
 from eddi_scaffold.problems import Problem
@@ -57,7 +57,7 @@ def write_sites(
     outcome = write_packages(
         folder, packages, template, force=force, dry_run=dry_run, progress=progress
     )
-    look = [line for site, of in assemblies.items() for line in _look(site, folder, of)]
+    look = [line for site, of in assemblies.items() for line in _look(site, of)]
     found = [problem for assembly in assemblies.values() for problem in assembly.problems]
     return replace(outcome, left=[*outcome.left, *look, *_strangers(sites, folder)]), found
 
@@ -71,7 +71,7 @@ def _root(site: Site, folder: Path) -> Path:
     return root_below(folder / site.name, site.platform.root)
 
 
-def _look(site: Site, folder: Path, assembly: Assembly) -> Iterator[str]:
+def _look(site: Site, assembly: Assembly) -> Iterator[str]:
     """Yield what a person should look at in the workspace of one robot."""
     packages, own = assembly.packages, {one.package for one in site.monitors}
     for name, answers in assembly.present.items():
@@ -81,9 +81,7 @@ def _look(site: Site, folder: Path, assembly: Assembly) -> Iterator[str]:
                 "still runs; remove its folder and repeat this"
             )
     found = left_behind(assembly.present, packages, site.monitors, ())
-    older = [text for text, is_new in found if is_new]
-    for text in (*exchanged(_root(site, folder), assembly.present, packages), *older):
-        yield f"{site.name}: {text}"
+    yield from (f"{site.name}: {text}" for text, is_new in found if is_new)
 
 
 def _strangers(sites: Sequence[Site], folder: Path) -> Iterator[str]:

@@ -15,8 +15,7 @@ from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
 from eddi_scaffold.packages.review import ADOPT, is_of_d72
-from eddi_scaffold.packages.scratch import scratch_folder
-from eddi_scaffold.packages.unpacking import Unpacked, unpacked
+from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
 from eddi_scaffold.problems import EddiError, Place, error
@@ -25,6 +24,7 @@ from eddi_scaffold.regions.package import (
     EDDI,
     MANIFEST,
     NEW,
+    bytes_at,
     manifest_of,
     manifest_text,
     obstacle,
@@ -74,6 +74,8 @@ class _Work:
     """What the packages of one command add up to."""
 
     plans: dict[str, Plan] = field(default_factory=dict)
+    changes: dict[str, bytes | None] = field(default_factory=dict)
+    before: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     editable: set[str] = field(default_factory=set)
     attention: bool = False
@@ -130,29 +132,33 @@ def write_packages(
                 progress(package.folder)
             rendered = Path(scratch, str(number))
             changed = bool(source.notes)
-            plan, warnings = _planned(renderer, package, rendered, target, changed=changed)
+            plan, warnings = _planned(renderer, package, rendered, target, renames, changed=changed)
             work.plans[package.folder] = plan
             work.notes += warnings
             _tell(package, plan, target, work)
+            for step in plan.steps:
+                path, old = f"{package.folder}/{step.path}", bytes_at(target, step.path)
+                work.changes[path] = step.data
+                work.before |= {path: old} if old is not None else {}
         _refuse(work.plans.values())
         if not dry_run:
             _write(work.plans, renames, root)
-    changes: dict[str, bytes | None] = {}
-    before: dict[str, bytes] = {}
-    for folder, plan in work.plans.items():
-        changes |= {f"{folder}/{step.path}": step.data for step in plan.steps}
-        paths = {step.path for step in plan.steps} & plan.before.keys()
-        before |= {f"{folder}/{path}": plan.before[path] for path in paths}
     written = {} if dry_run else work.plans
     mentions = renames.mentions(root, written)
     work.attention = work.attention or bool(mentions)
     notes = [*dict.fromkeys(work.notes), *renames.notes(written), *mentions]
     editable = frozenset(work.editable)
-    return Outcome(root, changes, before, notes, work.attention, (), editable)
+    return Outcome(root, work.changes, work.before, notes, work.attention, (), editable)
 
 
 def _planned(
-    renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path, *, changed: bool
+    renderer: Renderer,
+    package: PackageAnswers,
+    rendered: Path,
+    target: Path,
+    renames: Renames,
+    *,
+    changed: bool,
 ) -> tuple[Plan, list[str]]:
     """Render a package, with what Copier does not render, and plan to bring it there.
 
@@ -175,7 +181,8 @@ def _planned(
     else:
         warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
-    return plan_sync(target, rendering, beside, package.saved, package.adopted), warnings
+    more = (package.saved, package.adopted, renames.regions)
+    return plan_sync(target, rendering, beside, *more), warnings
 
 
 def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> None:
@@ -184,8 +191,7 @@ def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> Non
     lost = lost_sources(target, was, package.answers)
     work.notes += [f"{package.folder}: {one}" for one in lost]
     for note in plan.notes:
-        place = note.file if note.line is None else f"{note.file}:{note.line}"
-        work.notes.append(f"{package.folder}/{place}: {note.text}")
+        work.notes.append(f"{package.folder}/{note.place}: {note.text}")
     work.attention |= bool(lost) or any(note.attention for note in plan.notes)
     if "model_json" in package.answers:
         marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
@@ -207,7 +213,7 @@ def _refuse(plans: Iterable[Plan]) -> None:
         for one in plan.refusals:
             file = plan.root / one.file
             hint = ADOPT if is_of_d72(file) else None
-            problems.append(error("H010", one.reason, Place(str(file), one.line), hint))
+            problems.append(error("H010", one.text, Place(str(file), one.line), hint))
     if problems:
         last = problems[-1]
         hint = last.hint or "Nothing was changed; mend this, and run the command again"
@@ -219,7 +225,7 @@ def _write(planned: Mapping[str, Plan], renames: Renames, root: Path) -> None:
     try:
         write_plans([replace(plan, root=root / folder) for folder, plan in planned.items()])
     except EddiError:
-        renames.reverse().move(root)
+        renames.move(root, back=True)
         raise
     renames.move_inside(root)
 

@@ -20,9 +20,8 @@ from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.package import EDDI, KEPT
+from eddi_scaffold.regions.package import EDDI, KEPT, SavedError
 from eddi_scaffold.regions.sync import Plan
-from eddi_scaffold.regions.write import SavedError
 from eddi_scaffold.source import saved_meanwhile
 
 
@@ -108,12 +107,6 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
                 found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
     return found
-
-
-def region_of(entry: Mapping[str, Any]) -> str | None:
-    """Return the id of the region that an entry of the answers has."""
-    marker = _marker(entry)
-    return marker.id if marker is not None else None
 
 
 def _marker(entry: Mapping[str, Any]) -> Marker | None:

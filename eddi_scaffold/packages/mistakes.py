@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import NamedTuple, TypeGuard
 
 from eddi_scaffold.config.message_types import element
-from eddi_scaffold.problems import did_you_mean, listed, nearest
+from eddi_scaffold.problems import did_you_mean, listed
 
 _KNOWN = {*dir(builtins), "__file__", "__class__"}
 _INDIRECT = {"exec", "eval", "globals", "setattr", "vars", "__dict__"}
@@ -45,7 +45,6 @@ class Inputs:
                     if isinstance(one, ast.FunctionDef) and one.name.startswith(_PREFIX):
                         self._methods[f"{owner.name}.{one.name}"] = one
                         self._owners[f"{owner.name}.{one.name}"] = owner
-        self._defined = {one.name for one in self._methods.values()}
         self._inputs = {one.name.removeprefix(_PREFIX) for one in self._methods.values()}
 
     def mistakes(self, function: str, lines: range, messages: Messages) -> Iterator[str]:
@@ -58,12 +57,6 @@ class Inputs:
         """
         method = self._methods.get(function)
         if method is None:
-            return
-        called = self._called[self._owners[function].name]
-        if called and method.name not in called:
-            near = nearest(method.name, called - self._defined)
-            there = f"; the class calls {near!r}, which is not there" if near else ""
-            yield f"{method.name!r} is called by nobody{there}"
             return
         nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
@@ -89,7 +82,7 @@ class Inputs:
         nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
         attributes = [one for one in nodes if isinstance(one, ast.Attribute)]
-        plain = sum(map(_is_self, nodes)) - sum(_is_self(one.value) for one in attributes)
+        plain = sum(map(is_self, nodes)) - sum(is_self(one.value) for one in attributes)
         called = any(isinstance(n, ast.Call) and _is_method(n.func) for n in nodes)
         names = {getattr(one, "id", getattr(one, "attr", "")) for one in nodes}
         told = {*_assigned(nodes), *self._set_elsewhere[self._owners[function].name]}
@@ -98,17 +91,6 @@ class Inputs:
 
     def _line(self, node: ast.stmt) -> str:
         return self._lines[node.lineno - 1].strip()
-
-    @cached_property
-    def _called(self) -> dict[str, set[str]]:
-        """What each class calls of its methods that set inputs; nothing where nobody can tell."""
-        found = {}
-        for owner in dict.fromkeys(self._owners.values()):
-            nodes = list(ast.walk(owner))
-            names = {getattr(one, "id", getattr(one, "attr", "")) for one in nodes}
-            used = {one.attr for one in nodes if _is_method(one) and one.attr.startswith(_PREFIX)}
-            found[owner.name] = set() if names & {*_INDIRECT, "getattr"} else used
-        return found
 
     @cached_property
     def _set_elsewhere(self) -> dict[str, set[str]]:
@@ -209,7 +191,7 @@ def _overwritten(method: ast.FunctionDef, lines: range, own: str) -> Iterator[st
         for one in ast.walk(statement)
     )
     ends = any(isinstance(one, ast.Return) for statement in above for one in ast.walk(statement))
-    if sets and not is_read and not ends and not any(map(_is_self, between)):
+    if sets and not is_read and not ends and not any(map(is_self, between)):
         yield (
             f"'self.{own}' is assigned, then overwritten by the placeholder in line {last.lineno}: "
             "delete that line"
@@ -258,18 +240,19 @@ def _bound(tree: ast.Module) -> Iterator[str]:
 
 
 def _is_method(node: ast.AST) -> TypeGuard[ast.Attribute]:
-    return isinstance(node, ast.Attribute) and _is_self(node.value)
+    return isinstance(node, ast.Attribute) and is_self(node.value)
 
 
 def _assigned(nodes: Iterable[ast.AST]) -> list[str]:
     return [
         one.attr
         for one in nodes
-        if isinstance(one, ast.Attribute) and isinstance(one.ctx, ast.Store) and _is_self(one.value)
+        if isinstance(one, ast.Attribute) and isinstance(one.ctx, ast.Store) and is_self(one.value)
     ]
 
 
-def _is_self(node: ast.AST) -> bool:
+def is_self(node: ast.AST) -> bool:
+    """Return whether a node is ``self``."""
     return isinstance(node, ast.Name) and node.id == "self"
 
 

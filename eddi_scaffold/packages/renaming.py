@@ -14,49 +14,52 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import list_regions
-from eddi_scaffold.regions.files import entries
-from eddi_scaffold.regions.package import EDDI, manifest_of, read_file
+from eddi_scaffold.regions.package import EDDI, entries, manifest_of, read_file
 from eddi_scaffold.regions.sync import Plan
 
 
 @dataclass(frozen=True)
 class Renames:
-    """Packages of one command that get other names.
+    """Packages of one command that get other names; all are renamed at once, so names may swap."""
 
-    Attributes:
-        former: new folder -> old folder; all are renamed at once, so names may swap.
-    """
-
-    former: Mapping[str, str]
+    former: Mapping[str, str]  # new folder -> old folder
+    places: Mapping[str, str]  # new folder -> where the package lies, if a run was killed as well
 
     @property
     def involved(self) -> frozenset[str]:
         """All folders that change."""
-        return frozenset([*self.former, *self.former.values()])
+        return frozenset([*self.former, *self.former.values(), *self.places.values()])
+
+    @property
+    def regions(self) -> dict[str, str]:
+        """Regions of other packages that are about these: the new id of each -> the old one."""
+        pairs = self.former.items()
+        return {f"launcher.include_{new}": f"launcher.include_{old}" for new, old in pairs}
 
     def place(self, root: Path, folder: str) -> Path:
         """Return where the package is that gets a folder."""
         # one of the old name that is made anew begins with nothing
-        leaves = folder in self.former.values() and folder not in self.former
-        former = root / (f".{folder}" if leaves else self.former.get(folder, folder))
-        return former if leaves or former.is_dir() else root / folder
+        leaves = folder in self.places.values() and folder not in self.places
+        return root / (f".{folder}" if leaves else self.places.get(folder, folder))
 
-    def reverse(self) -> Renames:
-        """Return what takes these back."""
-        return Renames({old: new for new, old in self.former.items()})
+    def move(self, root: Path, *, back: bool = False) -> None:
+        """Give all folders their new names, or take that back.
 
-    def move(self, root: Path) -> None:
-        """Give all folders their new names; one that has gone was moved by a killed run."""
-        left = {new: old for new, old in self.former.items() if (root / old).is_dir()}
+        Raises:
+            EddiError: something was written meanwhile into one that makes room (G025).
+        """
+        left = {new: old for new, old in self.places.items() if new != old}
+        left = {old: new for new, old in left.items()} if back else left
         while left:
             new = next((one for one in left if one not in left.values()), None)
             if new is not None:
-                shutil.rmtree(root / new, ignore_errors=True)  # nothing of it is by hand
+                _check_room(root / new)
+                shutil.rmtree(root / new, ignore_errors=True)  # what was made is made again
                 (root / left.pop(new)).rename(root / new)
                 continue
             new = next(iter(left))  # names in a circle: one steps aside
-            (root / new).rename(root / f".{new}.renamed")
-            left = {one: f".{new}.renamed" if old == new else old for one, old in left.items()}
+            (root / new).rename(root / aside(new))
+            left = {one: aside(new) if old == new else old for one, old in left.items()}
 
     def move_inside(self, root: Path) -> None:
         """Move a person's files out of folders of generated files that have the old name."""
@@ -88,7 +91,12 @@ class Renames:
         return [line for new, old in moved for line in _mentions(root / new, old)]
 
 
-NO_RENAMES = Renames({})
+NO_RENAMES = Renames({}, {})
+
+
+def aside(folder: str) -> str:
+    """Return where a package waits for its new name, while names go round in a circle."""
+    return f".{folder}.renamed"
 
 
 def _above(name: str) -> Iterator[str]:
@@ -127,14 +135,17 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
         EddiError: one of them cannot be made (G025).
     """
     former: dict[str, str] = {}
+    places: dict[str, str] = {}
     present = existing(root, made) if words else {}
-    pairs = [[package_name(part) for part in word.partition("=")[::2]] for word in words]
-    targets = {new for _, new in pairs}
-    for word, (old, new) in zip(words, pairs, strict=True):
+    # a package knows its name: it tells how far a run came that moved several, and was killed
+    names = {folder: answers.get("package") for folder, answers in present.items()}
+    for word in words:
+        old, new = (package_name(part) for part in word.partition("=")[::2])
         if not (old and new):
             raise _refused(f"{word!r} is not OLD=NEW", "--rename ConSertA=ConSertB")
-        moved = new in present and old not in targets  # by a run that was killed
-        if old not in present and not moved:
+        there = (folder for folder in (new, old, aside(old)) if names.get(folder) == old)
+        place = next(there, new if new in present else None)
+        if place is None:
             known = ", ".join(sorted(present)) or "none"
             raise _refused(f"there is no package {old!r} to rename", f"there are: {known}", root)
         if new not in made:
@@ -142,14 +153,24 @@ def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Ren
             raise _refused(f"this command makes no package {new!r}", hint)
         if old == new or new in former or old in former.values():
             raise _refused(f"{word!r} renames a package twice, or not at all", "give each once")
-        former[new] = old
-    for new, old in former.items():
-        _check_movable(root / old)
-        if old in present and new not in former.values() and not _is_as_made(root / new):
-            message = f"{new!r} is there already, and something in it was written by hand"
-            hint = "move what you need of it away, remove the folder, and run this again"
-            raise _refused(message, hint, root / new)
-    return Renames(former)
+        former[new], places[new] = old, place
+    for new, place in places.items():
+        _check_movable(root / place)
+        if place != new and new not in places.values():
+            _check_room(root / new)
+    return Renames(former, places)
+
+
+def _check_room(package: Path) -> None:
+    """Refuse to put a package where something is by hand.
+
+    Raises:
+        EddiError: that is so (G025).
+    """
+    if not _is_as_made(package):
+        message = f"{package.name!r} is there already, and something in it was written by hand"
+        hint = "move what you need of it away, remove the folder, and run this again"
+        raise _refused(message, hint, package)
 
 
 def _refused(message: str, hint: str, place: Path | None = None) -> EddiError:

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.packages.unpacking import Unpacked
-from eddi_scaffold.packages.versions import is_newer
 from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
 from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.regions.marked_file import sides_of
@@ -57,7 +56,8 @@ class Template:
         target = Path(self.location).expanduser()
         version = target.with_name(_BUNDLE_VERSION)
         try:
-            if not _is_newer(version):  # a newer bundle holds this version as well
+            shelved = version.read_text("utf-8", "replace") if version.is_file() else ""
+            if not is_newer(shelved):  # a newer bundle holds this version as well
                 target.parent.mkdir(parents=True, exist_ok=True)
                 _replace(target, self.bundle.read_bytes())
                 _replace(version, __version__.encode())
@@ -95,12 +95,17 @@ def _shelved() -> str:
     return f"~/{target.relative_to(home)}" if target.is_relative_to(home) else str(target)
 
 
-def _is_newer(version_file: Path) -> bool:
-    """Return whether the bundle on the shelf came with a later release than this one."""
+def is_newer(version: str) -> bool:
+    """Return whether a version is of a later release than this one; no version is none."""
     try:
-        return is_newer(version_file.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError):
+        return release(version) > release(__version__)
+    except ValueError:
         return False
+
+
+def release(version: str) -> tuple[int, ...]:
+    """Return the numbers of a version; of another text, ValueError."""
+    return tuple(int(part) for part in version.strip().split("."))
 
 
 def _replace(target: Path, data: bytes) -> None:

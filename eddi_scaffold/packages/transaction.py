@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.files import kind_of
-from eddi_scaffold.regions.write import Step, put_aside
+from eddi_scaffold.regions.package import Step, kind_of, put_aside
 from eddi_scaffold.source import refuse_input, saved_meanwhile
 
 NEW, NEW_PROGRAM = 0o644, 0o755

@@ -8,19 +8,24 @@ here.
 from __future__ import annotations
 
 import io
+import os
+import shutil
 import tarfile
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from eddi_scaffold.packages.scratch import scratch_folder
 from eddi_scaffold.problems import EddiError, error
-from eddi_scaffold.regions.git import GitError, Repository, git, git_dir_of
+from eddi_scaffold.regions.git import GitError, git
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 """All that rendering reads; the tasks, which need more, do not run from here."""
+_MEMORY = Path("/dev/shm")  # noqa: S108 - `mkdtemp` makes a folder that only its user reads
+_ENOUGH = 512 * 2**20
+"""Five hundred packages need a quarter of it."""
 MADE_BY = (*PATHS, "eddi_scaffold/compiling", "eddi_scaffold/regions")
 """All that the files of a package come from, but for the answers."""
 
@@ -52,6 +57,20 @@ class Unpacked:
         return ("the templates have uncommitted changes, which are included",)
 
 
+def scratch_folder(prefix: str) -> tempfile.TemporaryDirectory[str]:
+    """Make a folder that is gone at the end of the ``with``: in memory, or where ``TMPDIR`` says.
+
+    A large upgrade makes thousands of small files; on a disk that is half of the time.
+    """
+    place = None if any(map(os.environ.get, ("TMPDIR", "TEMP", "TMP"))) else _MEMORY
+    try:
+        free = shutil.disk_usage(place).free if place else 0
+    except OSError:
+        free = 0
+    usable = free >= _ENOUGH and os.access(_MEMORY, os.W_OK | os.X_OK)
+    return tempfile.TemporaryDirectory(prefix=prefix, dir=place if usable else None)
+
+
 @contextmanager
 def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
     """Unpack the templates of one version.
@@ -71,7 +90,7 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         if place.is_file():
             templates = _cloned(place, Path(scratch, "bundle.git"))
         else:
-            templates = Repository(place, git_dir_of(place))
+            templates = place / ".git"
         commit = _git(templates, "describe", "--tags", "--always", ref).decode().strip()
         changed = ref == "HEAD" and bool(_git(templates, "status", "--porcelain", "--", *MADE_BY))
 
@@ -84,24 +103,25 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         yield Unpacked(commit, changed, unpack)
 
 
-def _cloned(bundle: Path, target: Path) -> Repository:
+def _cloned(bundle: Path, target: Path) -> Path:
     words = ("clone", "--quiet", "--bare", "--", str(bundle.absolute()), str(target))
     _git(None, *words, GIT_ALLOW_PROTOCOL="file")
-    return Repository(target, target)
+    return target
 
 
-def _archive(templates: Repository, tree: str, **environment: str) -> bytes:
+def _archive(templates: Path, tree: str, **environment: str) -> bytes:
     words = ("-c", "tar.umask=0022", "archive", tree, "--", *PATHS)
     return _git(templates, *words, **environment)
 
 
-def _changed(templates: Repository, scratch: Path) -> bytes:
+def _changed(templates: Path, scratch: Path) -> bytes:
     """Archive the working tree, by way of an index and objects of our own."""
     objects = _git(templates, "rev-parse", "--git-path", "objects").decode().strip()
+    work_tree = templates.parent.absolute()
     own = {
         "GIT_INDEX_FILE": str(scratch / "index"),
         "GIT_OBJECT_DIRECTORY": str(scratch / "objects"),
-        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(templates.work_tree.absolute() / objects),
+        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(work_tree / objects),
     }
     (scratch / "objects").mkdir()
     _git(templates, "add", "--all", "--", *PATHS, **own)
@@ -117,10 +137,10 @@ def _extract(archive: bytes, folder: Path) -> None:
             tar.extractall(folder)  # noqa: S202
 
 
-def _git(templates: Repository | None, *words: str, **environment: str) -> bytes:
-    git_dir, work_tree = (templates.git_dir, templates.work_tree) if templates else (None, None)
+def _git(templates: Path | None, *words: str, **environment: str) -> bytes:
+    work_tree = templates.parent if templates is not None else None
     try:
-        return git(*words, repository=git_dir, work_tree=work_tree, environment=environment)
+        return git(*words, repository=templates, work_tree=work_tree, environment=environment)
     except FileNotFoundError:
         message = "git is not installed, the templates cannot be read"
         raise EddiError(error("T003", message, hint="apt-get install git")) from None

@@ -18,7 +18,6 @@ from eddi_scaffold.identifiers import package_name
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
-from eddi_scaffold.packages.answers_check import check_answers, model_id
 from eddi_scaffold.packages.assembly import (
     rejoined,
     stored,
@@ -28,7 +27,7 @@ from eddi_scaffold.packages.assembly import (
 )
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.workspace import existing, linked, root_below
+from eddi_scaffold.packages.workspace import check_answers, existing, linked, model_id, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
 from eddi_scaffold.source import read_source

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.compiling.parts import needed_by
-from eddi_scaffold.packages.answers_check import check_answers
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.versions import is_newer, release
-from eddi_scaffold.platforms import Platform
+from eddi_scaffold.config.file import from_json
+from eddi_scaffold.files import stays
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
+from eddi_scaffold.platforms import Platform, owner_of
 from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.regions.files import stays
-from eddi_scaffold.regions.package import MANIFEST, manifest_of
-from eddi_scaffold.regions.write import BusyError, locked
+from eddi_scaffold.regions.package import MANIFEST, BusyError, locked, manifest_of
+
+_OF_INPUTS = ("id", "attribute", "title", "sources", "region_begin")
 
 
 def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:
@@ -45,6 +47,34 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
             raise
         found[folder.name] = answers
     return found
+
+
+def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
+    """Refuse the answers of a package that other code could not follow.
+
+    Raises:
+        EddiError: they are damaged (T005).
+    """
+    try:
+        owner_of(str(answers["template"]))
+        if "model_json" in answers:
+            model_id(answers)
+            kinds()[answers["kind"]]
+            answers["model_file"]
+            if answers.get("config_json"):
+                from_json(answers["config_json"], package.name)
+            "".join(one[key] for one in answers["inputs"] for key in _OF_INPUTS)  # all are texts
+    except (KeyError, TypeError, ValueError, RecursionError) as damage:
+        reason = str(damage).partition("\n")[0]
+        message = f"the answers of the package are damaged: {reason}"
+        hint = "restore the file from git, or generate the package again"
+        place = Place(str(package / ANSWERS_FILE))
+        raise EddiError(error("T005", message, place, hint)) from None
+
+
+def model_id(answers: Mapping[str, Any]) -> str:
+    """Return the id of the model that a monitor package was generated from."""
+    return str(json.loads(answers["model_json"])["id"])
 
 
 @contextmanager

@@ -17,10 +17,17 @@ if not __package__:  # run as a folder, of any name: become a package, leave no 
     sys.modules[__package__] = module_from_spec(_spec)
 
 from .check import list_regions, plan_accept
-from .files import is_relative
-from .package import NEW, manifest_of, obstacle, read_file
-from .sync import Plan, plan_sync
-from .write import BusyError, SavedError, locked
+from .package import (
+    NEW,
+    BusyError,
+    SavedError,
+    is_relative,
+    locked,
+    manifest_of,
+    obstacle,
+    read_file,
+)
+from .sync import Note, Plan, plan_sync
 
 _USAGE = """\
 usage: python <this folder> sync PACKAGE STAGE   place the rendering in PACKAGE/.eddi/new/STAGE
@@ -68,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(plan: Plan) -> int:
     """Do what was planned, and say it; returns 1 where nothing could be done."""
-    failed = describe_refusals(plan)
+    failed = described(plan.refusals, "error")
     if not failed:
         try:
             plan.prepare()
@@ -77,44 +84,30 @@ def run(plan: Plan) -> int:
             failed = [f"{saved}: error: it was saved while this command was running"]
         except OSError as refused:
             failed = [f"{refused.filename or plan.root}: error: {refused.strerror}"]
-    lines = failed or describe_notes(plan)
+    lines = failed or described(plan.notes, "warning")
     sys.stderr.write("".join(f"{line}\n" for line in lines))
     if failed:
         sys.stderr.write("Nothing was changed: no file of yours. Mend that, and run this again.\n")
     return 1 if failed else 0
 
 
-def describe_refusals(plan: Plan) -> list[str]:
-    """Return a line for each reason why nothing is written."""
-    return [f"{_place(one.file, one.line)}: error: {one.reason}" for one in plan.refusals]
-
-
-def describe_notes(plan: Plan) -> list[str]:
-    """Return a line for each thing that happened to a person's text."""
-    return [
-        f"{_place(one.file, one.line)}: {'warning' if one.attention else 'note'}: {one.text}"
-        for one in plan.notes
-    ]
-
-
-def _place(file: str, line: int | None) -> str:
-    return file if line is None else f"{file}:{line}"
+def described(notes: Sequence[Note], word: str) -> list[str]:
+    """Return a line for each note, with a word for those that a person must look at."""
+    return [f"{one.place}: {word if one.attention else 'note'}: {one.text}" for one in notes]
 
 
 def _open(root: Path) -> Iterator[str]:
     for one in list_regions(root):
         if one.review:
             words = ": ".join(filter(None, (one.state, one.id, "; ".join(one.notes))))
-            yield f"{_place(one.file, one.line)}: {words}"
+            yield f"{Note(one.file, one.line, '').place}: {words}"
 
 
 def _damage(root: Path) -> Iterator[str]:
     for name in sorted(manifest_of(root).files):
-        stop = obstacle(root, name)
+        stop, file = obstacle(root, name), read_file(root, name)
         if stop is not None:
             yield f"{name}: error: {stop}"
-            continue
-        file = read_file(root, name)
         for fault in file.faults if file is not None else ():
             yield f"{name}:{fault.line}: error: {fault.reason}"
 

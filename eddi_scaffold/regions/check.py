@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .choosing import Body
-from .files import entries
-from .marked_file import MarkedFile, Region
+from . import package
+from .marked_file import Region
 from .markers import tail_of, with_tail
-from .package import (
-    MANIFEST,
-    NEW,
-    PackageFile,
-    bytes_of,
-    kept_names,
-    kept_regions,
-    made_by_git,
-    manifest_of,
-    obstacle,
-    read_file,
-)
+from .package import EDDI, MANIFEST, NEW, PackageFile, Step
 from .sync import Plan, look_reasons
-from .write import Step
 
 Doubts = Callable[[str, Iterable[Region]], Mapping[str, Sequence[str]]]
 """Tells from a module and its hand-written regions what is doubtful in each of them."""
@@ -33,22 +21,16 @@ Doubts = Callable[[str, Iterable[Region]], Mapping[str, Sequence[str]]]
 class RegionStatus:
     """One line of the report.
 
-    Attributes:
-        id: of the region; empty for a whole file.
-        file: relative to the package.
-        line: of the begin marker, ``None`` where there is none.
-        state: ``untouched``, ``edited``, ``orphaned`` (its place is gone), ``rejected`` (a whole
-            file is kept), ``outside`` (edited outside regions), ``missing`` or ``broken``.
-        notes: why a person must look at it, or doubts.
-        review: whether a person must.
+    The state is ``untouched``, ``edited``, ``orphaned`` (its place is gone), ``rejected`` (a whole
+    file is kept), ``outside`` (edited outside regions), ``missing`` or ``broken``.
     """
 
-    id: str
-    file: str
-    line: int | None
+    id: str  # of the region; empty for a whole file
+    file: str  # relative to the package
+    line: int | None  # of the begin marker, None where there is none
     state: str
-    notes: tuple[str, ...] = ()
-    review: bool = True
+    notes: tuple[str, ...] = ()  # why a person must look at it, or doubts
+    review: bool = True  # whether a person must
 
 
 def list_regions(root: Path, doubts: Doubts | None = None) -> list[RegionStatus]:
@@ -57,36 +39,50 @@ def list_regions(root: Path, doubts: Doubts | None = None) -> list[RegionStatus]
 
 
 def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
-    manifest = manifest_of(root)
+    manifest = package.manifest_of(root)
     if manifest.mixed:
         note = "lists two renderings: after a merge, or a killed run; generate again"
         yield RegionStatus("", MANIFEST, None, "broken", (note,))
-    if any(kind is None for _, kind in entries(root / NEW)):
+    if any(kind is None for _, kind in package.entries(root / NEW)):
         yield RegionStatus("", NEW, None, "broken", ("a rendering waits there; generate again",))
-    for name, known in sorted(manifest.files.items()):
-        stop = obstacle(root, name)
+    files = _files_of(root)
+    if files and not manifest.exists:
+        yield RegionStatus("", MANIFEST, None, "missing", ("it was generated; generate again",))
+    for name, known in sorted(files.items()):
+        stop, file = package.obstacle(root, name), None
         try:
-            file = None if stop else read_file(root, name)
+            file = package.read_file(root, name)
         except OSError as refused:
             stop = f"cannot be read: {refused.strerror}"
-            file = None
         if stop is not None:
             yield RegionStatus("", name, None, "broken", (stop,))
         elif file is None:
             yield RegionStatus("", name, None, "missing", ("it was generated; generate again",))
         else:
             yield from _in_file(root, name, file, known, doubts)
-    regions = dict(kept_regions(root))
-    for name in kept_names(root):
-        body = regions.get(name)
-        if body is not None:
+    regions = dict(package.kept_regions(root))
+    for name in package.kept_names(root):
+        if body := regions.get(name):
             note = "its place is gone; it returns with it; remove it when it is not needed"
             yield RegionStatus(body.region.id, name, None, "orphaned", (note,))
         else:
-            note = "no region can be read in it"
-            if name not in regions:
-                note = "kept for you; take what you need, then remove it"
+            note = "kept for you; take what you need, then remove it"
+            note = "no region can be read in it" if name in regions else note
             yield RegionStatus("", name, None, "rejected", (note,))
+
+
+def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
+    """Return the generated files with their digests; without a manifest, those with regions."""
+    manifest = package.manifest_of(root)
+    if manifest.exists:
+        return manifest.files
+    found = {}
+    for name, kind in package.entries(root, {".git", EDDI}):
+        readable = kind is None and os.access(root / name, os.R_OK)
+        file = package.read_file(root, name) if readable else None
+        if file is not None and b"Manual edit" in file.data and file.marked.regions:
+            found[name] = frozenset(file.digests)  # nothing is known of what is outside of them
+    return found
 
 
 def _in_file(
@@ -95,50 +91,40 @@ def _in_file(
     if len(file.sides) > 1:
         yield RegionStatus("", name, None, "broken", ("a merge is not finished; generate again",))
         return
-    for fault in file.faults:
-        yield RegionStatus("", name, fault.line, "broken", (fault.reason,))
     if file.faults:
+        for fault in file.faults:
+            yield RegionStatus("", name, fault.line, "broken", (fault.reason,))
         return
-    if not known.issuperset(file.digests) and not made_by_git(root, name, file.digests, known):
+    if not package.is_as_made(root, name, file.digests, known):
         yield RegionStatus("", name, None, "outside", ("edited outside regions; generate again",))
-    regions = file.sides[0].regions
-    written = [region for region in regions.values() if not Body(region, name).untouched]
+    regions = file.marked.regions
+    written = [region for region in regions.values() if not region.untouched]
     doubted = doubts(file.text, written) if doubts and name.endswith(".py") and written else {}
     for id_, region in regions.items():
-        if Body(region, name).untouched:
-            yield RegionStatus(id_, name, region.line, "untouched", (), review=False)
-            continue
-        notes = list(doubted.get(id_, ()))
-        review = region.now is not None
-        if region.now is not None:
-            notes.insert(0, f"look at it: {look_reasons(region.digests, region.now)}")
-        yield RegionStatus(id_, name, region.line, "edited", tuple(notes), review)
+        now = None if region.untouched else region.now
+        notes = [f"look at it: {look_reasons(region.digests, now)}"] if now is not None else []
+        notes += doubted.get(id_, ())
+        state = "untouched" if region.untouched else "edited"
+        yield RegionStatus(id_, name, region.line, state, tuple(notes), now is not None)
 
 
 def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
     """Plan to note that bodies were looked at; return it with the ids that are there."""
-    wanted, found = set(ids), []
+    wanted, found = set(ids), list[str]()
     steps: list[Step] = []
-    before, stamps = {}, {}
-    for name in sorted(manifest_of(root).files):
-        file = read_file(root, name) if obstacle(root, name) is None else None
+    stamps = {}
+    for name in sorted(_files_of(root)):
+        file = package.read_file(root, name)
         if file is None or file.faults or len(file.sides) > 1:
             continue
-        mine = [id_ for id_, one in file.sides[0].regions.items() if id_ in wanted and one.now]
-        if mine:
-            found += mine
-            data = bytes_of(_accepted(file, file.sides[0], mine))
-            steps.append(Step(name, data, file.mode))
-            before[name], stamps[name] = file.data, file.stamp
-    return Plan(root, steps=steps, before=before, stamps=stamps), found
-
-
-def _accepted(file: PackageFile, marked: MarkedFile, ids: Iterable[str]) -> str:
-    lines = file.text.split("\n")
-    for id_ in ids:
-        region = marked.regions[id_]
-        assert region.now is not None
-        end = "\r" if lines[region.line - 1].endswith("\r") else ""
-        tail = tail_of(region.now.digests, region.was)
-        lines[region.line - 1] = with_tail(region.begin, id_, tail) + end
-    return "\n".join(lines)
+        lines = file.text.split("\n")
+        for id_, region in file.marked.regions.items():
+            if id_ in wanted and region.now is not None:
+                found.append(id_)
+                end = "\r" if lines[region.line - 1].endswith("\r") else ""
+                tail = tail_of(region.now.digests, region.was)
+                lines[region.line - 1] = with_tail(region.begin, id_, tail) + end
+                stamps[name] = file.stamp
+        if name in stamps:
+            steps.append(Step(name, package.bytes_of("\n".join(lines)), file.mode))
+    return Plan(root, steps=steps, stamps=stamps), found

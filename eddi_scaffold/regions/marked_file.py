@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from .markers import Digests, Look, Marker, encode_id, indent_of, read_marker, text_digest
+from .markers import Digests, Look, Marker, digest, encode_id, indent_of, read_marker, text_digest
 
 _DEFINITION = re.compile(r"[ \t]*(?:async\s+)?(def|class)\s+(\w+)")
 _SIDE = re.compile(r"^(?:<{7}|>{7})(?=\s|$)", re.MULTILINE)
@@ -20,56 +20,41 @@ _HUNK = re.compile(
 
 @dataclass(frozen=True)
 class Fault:
-    """Why a file's markers cannot be trusted.
+    """Why a file's markers cannot be trusted."""
 
-    Attributes:
-        line: line in the file, counted from 1.
-        reason: what is wrong and what to do about it.
-    """
-
-    line: int
-    reason: str
+    line: int  # counted from 1
+    reason: str  # what is wrong and what to do about it
 
 
 @dataclass(frozen=True)
 class Region:
-    """One editable region of a file.
+    """One editable region of a file."""
 
-    Attributes:
-        id: decoded; of a region without id (D7.2) the name of the enclosing function.
-        digests: what the body stood for when it was written.
-        was: ids under which the element was known before, the newest first.
-        now: why a person must look at the body.
-        line: line of the begin marker, counted from 1.
-        begin: the begin marker's line, without line end.
-        body: the text between the markers, byte for byte.
-        end: the end marker's line, without line end.
-    """
-
-    id: str
-    digests: Digests
-    was: tuple[str, ...]
-    now: Look | None
-    line: int
-    begin: str
-    body: str
-    end: str
+    id: str  # decoded; of a region without id (D7.2) the name of the enclosing function
+    digests: Digests  # what the body stood for when it was written
+    was: tuple[str, ...]  # ids under which the element was known before, the newest first
+    now: Look | None  # why a person must look at the body
+    line: int  # of the begin marker, counted from 1
+    begin: str  # the begin marker's line, without line end
+    body: str  # the text between the markers, byte for byte
+    end: str  # the end marker's line, without line end
 
     @property
     def indent(self) -> str:
         """Blanks before the begin marker."""
         return indent_of(self.begin)
 
+    @cached_property
+    def untouched(self) -> bool:
+        """Whether no person wrote the body."""
+        return digest(self.body) == self.digests.of
+
 
 @dataclass(frozen=True)
 class MarkedFile:
-    """A file split at its markers.
+    """A file split at its markers."""
 
-    Attributes:
-        parts: lines outside of regions (with line end) and regions, in file order.
-    """
-
-    parts: tuple[str | Region, ...]
+    parts: tuple[str | Region, ...]  # lines outside of regions, with line end, and regions
 
     @cached_property
     def regions(self) -> dict[str, Region]:
@@ -104,14 +89,11 @@ def sides_of(text: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=32)
 def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
-    """Split a file's text at its markers.
-
-    Returns:
-        The document, and the faults; with any fault the document must not be used.
-    """
+    """Split a file's text at its markers; with any fault the document must not be used."""
     lines = split_lines(text)
     faults: list[Fault] = []
     parts: list[str | Region] = []
+    lines_of: dict[str, int] = {}
     begin: Marker | None = None
     body: list[str] = []
     for number, line in enumerate(lines, 1):
@@ -133,11 +115,12 @@ def parse(text: str) -> tuple[MarkedFile, tuple[Fault, ...]]:
             reason = "end marker without begin; put the begin marker back above it"
             faults.append(Fault(number, reason))
         else:
-            parts.append(_region(begin, marker, "".join(body), lines, faults))
+            region = _region(begin, marker, "".join(body), lines)
+            faults += _faults_of(begin, marker, region, lines_of.setdefault(region.id, begin.line))
+            parts.append(region)
             begin = None
     if begin:
         faults.append(_missing_end(begin, len(lines) + 1, lines))
-    faults.extend(_duplicates(parts))
     return MarkedFile(tuple(parts)), tuple(sorted(faults, key=lambda f: f.line))
 
 
@@ -159,29 +142,14 @@ def _missing_end(outer: Marker, limit: int, lines: Sequence[str]) -> Fault:
     while at > outer.line and not lines[at - 1].strip():
         at -= 1
     name = f"region {outer.id!r}" if outer.id else "the region"
-    reason = (
-        f"the end marker of {name}, which begins in line {outer.line}, is missing; "
-        f"put it back before line {at + 1}"
-    )
-    return Fault(at + 1, reason)
+    begins = f"which begins in line {outer.line}, is missing"
+    return Fault(at + 1, f"the end marker of {name}, {begins}; put it back before line {at + 1}")
 
 
-def _region(
-    begin: Marker, end: Marker, body: str, lines: Sequence[str], faults: list[Fault]
-) -> Region:
-    if begin.id and end.id and begin.id != end.id:
-        reason = (
-            f"this end marker has the id {end.id!r} but the begin marker in line {begin.line} has "
-            f"{begin.id!r}; give both the same id"
-        )
-        faults.append(Fault(end.line, reason))
-    region_id = begin.id or end.id or _enclosing_function(lines, begin)
-    if not region_id:
-        reason = "a marker without id must be inside a function; write '# region: ID' behind it"
-        faults.append(Fault(begin.line, reason))
-    return Region(
-        region_id, begin.digests, begin.was, begin.now, begin.line, begin.text, body, end.text
-    )
+def _region(begin: Marker, end: Marker, body: str, lines: Sequence[str]) -> Region:
+    id_ = begin.id or end.id or _enclosing_function(lines, begin)
+    digests, now = begin.digests, begin.now
+    return Region(id_, digests, begin.was, now, begin.line, begin.text, body, end.text)
 
 
 def _enclosing_function(lines: Sequence[str], begin: Marker) -> str:
@@ -194,16 +162,16 @@ def _enclosing_function(lines: Sequence[str], begin: Marker) -> str:
     return ""
 
 
-def _duplicates(parts: Iterable[str | Region]) -> list[Fault]:
-    seen: dict[str, int] = {}
-    faults = []
-    for part in parts:
-        if isinstance(part, Region) and part.id:
-            if part.id in seen:
-                reason = (
-                    f"second region {part.id!r}, the first is in line {seen[part.id]}; "
-                    "keep one or give it another id"
-                )
-                faults.append(Fault(part.line, reason))
-            seen.setdefault(part.id, part.line)
-    return faults
+def _faults_of(begin: Marker, end: Marker, region: Region, first: int) -> Iterator[Fault]:
+    """Yield what is wrong with the ids of a region, of which the first one is in some line."""
+    if begin.id and end.id and begin.id != end.id:
+        there = f"the begin marker in line {begin.line} has {begin.id!r}; give both the same id"
+        yield Fault(end.line, f"this end marker has the id {end.id!r} but {there}")
+    if not region.id:
+        reason = "a marker without id must be inside a function; write '# region: ID' behind it"
+        yield Fault(begin.line, reason)
+    elif first != begin.line:
+        keep = "keep one or give it another id"
+        yield Fault(
+            begin.line, f"second region {region.id!r}, the first is in line {first}; {keep}"
+        )

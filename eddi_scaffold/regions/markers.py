@@ -17,7 +17,7 @@ import hashlib
 import re
 import textwrap
 import urllib.parse
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,7 +34,11 @@ _ALIKE = re.compile(
     r"(?<!-)-{3,}\s*Manual edit (?:begin|end)\s*-{3,}"
     r"|<!--(?:(?!<!--)[^>])*Manual edit (?:begin|end)"
 )
-_WORDS = "Manual edit "
+_FORMS: Mapping[Style, str] = {
+    "python": "'''-----Manual edit {}-----'''  # region: {}",
+    "xml": "<!-- Manual edit {} | region: {} -->",
+    "hash": "# -----Manual edit {}-----  # region: {}",
+}
 _HEX = "[0-9a-f]{8}"
 _TAIL = re.compile(
     rf"(?P<id>\S+)(?:\s+of:(?P<of>{_HEX}))?(?:\s+for:(?P<uses>{_HEX}))?"
@@ -44,64 +48,40 @@ _TAIL = re.compile(
 
 @dataclass(frozen=True)
 class Digests:
-    """What a body stands for.
+    """What a body stands for."""
 
-    Attributes:
-        of: digest of the generated body that it replaces, ``None`` when not known.
-        uses: digest of what it may use, ``None`` where nothing is used.
-    """
-
-    of: str | None = None
-    uses: str | None = None
+    of: str | None = None  # digest of the generated body that it replaces, None when not known
+    uses: str | None = None  # digest of what it may use, None where nothing is used
 
 
 @dataclass(frozen=True)
 class Look:
-    """Why a person must look at a body.
+    """Why a person must look at a body."""
 
-    Attributes:
-        digests: those of today's rendering.
-        missing: names that the body uses and nothing generates any more.
-    """
-
-    digests: Digests
-    missing: tuple[str, ...] = ()
+    digests: Digests  # those of today's rendering
+    missing: tuple[str, ...] = ()  # names that it uses and nothing generates any more
 
 
 @dataclass(frozen=True)
 class Marker:
-    """One marker line.
+    """One marker line."""
 
-    Attributes:
-        what: ``begin`` or ``end``.
-        line: line in the file, counted from 1.
-        text: the line without its end.
-        id: decoded, ``None`` when not given.
-        digests: ``of:`` and ``for:``.
-        was: former ids.
-        now: why a person must look at the body, ``None`` when nobody must.
-    """
-
-    what: str
-    line: int
-    text: str
-    id: str | None
+    what: str  # `begin` or `end`
+    line: int  # counted from 1
+    text: str  # without line end
+    id: str | None  # decoded, None when not given
     digests: Digests = Digests()
-    was: tuple[str, ...] = ()
+    was: tuple[str, ...] = ()  # former ids, the newest first
     now: Look | None = None
 
 
 def encode_id(region_id: str) -> str:
-    """Return the id as it is written in a marker line, and as a part of a file's name.
-
-    Ids may hold anything: blanks, quotes, commas, line ends. Letters and digits of any script
-    stay readable; ``--`` is broken up because XML comments forbid it.
-    """
+    """Return the id, which may be any text, as it is written in a marker line or a file's name."""
     text = "".join(
         c if c.isalnum() or c in "_.:-" else urllib.parse.quote(c, safe="", errors="surrogatepass")
         for c in region_id
     )
-    return text.replace("--", "-%2D")
+    return text.replace("--", "-%2D")  # which comments of XML forbid
 
 
 def decode_id(text: str) -> str:
@@ -139,16 +119,8 @@ def begin_marker(
     was: Iterable[str] = (),
     now: Look | None = None,
 ) -> str:
-    """Return the line that opens a region, without indentation and line end.
-
-    Args:
-        region_id: any text.
-        style: ``python`` (in a function), ``xml`` or ``hash``.
-        digests: ``of:`` is written by the sync, ``for:`` by the template.
-        was: former ids, the newest first.
-        now: why a person must look at the body.
-    """
-    return _written("begin", style, encode_id(region_id) + tail_of(digests, was, now))
+    """Return the line that opens a region, without indentation and line end."""
+    return _FORMS[style].format("begin", encode_id(region_id) + tail_of(digests, was, now))
 
 
 def tail_of(digests: Digests, was: Iterable[str] = (), now: Look | None = None) -> str:
@@ -164,7 +136,7 @@ def tail_of(digests: Digests, was: Iterable[str] = (), now: Look | None = None) 
 
 def end_marker(region_id: str, style: Style = "python") -> str:
     """Return the line that closes a region, without indentation and line end."""
-    return _written("end", style, encode_id(region_id))
+    return _FORMS[style].format("end", encode_id(region_id))
 
 
 def with_tail(begin: str, region_id: str, tail: str) -> str:
@@ -182,21 +154,15 @@ def indent_of(line: str) -> str:
     return line[: len(line) - len(line.lstrip(" \t"))]
 
 
-def _written(what: str, style: Style, tail: str) -> str:
-    if style == "xml":
-        return f"<!-- Manual edit {what} | region: {tail} -->"
-    if style == "hash":
-        return f"# -----Manual edit {what}-----  # region: {tail}"
-    return f"'''-----Manual edit {what}-----'''  # region: {tail}"
-
-
 def read_marker(line: str, number: int) -> Marker | str | None:
     """Return the marker in a line, why it is none although it looks like one, or ``None``."""
-    if _WORDS not in line:
+    if "Manual edit " not in line:
         return None
     text = line.rstrip("\r\n")
     bare = text.strip().removeprefix("\ufeff")
-    match = _DASHED.fullmatch(bare) or _XML.fullmatch(_commented(bare))
+    is_comment = len(bare) >= len("<!---->") and bare.startswith("<!--") and bare.endswith("-->")
+    comment = bare[4:-3].strip().lstrip("-").strip() if is_comment else ""
+    match = _DASHED.fullmatch(bare) or _XML.fullmatch(comment)
     if match is None:
         alone = "a marker must be alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
@@ -207,20 +173,11 @@ def read_marker(line: str, number: int) -> Marker | str | None:
     if found is None or (match["what"] == "end" and found["id"] != tail):
         form = "ID [of:8 HEX DIGITS] [for:8 HEX DIGITS] [was:ID,...]"
         return f"text behind 'region:' is not '{form}'; put the generated line back"
-    was = tuple(decode_id(name) for name in (found["was"] or "").split(",") if name)
-    digests = Digests(found["of"], found["uses"])
-    look = _look(found["now"]) if found["now"] else None
+    of, uses, missing = (*(found["now"] or "").split("/", 2), "", "")[:3]
+    look = Look(Digests(of, uses or None), _names(missing)) if of else None
+    digests, was = Digests(found["of"], found["uses"]), _names(found["was"] or "")
     return Marker(match["what"], number, text, decode_id(found["id"]), digests, was, look)
 
 
-def _look(text: str) -> Look:
-    of, uses, *names = text.split("/")
-    missing = tuple(decode_id(name) for name in ",".join(names).split(",") if name)
-    return Look(Digests(of, uses or None), missing)
-
-
-def _commented(text: str) -> str:
-    """Return the text of an XML comment, without dashes before it; empty for no comment."""
-    if len(text) < len("<!---->") or not (text.startswith("<!--") and text.endswith("-->")):
-        return ""
-    return text[4:-3].strip().lstrip("-").strip()
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(decode_id(name) for name in text.split(",") if name)

@@ -17,6 +17,7 @@ from typing import Any
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.message_types.ros2 import ros2_fields
 from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.files import NotRegularError, open_regular
 from eddi_scaffold.identifiers import full_topic, is_ros_name
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
@@ -31,7 +32,6 @@ from eddi_scaffold.problems import (
     nearest,
     warning,
 )
-from eddi_scaffold.regions.files import NotRegularError, open_regular
 from eddi_scaffold.replay.bag_types import check_fields, tables
 from eddi_scaffold.replay.recordings import Sample, Tape
 from eddi_scaffold.source import note_input

@@ -14,7 +14,7 @@ import rospkg
 
 from eddi_scaffold.identifiers import taken_by_python
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
-from eddi_scaffold.regions.files import LINK, entries
+from eddi_scaffold.regions.package import LINK, entries
 
 RUNTIME = "eddi_runtime"
 ROSDEP_KEY = "python3-eddi-runtime-pip"

@@ -88,6 +88,13 @@ def test_comments_and_markers_are_no_statements(line: str, text: str, begin: str
         assert isinstance(marker.value, ast.Constant)
 
 
+@pytest.mark.parametrize("shape", ["LINE", "DOCSTRING", "MARKDOWN_LINE", "MARKDOWN", "CODE"])
+def test_no_text_is_a_marker_of_a_region(shape: str) -> None:
+    text = "-----Manual edit begin-----"
+    assert not fits(text, shape)
+    assert fits(escaping.python_comment(text), shape)
+
+
 @given(expression=any_of("TAKEN"))
 def test_what_is_taken_calls_helpers_only(expression: str) -> None:
     try:

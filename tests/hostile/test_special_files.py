@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.files import read_regular
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.regions.files import entries, open_regular, read_regular
+from eddi_scaffold.regions.package import entries
 from eddi_scaffold.source import read_source
 from tests.cli.command import ROOT, example, run
 from tests.hostile import special
@@ -148,11 +149,3 @@ def test_what_stands_there_is_told_without_opening_it(
     assert (found["d/file"], found["d/up"]) == (None, "a link")
     assert found["special"] in {*KINDS, "a link"}
     assert dict(entries(tmp_path / "missing")) == {}
-
-
-def test_a_link_is_opened_only_where_it_may_be(tmp_path: Path) -> None:
-    (tmp_path / "file").write_bytes(b"1")
-    (tmp_path / "link").symlink_to("file")
-    assert read_regular(tmp_path / "link") == b"1"
-    with pytest.raises(OSError, match="it is a link"):
-        open_regular(tmp_path / "link", follow=False)

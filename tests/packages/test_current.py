@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
-from eddi_scaffold.platforms import PackageAnswers, platforms
+from eddi_scaffold.platforms import platforms
 from eddi_scaffold.problems import EddiError
 from tests.checkouts import checkout, tree
 
@@ -63,16 +63,6 @@ def test_nothing_is_rendered_twice(generate: Callable[[], list[str]], tmp_path: 
     before = tree(tmp_path / "ws")
     assert generate() == []
     assert tree(tmp_path / "ws") == before
-
-
-def test_a_package_as_it_was_made_leaves(
-    write: Callable[[], Outcome], template: Template, tmp_path: Path
-) -> None:
-    write()
-    assert (tmp_path / "ws" / "eddi_runtime").is_dir()
-    done = write_packages(tmp_path / "ws", [PackageAnswers("eddi_runtime", {})], template)
-    assert done.notes == ["eddi_runtime: removed, nothing needs it any more"]
-    assert not (tmp_path / "ws" / "eddi_runtime").exists()
 
 
 def edit(path: Path, old: str, new: str) -> None:

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.packages.renaming import read_renames
+from eddi_scaffold.problems import EddiError
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_example
 from tests.updates.inputs import inputs_of, write_inputs
@@ -118,6 +120,20 @@ def test_an_edited_generated_file_is_kept_under_the_new_path(folder: Path) -> No
     assert kept.read_text().endswith("# mine\n")
 
 
+def test_what_was_written_around_its_include_moves_along(folder: Path) -> None:
+    launch = folder / PACKAGES / "eddi_monitor_launcher/launch/eddi.launch"
+    edit(
+        launch,
+        '  <include file="$(find conserta)',
+        '  <!-- mine -->\n  <include file="$(find conserta)',
+    )
+    result = run(*RENAME, cwd=folder)
+    assert result.status == 3
+    assert "region 'launcher.include_rover': look at it" in result.err
+    assert "<!-- mine -->" in launch.read_text().partition("launcher.include_rover")[2]
+    assert not list((folder / PACKAGES).glob("*/.eddi/kept/*"))
+
+
 def test_own_text_with_the_old_name_is_told(folder: Path) -> None:
     (folder / OLD / "src/conserta/own.py").write_text("from conserta import EDDIInput\n")
     result = run(*RENAME, cwd=folder)
@@ -153,6 +169,18 @@ def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
     assert result.status == 2
     assert "something in it was written by hand" in result.err
     assert_example("G025", result.err)
+
+
+def test_what_is_written_meanwhile_into_the_folder_that_makes_room_stays(folder: Path) -> None:
+    edit(folder / CONFIG_A, "conserta/guarantees", "rover/guarantees")
+    assert run(*GENERATE, cwd=folder).status == 3
+    renames = read_renames(["conserta=rover"], folder / PACKAGES, {"rover"})
+    own = folder / NEW / "src/rover/own.py"
+    own.write_text("")
+    with pytest.raises(EddiError, match="something in it was written by hand"):
+        renames.move(folder / PACKAGES)
+    assert own.exists()
+    assert (folder / OLD).is_dir()
 
 
 def test_a_repository_goes_into_the_new_folder_by_hand(folder: Path) -> None:
@@ -226,3 +254,12 @@ def test_packages_swap_their_names(two: Path) -> None:
     assert "# of_right\n" in (two / "pl/left/EDDIInput.py").read_text()
     assert "# of_left\n" in (two / "pl/right/EDDIInput.py").read_text()
     assert run("status", "-w", "pl", cwd=two).status == 0
+
+
+@pytest.mark.parametrize("killed_after", [1, 2, 3])
+def test_a_swap_is_finished_after_a_run_that_was_killed(two: Path, killed_after: int) -> None:
+    moves = [("left", ".left.renamed"), ("right", "left"), (".left.renamed", "right")]
+    for old, new in moves[:killed_after]:
+        (two / "pl" / old).rename(two / "pl" / new)
+    test_packages_swap_their_names(two)
+    assert not list((two / "pl").glob(".*"))

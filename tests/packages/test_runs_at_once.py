@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import patch
@@ -15,8 +13,7 @@ from unittest.mock import patch
 import pytest
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.regions.__main__ import main as regions_tool
-from eddi_scaffold.regions.write import BusyError, locked
+from eddi_scaffold.regions.package import locked
 from tests.cli.command import Result, example, files_below, run
 from tests.diagnosed import assert_example
 
@@ -79,9 +76,7 @@ def test_what_is_saved_during_a_run_stays(folder: Path, words: tuple[str, ...]) 
     assert _saved(folder).count(MINE) == 1
 
 
-@pytest.mark.parametrize(
-    "name", ["README.md", "src/consertb/EDDIMonitor.py", "package.xml", "test/new.py"]
-)
+@pytest.mark.parametrize("name", ["src/consertb/EDDIMonitor.py", "package.xml", "test/new.py"])
 def test_any_other_file_that_is_saved_stays(folder: Path, name: str) -> None:
     path = folder / PACKAGE / name
     path.parent.mkdir(exist_ok=True)
@@ -98,12 +93,6 @@ def test_a_file_of_ours_that_a_person_makes_during_the_run_stays(folder: Path) -
     )
     assert result.status == 2
     assert path.read_text() == MINE
-
-
-def test_a_file_that_a_person_removes_during_the_run_is_said(folder: Path) -> None:
-    result = run_while((folder / INPUT).unlink, *GENERATE, cwd=folder)
-    assert result.status == 2
-    assert not (folder / INPUT).exists()
 
 
 def test_what_is_saved_while_its_package_gets_another_name_moves_along(folder: Path) -> None:
@@ -123,7 +112,7 @@ ROOT = PACKAGE.parent
 _HOLD = """
 import sys, time
 from pathlib import Path
-from eddi_scaffold.regions.write import locked
+from eddi_scaffold.regions.package import locked
 with locked(Path(sys.argv[1])):
     print("held", flush=True)
     time.sleep(float(sys.argv[2]))
@@ -141,7 +130,6 @@ def holder(folder: Path, seconds: float = 60) -> subprocess.Popen[str]:
 
 WRITING = (
     GENERATE,
-    UPGRADE,
     ("upgrade", str(PACKAGE)),
     ("regions", "--accept", "process_RtE_A_E0", "ws"),
 )
@@ -209,34 +197,6 @@ def test_two_monitors_at_once_are_both_launched_or_one_is_refused(tmp_path: Path
     launched = (tmp_path / ROOT / "eddi_monitor_launcher/launch/eddi.launch").read_text()
     assert "consertb" in launched
     assert "conserta" in launched
-
-
-def test_a_killed_run_holds_nothing(folder: Path) -> None:
-    process = scaffold(*GENERATE, cwd=folder)
-    time.sleep(1.0)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
-    assert run(*GENERATE, cwd=folder).status in {0, 3}
-
-
-# the sync that plain Copier starts ----------------------------------------------------------------
-def test_sync_says_that_another_run_is_at_work(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = files_below(folder)
-    with holder(folder / PACKAGE) as first:
-        assert regions_tool(["sync", str(folder / PACKAGE), "stage"]) == 1
-        first.kill()
-    assert "another run is at work" in capsys.readouterr().err
-    assert files_below(folder) == before
-
-
-# the lock itself ----------------------------------------------------------------------------------
-def test_one_enters_at_a_time(tmp_path: Path) -> None:
-    with locked(tmp_path), pytest.raises(BusyError), locked(tmp_path):
-        pass
-    with locked(tmp_path):
-        pass
 
 
 def test_a_folder_that_is_not_there_has_no_lock(tmp_path: Path) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.packages import scratch
+from eddi_scaffold.packages import unpacking as scratch
 
 
 @pytest.fixture
@@ -25,16 +26,16 @@ def test_it_is_in_memory_and_goes_at_the_end(memory: Path) -> None:
     assert not list(memory.iterdir())
 
 
-def test_the_user_says_where(memory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TMPDIR", "/somewhere")
-    assert scratch._memory() is None
-
-
-def test_a_small_or_missing_memory_is_not_used(
-    memory: Path, monkeypatch: pytest.MonkeyPatch
+def test_elsewhere_if_the_user_says_so_or_memory_is_short(
+    memory: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
+    other = tmp_path_factory.mktemp("other")
+    monkeypatch.setattr(tempfile, "tempdir", str(other))
     monkeypatch.setattr(scratch, "_ENOUGH", 2**80)
-    assert scratch._memory() is None
+    with scratch.scratch_folder("eddi-") as folder:
+        assert Path(folder).parent == other
     monkeypatch.setattr(scratch, "_ENOUGH", 0)
-    monkeypatch.setattr(scratch, "_MEMORY", memory / "none")
-    assert scratch._memory() is None
+    monkeypatch.setenv("TMPDIR", str(other))
+    with scratch.scratch_folder("eddi-") as folder:
+        assert Path(folder).parent == other
+    assert not list(memory.iterdir())

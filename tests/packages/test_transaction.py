@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.problems import EddiError
-from eddi_scaffold.regions import write as writing
+from eddi_scaffold.regions import package as writing
 from tests.cli.command import files_below
 
 OLD = {"a": FileState(b"old a"), "d/b": FileState(b"old b", mode=0o755)}
@@ -31,13 +31,13 @@ def test_files_are_written_and_replaced(root: Path) -> None:
 
 
 def test_a_full_disk_leaves_all_as_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real, before = writing._write, files_below(root)
+    real, before = writing.write_durably, files_below(root)
 
     def full(path: Path, data: bytes, mode: int) -> None:
         real(path, data[: len(data) // 2], mode)
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(writing, "_write", full)
+    monkeypatch.setattr(writing, "write_durably", full)
     with pytest.raises(EddiError, match="cannot write: No space left on device") as failure:
         write(root, CHANGES, BEFORE)
     assert failure.value.problems[0].code == "F002"

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import __version__
-from eddi_scaffold.packages.versions import is_newer
+from eddi_scaffold.packages.rendering import is_newer
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_example
 

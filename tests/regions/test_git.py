@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.regions import git as tool
-from eddi_scaffold.regions.git import GitError, former_lines, repository_of
+from eddi_scaffold.regions.git import GitError, former_lines
 from tests.checkouts import git
 
 TEXT = "was: ä\r\n"
@@ -68,43 +68,7 @@ def test_a_submodule_is_one(work: Path, tmp_path: Path) -> None:
 
 
 def test_no_repository_no_text(tmp_path: Path) -> None:
-    assert repository_of(tmp_path) is None
     assert former_lines(tmp_path, "a.py") == []
-
-
-def test_the_next_one_counts_even_where_it_is_none(work: Path) -> None:
-    """Git would go on and find the one around: what is in the package must not choose that."""
-    (work / "src" / ".git").mkdir()
-    assert former_lines(work / "src" / "pkg", "a.py") == []
-
-
-@pytest.mark.parametrize("text", ["gitdir: {}\n", "gitdir: {}", "{}\n"])
-def test_a_git_file_that_names_any_repository_is_none(
-    work: Path, tmp_path: Path, text: str
-) -> None:
-    other = tmp_path / "other" / "src" / "pkg"
-    other.mkdir(parents=True)
-    (tmp_path / "other" / ".git").write_text(text.format(work / ".git"))
-    assert repository_of(other) is None
-
-
-def test_a_worktree_that_the_repository_does_not_know_is_none(work: Path, tmp_path: Path) -> None:
-    git(work, "worktree", "add", "--quiet", str(tmp_path / "other"))
-    (tmp_path / "other").rename(tmp_path / "moved")
-    assert repository_of(tmp_path / "moved") is None
-
-
-def test_a_link_in_place_of_the_repository_is_none(work: Path, tmp_path: Path) -> None:
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / ".git").symlink_to(work / ".git")
-    assert repository_of(tmp_path / "other") is None
-
-
-def test_a_repository_of_somebody_else_is_none(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert repository_of(work) is not None
-    monkeypatch.delenv("SUDO_UID", raising=False)
-    monkeypatch.setattr(os, "geteuid", lambda: work.stat().st_uid + 1)
-    assert repository_of(work) is None
 
 
 def test_no_git_no_text(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import textwrap
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.marked_file import parse, split_lines
 from eddi_scaffold.regions.markers import (
     Digests,
@@ -211,3 +213,11 @@ def test_a_long_line_is_read_at_once(line: str) -> None:
     """A pattern that goes back for every character takes ten seconds and more."""
     with watched(5.0):
         read_marker(line, 1)
+
+
+def test_without_a_manifest_the_files_with_regions_are_listed(tmp_path: Path) -> None:
+    region = f"{BEGIN}  # region: a of:e3b0c442\nx = 1\n{END}  # region: a\n"
+    (tmp_path / "a.py").write_text(region)
+    (tmp_path / "own.py").write_text("")
+    found = [(one.file, one.id, one.state) for one in list_regions(tmp_path)]
+    assert found == [(".eddi/manifest", "", "missing"), ("a.py", "a", "edited")]

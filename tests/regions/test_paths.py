@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.regions.files import inside, is_relative
+from eddi_scaffold.files import inside
+from eddi_scaffold.regions.package import is_relative
 
 
 @pytest.mark.parametrize(

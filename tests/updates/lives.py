@@ -124,7 +124,7 @@ class Bare:
 
     def bring(self, command: str) -> Result:
         plan = self.plan()
-        said = "\n".join(f"{one.file}: {one.reason}" for one in plan.refusals)
+        said = "\n".join(f"{one.file}: {one.text}" for one in plan.refusals)
         said += "\n".join(f"{one.file}: {one.text}" for one in plan.notes)
         if plan.refusals:
             return Result(2, said)

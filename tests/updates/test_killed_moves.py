@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.package import ANSWERS, EDDI, KEPT, MANIFEST
+from eddi_scaffold.regions.package import ANSWERS, EDDI, KEPT, MANIFEST, move_in
 from eddi_scaffold.regions.sync import plan_sync
-from eddi_scaffold.regions.write import move_in
 
 IGNORED = f"{EDDI}/.gitignore"
 RECORDS: dict[str, bytes | None] = {ANSWERS: b"template: t\n", IGNORED: b"/new/\n"}

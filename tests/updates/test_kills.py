@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.regions.write import SavedError, locked
+from eddi_scaffold.regions.package import SavedError, locked
 from tests.updates.inputs import Input
 from tests.updates.lives import START, Bare, Life, Real, histories, outside, snapshot, write
 from tests.updates.templates import Templates
