@@ -114,7 +114,8 @@ class Ros1Stage(Stage):
         self.source.publish("/clock", "rosgraph_msgs/Clock", fields)
 
     def command(self, namespace, *parameters):
-        words = [f"__ns:={namespace}", *(f"_{one}" for one in parameters)]
+        given = ("watchdog_period:=0.5", *parameters)  # how soon it is told what the master knows
+        words = [f"__ns:={namespace}", *(f"_{one}" for one in given)]
         return [PYTHON, str(self.package / "scripts/RosNode.py"), *words]
 
 
@@ -161,8 +162,7 @@ class Ros2Stage(Stage):
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
         around = RELEASE.workspace(below or folder / "below")
-        own = ("--packages-select", "rover", "eddi_runtime")
-        RELEASE.colcon(folder, "build", *own, env=around)
+        RELEASE.colcon(folder, "build", "--packages-select", "rover", env=around)
         self.lock, self.domain = free_domain()
         self.environment = {**RELEASE.sourced(folder), **on_loopback(self.domain)}
 
