@@ -33,14 +33,12 @@ def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
             topic = reader.topic(source.topic)
             for at, writer, output in written:
                 for name, asked in _lacking(source.qos, output.qos) if at == topic else ():
-                    given = getattr(output.qos, name)
-                    message = (
-                        f"{reader.name} asks for {name} {asked} of {topic}, which {writer.name}"
-                    )
+                    message = f"{reader.name} asks for {name} {asked} of {topic}, which"
+                    given = f"{writer.name} publishes {getattr(output.qos, name)}"
                     place = reader.config.place("SimulatorOutputs", index, "qos")
                     nothing = f"on ROS 2 it would get nothing: without `{name}`"
                     hint = f"{nothing} {writer.name} publishes {asked}"
-                    yield error("D016", f"{message} publishes {given}", place, hint)
+                    yield error("D016", f"{message} {given}", place, hint)
 
 
 def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
