@@ -162,7 +162,8 @@ class Ros2Stage(Stage):
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
         around = RELEASE.workspace(below or folder / "below")
-        RELEASE.colcon(folder, "build", "--packages-select", "rover", env=around)
+        own = ("--packages-select", "rover", "eddi_runtime")
+        RELEASE.colcon(folder, "build", *own, env=around)
         self.lock, self.domain = free_domain()
         self.environment = {**RELEASE.sourced(folder), **on_loopback(self.domain)}
 
