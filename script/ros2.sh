@@ -5,8 +5,8 @@
 set -euo pipefail
 HERE=$(dirname "${BASH_SOURCE[0]}")
 case "$1" in
-  kilted) PINS="ros-rclpy==9.1.2" PYTHONS="/usr/bin/python3.11 python3.11 python3.13" ;;
-  jazzy) PINS="ros-rclpy==7.1.6 ros-ament-cmake-ros==0.12.0" PYTHONS="python3.12" ;;
+  kilted) PYTHONS="/usr/bin/python3.11 python3.11 python3.13" ;;
+  jazzy) PYTHONS="python3.12" ;;
 esac
 refuse() { echo "ROS 2 $1 is not here: $2" >&2; exit 1; }
 
@@ -28,7 +28,7 @@ flock 9 # another run may be installing it
 if [ ! -f "$PLACE/.complete" ]; then
   echo "installing ROS 2 $1 into $PLACE ..." >&2
   "$PYTHON" -m venv --clear "$PLACE"
-  "$PLACE/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$LIST" $PINS 2>"$PLACE/pip.log" ||
+  "$PLACE/bin/python" -m pip install --quiet --disable-pip-version-check --requirement "$LIST" 2>"$PLACE/pip.log" ||
     { echo "ROS 2 $1: $(grep ERROR "$PLACE/pip.log" | tail -n 1)" >&2; exit 2; }
   # The wheels name two folders of the machine on which they were made.
   numpy=$("$PLACE/bin/python" -c 'import numpy; print(numpy.get_include())')

@@ -23,6 +23,6 @@ def stage(request, tmp_path_factory):
     more = {"below": shared(tmp_path_factory)} if request.param == "ros2" else {}
     made = make(tmp_path_factory.mktemp(request.param), **more)
     made.begin()
-    made.robot = made.start()
+    made.robot = made.start("/", "startup_grace:=2.0")
     yield made
     made.destroy()

@@ -114,7 +114,8 @@ class Ros1Stage(Stage):
         self.source.publish("/clock", "rosgraph_msgs/Clock", fields)
 
     def command(self, namespace, *parameters):
-        words = [f"__ns:={namespace}", *(f"_{one}" for one in parameters)]
+        given = ("watchdog_period:=0.5", *parameters)  # how soon it is told what the master knows
+        words = [f"__ns:={namespace}", *(f"_{one}" for one in given)]
         return [PYTHON, str(self.package / "scripts/RosNode.py"), *words]
 
 

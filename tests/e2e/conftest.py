@@ -67,7 +67,7 @@ def generator(folder, own_git):
 @pytest.fixture(scope="module")
 def shipped(generator, folder, home):
     """The example as it is: no hand edit is needed."""
-    workspace = Workspace(folder / "shipped", home)
+    workspace = Workspace(folder / "shipped", home, languages=True)
     examples = generator.examples
     configs = (examples / "consert_a_config.yml", examples / "consert_b_config.yml")
     generator.generate(workspace.path, examples / "two_conserts.xml", *configs)
@@ -77,7 +77,7 @@ def shipped(generator, folder, home):
 @pytest.fixture(scope="module")
 def joined(generator, folder, home):
     """The two steps of D7.2 4.2.5: the workspace, what was there before system B, and after."""
-    workspace = Workspace(folder / "edited", home)
+    workspace = Workspace(folder / "edited", home, languages=True)
     examples = generator.examples
     model = examples / "two_conserts.xml"
     config_a = folder / "consert_a_config.yml"

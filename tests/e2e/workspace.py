@@ -22,11 +22,15 @@ class Workspace:
     Args:
         path: the root; made with its ``src`` and with a ``.gitignore`` for what is built.
         home: home folder of the person who builds.
+        languages: messages are generated for all that are here, and not for Python alone.
     """
 
-    def __init__(self, path, home):
+    def __init__(self, path, home, *, languages=False):
         self.path = Path(path)
         self.home = Path(home)
+        self._build_env = clean_env(home)
+        if not languages:  # most of the time of a build
+            self._build_env["ROS_LANG_DISABLE"] = "gencpp:genlisp"
         (self.path / "src").mkdir(parents=True)
         (self.path / ".gitignore").write_text(_BUILT)
 
@@ -52,7 +56,7 @@ class Workspace:
         done = subprocess.run(
             command,
             cwd=self.path,
-            env=clean_env(self.home),
+            env=self._build_env,
             check=False,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

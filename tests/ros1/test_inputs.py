@@ -32,7 +32,8 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     for topic in ("/consertb/guarantees", "/conserta/guarantees"):
         probe.subscribe(topic)
     probe.subscribe("/conserta/guarantees/status", "eddi_messages/ConSertStatus")
-    a = world.node(master, "conserta", f"compiled:={model_files['conserta']}")
+    grace = "_startup_grace:=60.0"  # the other node may begin late
+    a = world.node(master, "conserta", f"compiled:={model_files['conserta']}", grace)
     b = world.node(
         master, "consertb", f"compiled:={model_files['consertb']}", "_startup_grace:=0.0"
     )
@@ -77,9 +78,9 @@ def test_two_monitors_from_nothing_to_active_and_a_clean_end(world, master, prob
     assert values["RtE_B_E0.max_age"] == "no limit"
     assert (level, values["accepted.0"]) == (1, "RtE_B_E0: max_age: none")  # WARN
 
+    until(lambda: "System_A_G0 is now active" in a.text)  # the log has a thread of its own
     assert "monitor of ConSertA (consert), model digest" in a.text
     assert "inputs without max_age: RtE_A_E0" in a.text
-    until(lambda: "System_A_G0 is now active" in a.text)  # the log has a thread of its own
     for node in (a, b):
         status, seconds = node.end()
         assert status == 0, node.text

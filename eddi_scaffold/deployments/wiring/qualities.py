@@ -32,14 +32,13 @@ def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
         for index, source in enumerate(reader.config.config.SimulatorOutputs):
             topic = reader.topic(source.topic)
             for at, writer, output in written:
-                for name in _lacking(source.qos, output.qos) if at == topic else ():
-                    asked, given = getattr(source.qos, name), getattr(output.qos, name)
-                    message = (
-                        f"{reader.name} asks for {name} {asked} of {topic}, which {writer.name}"
-                    )
+                for name, asked in _lacking(source.qos, output.qos) if at == topic else ():
+                    message = f"{reader.name} asks for {name} {asked} of {topic}, which"
+                    given = f"{writer.name} publishes {getattr(output.qos, name)}"
                     place = reader.config.place("SimulatorOutputs", index, "qos")
-                    hint = f"on ROS 2 it would get nothing: leave one of the two `{name}` out"
-                    yield error("D016", f"{message} publishes {given}", place, hint)
+                    nothing = f"on ROS 2 it would get nothing: without `{name}`"
+                    hint = f"{nothing} {writer.name} publishes {asked}"
+                    yield error("D016", f"{message} {given}", place, hint)
 
 
 def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
@@ -50,7 +49,10 @@ def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
         yield f"{topic}/{STATUS}"
 
 
-def _lacking(asked: InputQos, offered: InputQos) -> Iterator[str]:
+def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
+    """Yield what is asked for in vain; nodes read reliably what was kept."""
+    if asked.durability == "transient_local" and asked.reliability is None:
+        asked = asked.model_copy(update={"reliability": "reliable"})
     for (name, wanted), less in _LESS_THAN.items():
         if getattr(asked, name) == wanted and getattr(offered, name) == less:
-            yield name
+            yield name, wanted
