@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
@@ -301,5 +301,6 @@ def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
         found = document.target(element, name, token)
         if isinstance(found, Problem):
             # what a monitor needs not be there: a requirement in a file of its own, for example
-            is_far = found.code == "X012" and fold(name) in word.LINKS
-            yield replace(found, level="warning") if is_far else found
+            if found.code == "X012" and fold(name) in word.LINKS:
+                found = warning("X012", found.message, found.place, found.hint)
+            yield found
