@@ -55,7 +55,7 @@ def levels() -> dict[str, set[str]]:
                 name = getattr(call.func, "attr", getattr(call.func, "id", "")).lstrip("_")
                 if name in LEVELS:
                     found[call.args[0].value].add(LEVELS[name])
-                elif name == "count" and _is_text(call.args[1]):
+                elif name == "count" and len(call.args) > 1 and _is_text(call.args[1]):
                     found[call.args[1].value].add(LEVELS[call.args[0].value])
     for level, code in re.findall(r"(?m)(error|warning|info): .* \[([A-Z]\d{3})\]$", snapshots()):
         found[code].add(level)
