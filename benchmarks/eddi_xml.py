@@ -154,9 +154,9 @@ def bare(file: str) -> Iterator[None]:
 
 def read(file: str) -> Iterator[None]:
     sys.path.insert(0, str(ROOT))
-    from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
-    from eddi_scaffold.readers.eddi import read_document
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.eddi_xml.reading import read_document
+    from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 
     yield
     source = read_source(file)
@@ -170,9 +170,9 @@ def read(file: str) -> Iterator[None]:
 
 def survey(file: str) -> Iterator[None]:
     sys.path.insert(0, str(ROOT))
-    from eddi_scaffold.readers.eddi import read_document
-    from eddi_scaffold.readers.survey import survey as survey_of
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.eddi_xml.reading import read_document
+    from eddi_scaffold.eddi_xml.survey import survey as survey_of
 
     yield
     document, _ = read_document(read_source(file))

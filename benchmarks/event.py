@@ -29,8 +29,8 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_scaffold.compiling.expressions.engine import build_engine  # noqa: E402 - runs from the checkout
-from eddi_scaffold.language import analyse  # noqa: E402
-from eddi_scaffold.language.standalone import generate  # noqa: E402
+from eddi_scaffold.conditions import analyse  # noqa: E402
+from eddi_scaffold.conditions.standalone import generate  # noqa: E402
 
 RATE = 100
 PERIOD = 10**9 // RATE

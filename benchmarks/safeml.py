@@ -31,7 +31,7 @@ from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the check
 from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
 from eddi_scaffold.compiling.execution import build  # noqa: E402
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec  # noqa: E402
-from eddi_scaffold.kinds.safeml.tables import Table  # noqa: E402
+from eddi_scaffold.kinds.safeml.reference import Table  # noqa: E402
 
 WINDOW = 100
 SIZES = [(1000, 10), (1000, 100), (10_000, 10), (10_000, 100)]

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds import JsonValue, Model, Reading
 from eddi_scaffold.monitors.loading import read_models
@@ -19,12 +21,10 @@ from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone, packages_root
 from eddi_scaffold.platforms import choices, chosen
-from eddi_scaffold.problems import EddiError, Place, Problem
-from eddi_scaffold.replay.parts import columns, of_values, rhythm
-from eddi_scaffold.replay.playing import play
-from eddi_scaffold.replay.recordings import read_tape
-from eddi_scaffold.replay.running import steps
-from eddi_scaffold.source import read_source
+from eddi_scaffold.recordings.csv_recording import read_tape
+from eddi_scaffold.recordings.parts import columns, of_values, rhythm
+from eddi_scaffold.recordings.playing import play
+from eddi_scaffold.recordings.results import steps
 
 __all__ = [
     "EddiError",

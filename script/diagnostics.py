@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Bring the examples in the registry and ``docs/reference/diagnostics.md`` up to date.
 
-    script/diagnostics.py    # after a change of eddi_scaffold/diagnostics/areas or of a snapshot
+    script/diagnostics.py    # after a change of common/catalogue/areas or of a snapshot
 
 Examples come from the snapshots, exact texts that the tests compare with what is printed. One that
 is still in a snapshot stays as it is; any other becomes the first problem of that code there. A
@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from eddi_scaffold.diagnostics import AREAS, areas  # noqa: E402 - of this checkout
+from eddi_scaffold.common.catalogue import AREAS, areas  # noqa: E402 - of this checkout
 
 PAGE = ROOT / "docs" / "reference" / "diagnostics.md"
 _PROBLEM = re.compile(
@@ -26,7 +26,7 @@ _PROBLEM = re.compile(
 )
 _HEAD = """# Diagnostics
 
-<!-- written by script/diagnostics.py from eddi_scaffold/diagnostics/areas -->
+<!-- written by script/diagnostics.py from eddi_scaffold/common/catalogue/areas -->
 
 Every problem has a stable code; its wording may change. `eddi-scaffold explain K007` prints the
 section of a code, with `--json` for programs. An *error* stops each command that would write, a

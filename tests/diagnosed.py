@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.diagnostics import find
-from eddi_scaffold.problems import Problem
+from eddi_scaffold.common.catalogue import find
+from eddi_scaffold.common.problems import Problem
 
 
 def assert_example(code: str, given: str | Iterable[Problem]) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.replay.parts import columns, of_values
-from eddi_scaffold.replay.playing import Play, play
-from eddi_scaffold.replay.recordings import read_tape
-from eddi_scaffold.replay.steps import ROWS, Rhythm
-from eddi_scaffold.source import Source
+from eddi_scaffold.recordings.csv_recording import read_tape
+from eddi_scaffold.recordings.parts import columns, of_values
+from eddi_scaffold.recordings.playing import ROWS, Play, Rhythm, play
 
 
 def played(monitor: BoundMonitor, source: Source, rhythm: Rhythm = ROWS) -> Play:

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.diagnostics import AREAS, Diagnostic, areas, find, parse_area
+from eddi_scaffold.common.catalogue import AREAS, Diagnostic, areas, find, parse_area
 
 ROOT = Path(__file__).parents[1]
 NOT_YET = ""

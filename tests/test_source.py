@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold import source as source_module
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.readers.eddi import read_document, sniff
-from eddi_scaffold.source import LargeSource, Source, read_source
+from eddi_scaffold.common import files as source_module
+from eddi_scaffold.common.files import LargeSource, Source, read_source
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.eddi_xml.reading import read_document, sniff
 
 
 def test_a_large_file_reads_like_a_small_one(

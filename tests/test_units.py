@@ -7,9 +7,9 @@ from fractions import Fraction
 
 import pytest
 
-from eddi_scaffold import units
+from eddi_scaffold.common import units
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.source import Source
 from tests.monitors.test_binding import SPEED
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error
 
 
 def program() -> None:
@@ -43,7 +43,7 @@ def _status(arguments: Sequence[str]) -> int:
     console.quiet, console.verbose, console.colour = False, False, None
     try:
         from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
-        from eddi_scaffold.source import inputs_noted
+        from eddi_scaffold.common.files import inputs_noted
 
         with inputs_noted():
             result = app(list(arguments), standalone_mode=False)

@@ -45,15 +45,15 @@ def adopt(
 
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
     """
-    from eddi_scaffold.adopting.adopt import adopt as adopted
-    from eddi_scaffold.adopting.writing import write_adopted
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.packages.adopting.adopt import adopt as adopted
+    from eddi_scaffold.packages.adopting.writing import write_adopted
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
-    from eddi_scaffold.problems import EddiError, error
 
     if (workspace is None) == (output is None):
         raise EddiError(error("G006", "give the destination: -w WORKSPACE, or -o FOLDER"))

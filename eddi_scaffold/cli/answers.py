@@ -64,13 +64,13 @@ def answers(
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.platforms import choices, chosen
-    from eddi_scaffold.positioned_yaml.writer import dump_plain
-    from eddi_scaffold.robot.beside_configs import beside_configs
+    from eddi_scaffold.yaml_text.writer import dump_plain
 
     target = chosen(platform)
     root = (workspace or Path()) / target.root

@@ -32,7 +32,7 @@ from eddi_scaffold.cli import (
     watch,
 )
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.everywhere import with_global_options
+from eddi_scaffold.cli.options import with_global_options
 
 
 class _Groups(TyperGroup):

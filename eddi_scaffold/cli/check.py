@@ -43,13 +43,12 @@ def check(
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console, count_line
+    from eddi_scaffold.common.problems import has_errors, in_order
+    from eddi_scaffold.connect.robot import beside_configs, check_robots
     from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
-    from eddi_scaffold.monitors.folders import files_of
     from eddi_scaffold.monitors.loading import named_like_mros
+    from eddi_scaffold.monitors.survey import files_of
     from eddi_scaffold.packages.handwritten import until_written_near
-    from eddi_scaffold.problems import has_errors, in_order
-    from eddi_scaffold.robot.beside_configs import beside_configs
-    from eddi_scaffold.robot.robot_models import check_robots
 
     unread: list[Path] = []
     for folder in [file for file in files if file.is_dir()]:

@@ -25,12 +25,12 @@ def compose(
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import EddiError, Place, error
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
     from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.monitors.loading import read_models, whole
-    from eddi_scaffold.problems import EddiError, Place, error
-    from eddi_scaffold.source import read_source
 
     marks = default_guarantee or ()
     labels, files = zip(*(_named(argument) for argument in conserts), strict=True)

@@ -13,7 +13,7 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
 
 if TYPE_CHECKING:
-    from eddi_scaffold.connect.drafted import Connected
+    from eddi_scaffold.connect.connecting import Connected
     from eddi_scaffold.connect.surroundings import Around
 
 _STATES = {
@@ -60,10 +60,10 @@ def connect(
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.connecting import connect
+    from eddi_scaffold.connect.rossystem import save
     from eddi_scaffold.connect.surroundings import Around
-    from eddi_scaffold.problems import has_errors
-    from eddi_scaffold.robot.rossystem import save
 
     around = Around(system, models, others or (), default_guarantee or ())
     if bag is not None:
@@ -88,7 +88,7 @@ def connect(
 def _with_bag(around: Around, bag: Path) -> Around:
     """Return what is given, with the topics of a bag, and when their messages are too old."""
     from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.replay.bags import read_contents
+    from eddi_scaffold.recordings.bags import read_contents
 
     found = read_contents(bag)
     ages = {topic: recorded_age(times, bag.name) for topic, times in found.times.items()}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.platforms import Platform, platforms
-from eddi_scaffold.problems import EddiError, Place, error
 
 
 def destination(platform: Platform, workspace: Path | None, output: Path | None) -> Path:

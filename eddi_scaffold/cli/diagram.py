@@ -39,13 +39,13 @@ def diagram(
     Example: eddi-scaffold diagram two_conserts.xml --name ConSertA -o conserta.svg
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.config.fleet.reading import is_fleet
-    from eddi_scaffold.deployments.fleet.drawing import picture_of_fleet
-    from eddi_scaffold.monitors.drawing import pictures
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.config.deployment_file import is_fleet
+    from eddi_scaffold.deployments.drawing import picture_of_fleet
+    from eddi_scaffold.monitors.exports import pictures
     from eddi_scaffold.monitors.loading import checked_models
-    from eddi_scaffold.monitors.model_survey import configured
+    from eddi_scaffold.monitors.survey import configured
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.source import read_source
 
     source = read_source(model)
     if is_fleet(source):

@@ -15,8 +15,8 @@ from eddi_scaffold.cli.options import Json, in_a_folder
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from eddi_scaffold.language import Analysis
-    from eddi_scaffold.problems import Problem
+    from eddi_scaffold.common.problems import Problem
+    from eddi_scaffold.conditions import Analysis
 
 
 class Target(str, Enum):
@@ -71,11 +71,11 @@ def event(
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language import analyse
-    from eddi_scaffold.language.report import as_json as report_json
-    from eddi_scaffold.language.report import as_text
-    from eddi_scaffold.language.standalone import without_limits
-    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.conditions import analyse
+    from eddi_scaffold.conditions.report import as_json as report_json
+    from eddi_scaffold.conditions.report import as_text
+    from eddi_scaffold.conditions.standalone import without_limits
     from eddi_scaffold.targets.names import check_module_name
 
     path = file or _file_of(text or "")
@@ -120,8 +120,8 @@ def event(
 
 def _source(text: str, path: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
-    from eddi_scaffold.language.findings import EXPRESSION
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.conditions.findings import EXPRESSION
 
     if path is None:
         return text, EXPRESSION
@@ -155,10 +155,10 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     import json
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language.recorded_values import columns, play
-    from eddi_scaffold.problems import EddiError
-    from eddi_scaffold.replay.recordings import read_recording
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import EddiError
+    from eddi_scaffold.conditions.recorded_values import columns, play
+    from eddi_scaffold.recordings.csv_recording import read_recording
 
     recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
     if recording is None:
@@ -188,8 +188,8 @@ def _shown(value: bool | float | None) -> str:
 def _generate(
     analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
 ) -> None:
-    from eddi_scaffold.language.report import as_json as report_json
-    from eddi_scaffold.language.standalone import generate
+    from eddi_scaffold.conditions.report import as_json as report_json
+    from eddi_scaffold.conditions.standalone import generate
 
     files = generate(analysis, target.value, name)
     _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
@@ -197,9 +197,9 @@ def _generate(
 
 def _is_model(path: Path) -> bool:
     """Return whether a file is a model, not the text of a condition."""
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.eddi_xml.reading import sniff as is_xml
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.readers.eddi import sniff as is_xml
-    from eddi_scaffold.source import read_source
 
     source = read_source(path)
     of = next((kind.name for kind in kinds().values() if kind.sniff(source)), None)
@@ -216,7 +216,7 @@ def _generate_of_model(
     as_json: bool,
 ) -> None:
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.monitors.standalone import standalone, without_limits
+    from eddi_scaffold.monitors.exports import standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
@@ -238,8 +238,8 @@ def _write(
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.problems import EddiError, error
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.problems import EddiError, error
     from eddi_scaffold.targets.kept_bodies import keep_in_folder
 
     lost: list[str] = []
@@ -268,7 +268,7 @@ def _serve(port: int, text: str, rate: float | None) -> None:
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.language.page.server import START, open_server
+    from eddi_scaffold.conditions.event_server import START, open_server
 
     start = replace(
         START, text=text or START.text, rate=START.rate if rate is None else f"{rate:g}"
@@ -282,8 +282,8 @@ def _read_signal(
     text: str, types: Mapping[str, str]
 ) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
     """Return the rows of a recording that was typed."""
-    from eddi_scaffold.replay.recordings import read_recording
-    from eddi_scaffold.source import Source
+    from eddi_scaffold.common.files import Source
+    from eddi_scaffold.recordings.csv_recording import read_recording
 
     columns: dict[str, Any] = dict(types)
     recording, found = read_recording(Source("<values>", text.encode()), columns)

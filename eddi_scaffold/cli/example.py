@@ -17,9 +17,9 @@ def example(
     Example: eddi-scaffold example two-conserts demo
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, error
     from eddi_scaffold.packages.examples import described, example_files, names
     from eddi_scaffold.packages.transaction import write
-    from eddi_scaffold.problems import EddiError, Place, did_you_mean, error
 
     if name == "list":
         width = max(map(len, names()), default=0)

@@ -21,13 +21,13 @@ def explain(
     from dataclasses import asdict
     from textwrap import fill, indent
 
-    from eddi_scaffold import diagnostics
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.common import catalogue
+    from eddi_scaffold.common.problems import EddiError, error
 
-    found = diagnostics.find(code)
+    found = catalogue.find(code)
     if found is None:
-        near = diagnostics.near(code)
+        near = catalogue.near(code)
         hint = f"did you mean {' or '.join(near)}?" if near else "a code is like K007"
         raise EddiError(error("G023", f"there is no code {code!r}", hint=hint))
     if json:

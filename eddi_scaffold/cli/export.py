@@ -49,14 +49,13 @@ def export(
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import EddiError, did_you_mean, error, in_order
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.monitors.choosing import select
-    from eddi_scaffold.monitors.in_eddi import written_into
-    from eddi_scaffold.monitors.loading import checked_models, is_config
+    from eddi_scaffold.monitors.exports import written_into
+    from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.problems import EddiError, did_you_mean, error, in_order
-    from eddi_scaffold.source import read_source
 
     if (output is None) == (into is None):
         raise EddiError(error("G020", "give either -o FOLDER or --into EDDI"))
@@ -69,10 +68,10 @@ def export(
     if configs:
         models = None if alone else model
         monitors, found = monitors_of(models, configs, name, default_guarantee or ())
-        chosen = select([monitor.model for monitor in monitors], None, wanted)
+        chosen = select_models([monitor.model for monitor in monitors], None, wanted)
     else:
         reading = checked_models(model, default_guarantee or ())
-        chosen, found = select(reading.models, name, wanted), list(reading.problems)
+        chosen, found = select_models(reading.models, name, wanted), list(reading.problems)
     seen = [problem for item in chosen for problem in kinds()[item.kind].functions.check(item)]
     console.problems(in_order([*found, *seen]))
     if into is not None:

@@ -6,15 +6,15 @@ from pathlib import Path
 
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.reporting import finish
-from eddi_scaffold.config.fleet.reading import is_fleet
-from eddi_scaffold.deployments.fleet.sites import sites_of
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.config.deployment_file import is_fleet
+from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.source import read_source
 
 
 def generate_fleet(

@@ -85,8 +85,9 @@ def generate(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.deployments.wiring.check import members_of
-    from eddi_scaffold.deployments.wiring.topics import shared_by_robots
+    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.deployments.topics import shared_by_robots
+    from eddi_scaffold.deployments.wiring import members_of
     from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
@@ -95,7 +96,6 @@ def generate(
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import choices, chosen
-    from eddi_scaffold.robot.beside_configs import beside_configs
 
     target = chosen(platform)
     place = destination(target, workspace, output)

@@ -11,7 +11,7 @@ import typer
 from eddi_scaffold.cli import exit_status
 
 if TYPE_CHECKING:
-    from eddi_scaffold.robot.rossystem import Parsed
+    from eddi_scaffold.connect.rossystem import Parsed
 
 
 class Format(str, Enum):
@@ -97,9 +97,9 @@ def parse_rossystem(
     Example: eddi-scaffold parse-rossystem -s robot.rossystem -m models -c eddi_config.yml
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.problems import has_errors
+    from eddi_scaffold.connect.rossystem import parse, read_robot, save
     from eddi_scaffold.mros.filters import Filters
-    from eddi_scaffold.problems import has_errors
-    from eddi_scaffold.robot.rossystem import parse, read_robot, save
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
@@ -147,7 +147,7 @@ def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str
 
 def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
-    from eddi_scaffold.config.block import KEPT_ENTRY
+    from eddi_scaffold.config.topic_block import KEPT_ENTRY
 
     failed = any(problem.level == "error" for problem in parsed.problems)
     if failed and not parsed.outputs.topics:

@@ -9,8 +9,8 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
+from eddi_scaffold.common.problems import counted
 from eddi_scaffold.packages.generation import Outcome
-from eddi_scaffold.problems import counted
 
 _SHOWN = 12
 _RECORDS = "/.eddi/"

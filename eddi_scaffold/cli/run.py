@@ -19,13 +19,12 @@ from eddi_scaffold.cli.options import (
 )
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
-    from eddi_scaffold.problems import Problem
-    from eddi_scaffold.replay.packaged import Packaged
-    from eddi_scaffold.replay.playing import Part, Play
-    from eddi_scaffold.replay.recordings import Tape
-    from eddi_scaffold.replay.steps import Rhythm
+    from eddi_scaffold.recordings.csv_recording import Tape
+    from eddi_scaffold.recordings.packaged import Packaged
+    from eddi_scaffold.recordings.playing import Part, Play, Rhythm
 
 
 CHECKED_BY_BAG = {"K039", "K049"}
@@ -99,13 +98,13 @@ def run(
     import json
 
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.files import refuse_input
+    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.replay.playing import play
-    from eddi_scaffold.replay.running import changes, picture, steps, table, watched
-    from eddi_scaffold.robot.beside_configs import beside_configs
-    from eddi_scaffold.source import refuse_input
+    from eddi_scaffold.recordings.playing import play
+    from eddi_scaffold.recordings.results import changes, picture, steps, table, watched
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))
@@ -156,8 +155,8 @@ def run(
 
 def _package(files: Sequence[Path], **others: object) -> Packaged | None:
     """Return the package that is named in place of a model; its code is executed."""
+    from eddi_scaffold.common.problems import EddiError, Place, error
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
-    from eddi_scaffold.problems import EddiError, Place, error
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
@@ -170,15 +169,15 @@ def _package(files: Sequence[Path], **others: object) -> Packaged | None:
     if len(files) > 1 or any(others.values()):
         message = "a package has its model and its configuration, and runs alone"
         raise EddiError(error("G020", message, Place(str(folder)), "name the package only"))
-    from eddi_scaffold.replay.packaged import load
+    from eddi_scaffold.recordings.packaged import load
 
     return load(folder)
 
 
 def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> list[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I022)."""
+    from eddi_scaffold.common.problems import Place, warning
     from eddi_scaffold.packages.handwritten import packages_of, written
-    from eddi_scaffold.problems import Place, warning
 
     near = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
     found = []
@@ -196,11 +195,11 @@ def _models_and_configs(
     files: Sequence[Path], configs: Sequence[Path], robot: RobotAdditions | None
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
-    from eddi_scaffold.config.model_path import named_model_path
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import EddiError, Place, error
+    from eddi_scaffold.config.file import named_model_path
     from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
-    from eddi_scaffold.problems import EddiError, Place, error
-    from eddi_scaffold.source import read_source
 
     if len(files) == 1 and configs:
         return list(files), list(configs)
@@ -221,8 +220,8 @@ def _check_number(
     monitors: Sequence[BoundMonitor], configs: Sequence[Path], one_only: str | None
 ) -> None:
     """Refuse several models without configurations, and what shows one monitor only."""
+    from eddi_scaffold.common.problems import EddiError, error
     from eddi_scaffold.packages.assembly import only
-    from eddi_scaffold.problems import EddiError, error
 
     if not configs:
         only(monitors)
@@ -233,8 +232,8 @@ def _check_number(
 
 
 def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[Rhythm]:
-    from eddi_scaffold.replay.parts import rhythm
-    from eddi_scaffold.replay.steps import ROWS
+    from eddi_scaffold.recordings.parts import rhythm
+    from eddi_scaffold.recordings.playing import ROWS
 
     return [ROWS if steps_as is StepsAs.ROWS else rhythm(one) for one in monitors]
 
@@ -246,7 +245,7 @@ def _parts(
     *,
     from_bag: bool,
 ) -> Sequence[Part]:
-    from eddi_scaffold.replay.parts import of_messages, of_values
+    from eddi_scaffold.recordings.parts import of_messages, of_values
 
     if from_bag:
         made = package.from_messages() if package is not None else None
@@ -263,11 +262,11 @@ def _from_csv(
 ) -> tuple[Tape, Sequence[Problem]]:
     from functools import partial
 
-    from eddi_scaffold.monitors.folders import inputs_beside
-    from eddi_scaffold.problems import warning
-    from eddi_scaffold.replay.parts import beyond_whole, columns
-    from eddi_scaffold.replay.recordings import read_tape
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import warning
+    from eddi_scaffold.monitors.survey import inputs_beside
+    from eddi_scaffold.recordings.csv_recording import read_tape
+    from eddi_scaffold.recordings.parts import beyond_whole, columns
 
     assert path is not None
     others = partial(inputs_beside, configs)
@@ -284,9 +283,9 @@ def _from_csv(
 def _from_bag(
     monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
-    from eddi_scaffold.problems import EddiError, error, warning
-    from eddi_scaffold.replay.bags import read_bag, written_by_hand
-    from eddi_scaffold.replay.parts import published
+    from eddi_scaffold.common.problems import EddiError, error, warning
+    from eddi_scaffold.recordings.bags import read_bag, written_by_hand
+    from eddi_scaffold.recordings.parts import published
 
     if any(monitor.config is None for monitor in monitors):
         raise EddiError(error("G020", "--bag needs the topics of a configuration: -c"))

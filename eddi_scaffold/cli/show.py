@@ -13,7 +13,7 @@ from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
-    from eddi_scaffold.monitors.model_survey import Shown
+    from eddi_scaffold.monitors.survey import Shown
 
 
 def show(
@@ -37,12 +37,11 @@ def show(
     Example: eddi-scaffold show example.xml -c consert_a_config.yml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.deployments.accepted import accepted_of
-    from eddi_scaffold.monitors.choosing import select
-    from eddi_scaffold.monitors.loading import read_models, unfit
-    from eddi_scaffold.monitors.model_survey import configured, mros_of, only, survey_of
-    from eddi_scaffold.problems import EddiError, has_errors
-    from eddi_scaffold.source import read_source
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.common.problems import EddiError, has_errors
+    from eddi_scaffold.deployments.joining import accepted_of
+    from eddi_scaffold.monitors.loading import read_models, select_models, unfit
+    from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
 
     source = read_source(model)
     robot = mros_of(source)
@@ -55,7 +54,7 @@ def show(
     reading = read_models(source, default_guarantee or ())
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
-    chosen = select(reading.models, name) if name is not None else reading.models
+    chosen = select_models(reading.models, name) if name is not None else reading.models
     survey = survey if name is None else only(survey, chosen)
     accepted, models, wrong = accepted_of(reading.models, given.configs, default_guarantee or ())
     if as_json:
@@ -74,7 +73,7 @@ def show(
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.problems import has_errors
+    from eddi_scaffold.common.problems import has_errors
 
     if as_json:
         console.json(shown.document)
@@ -89,7 +88,7 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[Model]) -> None:
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
-    from eddi_scaffold.monitors.model_survey import is_one_of
+    from eddi_scaffold.monitors.survey import is_one_of
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")

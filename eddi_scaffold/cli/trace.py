@@ -30,12 +30,11 @@ def trace(
     import io
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.deployments.wiring.acceptances import acceptances
-    from eddi_scaffold.deployments.wiring.lifetimes import bounds
-    from eddi_scaffold.deployments.wiring.support import remembered
+    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.deployments.lifetimes import bounds
+    from eddi_scaffold.deployments.support import acceptances, remembered
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of
     from eddi_scaffold.packages.upgrading import groups
-    from eddi_scaffold.problems import EddiError, error
 
     if as_json and as_csv:
         raise EddiError(error("G016", "--json and --csv exclude each other"))

@@ -40,12 +40,12 @@ def upgrade(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish_all
+    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.generation import Outcome, write_packages
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
     from eddi_scaffold.packages.workspace import alone, linked_package
-    from eddi_scaffold.problems import EddiError, error
-    from eddi_scaffold.robot.beside_configs import beside_configs
 
     if not config and (system is not None or models is not None):
         hint = "add -c CONFIG: packages remember the message types that they were made with"

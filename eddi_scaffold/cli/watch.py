@@ -73,7 +73,7 @@ def watch(
     Example: eddi-scaffold watch --text --robot arm
     """
     from eddi_scaffold.watch.fleet import FleetState
-    from eddi_scaffold.watch.names import wanted_robots
+    from eddi_scaffold.watch.messages import wanted_robots
 
     state = FleetState(wanted_robots(robot or ()), patience)
     lines = text or as_json
@@ -94,7 +94,7 @@ def _opened(
     import os
     import time
 
-    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, error
     from eddi_scaffold.watch.recording import Recording
     from eddi_scaffold.watch.ros1.source import Ros1Graph
     from eddi_scaffold.watch.text import seconds, time_of_day
@@ -115,10 +115,10 @@ def _opened(
 
 
 def _dds(domains: list[int]) -> Source:
-    from eddi_scaffold.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, error
 
     try:
-        from eddi_scaffold.watch.dds import DdsGraphs
+        from eddi_scaffold.watch.dds_source import DdsGraphs
     except ImportError:
         hint = "`pipx inject eddi-scaffold cyclonedds`, or pip in its environment"
         raise EddiError(error("V004", "cyclonedds is not installed", hint=hint)) from None
@@ -145,10 +145,9 @@ def _serve(
     import threading
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.watch.page.feed import Feed
-    from eddi_scaffold.watch.page.models import pictures_of
-    from eddi_scaffold.watch.page.server import open_server
-    from eddi_scaffold.watch.page.view import view_of
+    from eddi_scaffold.watch.page import pictures_of, view_of
+    from eddi_scaffold.watch.page_feed import Feed
+    from eddi_scaffold.watch.page_server import open_server
     from eddi_scaffold.watch.running import show
 
     first = state.snapshot(0.0)

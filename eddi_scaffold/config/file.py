@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from eddi_scaffold.common.files import Source, beside, near_file, read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.positioned_yaml.columns import inside_scalar
-from eddi_scaffold.problems import EddiError, Place, Problem, error
-from eddi_scaffold.source import Source, beside, read_source
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text
+from eddi_scaffold.yaml_text.spans import inside_scalar
 
 KEY = -1
 """Last part of the path under which the place of a key is noted, not that of its value."""
@@ -101,3 +102,91 @@ def _sorted(value: JsonValue, key: str = "") -> JsonValue:
         return value
     inner = {name: one if key == _TYPES else _sorted(one, name) for name, one in value.items()}
     return dict(sorted(inner.items()))
+
+
+MODEL_KEYS = ("model", "config", "file")
+_Keys = tuple[str | int, ...]
+
+
+def named_model(file: ConfigFile) -> str | None:
+    """Return the file that ``parameters`` names as the model, relative to the configuration.
+
+    SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
+    """
+    found = _named_model(file)
+    return None if found is None else found[0]
+
+
+def named_model_path(file: ConfigFile) -> Path | None:
+    """Return where the file is that ``parameters`` names, ``None`` where it names none.
+
+    Raises:
+        EddiError: there is no such file (F001), or it is not below the folder of the configuration
+            (F009); the place is that of its name.
+    """
+    found = _named_model(file)
+    if found is None:
+        return None
+    name, where = found
+    try:
+        path = beside(file.name, name)
+        path.stat()
+    except EddiError as failure:
+        raise EddiError(
+            *(about_file(p, name, file.place(*where)) for p in failure.problems)
+        ) from None
+    except (OSError, ValueError):
+        near = near_file(path, name, Path(file.name).name)
+        hint = near or "a name is relative to the folder of the configuration"
+        message = f"there is no file {name!r}"
+        raise EddiError(error("F001", message, file.place(*where), hint)) from None
+    return path
+
+
+def _named_model(file: ConfigFile) -> tuple[str, _Keys] | None:
+    """Return the name of the model's file and the keys under which it is given."""
+    given = file.config.Model.parameters
+    where: _Keys = ("Model", "parameters")
+    maps = [((*where, k), one) for k, one in enumerate(given)] if isinstance(given, list) else []
+    for key in MODEL_KEYS:
+        for keys, one in maps or [(where, given)]:
+            name = one.get(key) if isinstance(one, dict) else None
+            if isinstance(name, str) and name:
+                return name, (*keys, key)
+    return None
+
+
+def overridden(document: Map, override: Map | None) -> Map:
+    """Return a document with other values; each keeps the place where it is written.
+
+    Maps are joined key by key, and lists of entries with an ``id`` entry by entry; anything else
+    is replaced as a whole. Keys and entries that the document does not have are added to it.
+    """
+    if override is None:
+        return document
+    entries = {key.text: (key, value) for key, value in document.entries}
+    for key, value in override.entries:
+        own = entries.get(key.text)
+        entries[key.text] = (key, value) if own is None else (own[0], _joined(own[1], value))
+    return replace(document, entries=tuple(entries.values()))
+
+
+def _joined(value: Node, override: Node) -> Node:
+    if isinstance(value, Map) and isinstance(override, Map):
+        return overridden(value, override)
+    if isinstance(value, Items) and isinstance(override, Items):
+        own, new = _by_id(value), _by_id(override)
+        if own is not None and new is not None:
+            joined = {id_: overridden(entry, new.get(id_)) for id_, entry in own.items()}
+            return replace(value, items=(*joined.values(), *(new[i] for i in new if i not in own)))
+    return override
+
+
+def _by_id(items: Items) -> dict[str, Map] | None:
+    """Return the entries of a list by their ids, ``None`` where one has none, or two the same."""
+    found = {
+        id_: item
+        for item in items.items
+        if isinstance(item, Map) and (id_ := as_text(item.get("id") or item)) is not None
+    }
+    return found if len(found) == len(items.items) else None

@@ -2,14 +2,155 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
 
-from eddi_scaffold.config.file import KEY, ConfigFile
-from eddi_scaffold.config.model_path import MODEL_KEYS
-from eddi_scaffold.config.schema import INPUT_TYPES, ModelSection
-from eddi_scaffold.config.violations import hint_for_decimals
+from pydantic import ValidationError
+
+from eddi_scaffold.common.problems import (
+    HintedError,
+    NearNames,
+    Place,
+    Problem,
+    did_you_mean,
+    error,
+    nearest,
+    warning,
+)
+from eddi_scaffold.config.file import KEY, MODEL_KEYS, ConfigFile
+from eddi_scaffold.config.schema import INPUT_TYPES, ModelSection, known_keys
 from eddi_scaffold.kinds import DeclaredInput, Options, kinds
-from eddi_scaffold.problems import NearNames, Place, Problem, error
+from eddi_scaffold.yaml_text.nodes import (
+    Items,
+    Map,
+    Node,
+    differs_between_versions,
+    number_for_11,
+    value_11,
+)
+from eddi_scaffold.yaml_text.scalars import advice
+
+Places = dict[tuple[str | int, ...], Place]
+"""Path of a value -> its place; with KEY at the end, that of its key."""
+
+
+def plain_values(
+    node: Node, places: Places, problems: list[Problem], path: tuple[str | int, ...] = ()
+) -> Any:
+    """Turn a node graph into plain values of YAML 1.1; note the place of each.
+
+    Args:
+        node: where to begin.
+        places: gets the places.
+        problems: gets what YAML 1.1 and 1.2 read differently (K008).
+        path: of the node.
+    """
+    places[path] = node.place
+    if isinstance(node, Map):
+        result = {}
+        for key, value in node.entries:
+            inner = (*path, key.text)
+            result[key.text] = plain_values(value, places, problems, inner)
+            places[(*inner, KEY)] = key.place
+            if isinstance(value, Map | Items):
+                places[inner] = key.place
+        return result
+    if isinstance(node, Items):
+        return [
+            plain_values(item, places, problems, (*path, i)) for i, item in enumerate(node.items)
+        ]
+    if differs_between_versions(node):
+        value = value_11(node)
+        number = number_for_11(node) if isinstance(value, str) else None
+        read = repr(value) if number is None else f"the text {value!r}"
+        message = f"{node.text!r} is read as {read} (YAML 1.1)"
+        hint = "write it in quotes if a text is meant"
+        hint = hint if number is None else f"write {number} for the number, or quotes for the text"
+        problems.append(warning("K008", message, node.place, hint))
+    return value_11(node)
+
+
+_TEXTS = {
+    "bool_type": "true or false is expected",
+    "dict_type": "a map is expected",
+    "int_type": "a whole number is expected",
+    "list_type": "a list is expected, such as [first, second]",
+    "model_type": "a map is expected",
+    "string_type": "a text is expected",
+    "too_short": "a text is expected, not nothing",
+}
+"""Messages in place of pydantic's, which address programmers."""
+
+
+def violations(
+    failed: ValidationError,
+    places: Mapping[tuple[str | int, ...], Place],
+    file: str,
+    keys_of: Callable[[tuple[str | int, ...]], set[str]] = known_keys,
+) -> Iterable[Problem]:
+    """Turn pydantic's findings into problems with a place, one per value.
+
+    Args:
+        failed: the findings.
+        places: of the values.
+        file: for what has no place.
+        keys_of: path of a section -> the keys that it has.
+    """
+    seen: set[tuple[str | int, ...]] = set()
+    extra = [one["loc"] for one in failed.errors() if one["type"] == "extra_forbidden"]
+    meant = {(*loc[:-1], nearest(str(loc[-1]), keys_of(loc[:-1]))) for loc in extra}
+    for found in failed.errors():
+        path = tuple(found["loc"])
+        while path and path not in places:
+            path = path[:-1]
+        if found["type"] == "missing" and found["loc"] in meant:
+            continue  # told where it is misspelt
+        if path in seen and found["type"] != "missing":
+            continue
+        seen.add(path)
+        place = places.get(path, Place(file))
+        key = str(found["loc"][-1])
+        if found["type"] == "missing":
+            yield error("K003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
+        elif found["type"] == "extra_forbidden":
+            known = keys_of(path[:-1])
+            hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
+            if not key.isidentifier() and _key_before(path, places) == "expression":
+                hint = "put the expression in quotes: inside { } a comma ends it"
+            else:
+                hint = hint_for_decimals(key) or advice(key) or hint
+            yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
+        else:
+            raised = found.get("ctx", {}).get("error")  # by our own checks
+            own, hint = _TEXTS.get(found["type"]) or str(raised or found["msg"]), None
+            if len(found["loc"]) > len(path):  # one of several types that would do
+                own = "true, false, a number or a text is expected"
+            elif isinstance(raised, HintedError):
+                hint = raised.hint
+            hint = hint or advice(str(found["input"]))
+            own = own.replace("Input should be", "must be")  # of pydantic, for a literal
+            yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
+
+
+def hint_for_decimals(key: str) -> str | None:
+    """Return the hint for a key that is what stood behind the comma of a number."""
+    if not key[:1].isdecimal():
+        return None
+    return "a number has a decimal point: inside { } a comma ends it"
+
+
+def _key_before(
+    path: tuple[str | int, ...], places: Mapping[tuple[str | int, ...], Place]
+) -> str | int | None:
+    """Return the key that stands before one of the same map, passing over what has no name."""
+    keys = [one[-2] for one in places if one[-1:] == (KEY,) and one[:-2] == path[:-1]]
+    before = keys[: keys.index(path[-1])] if path[-1] in keys else []
+    return next((key for key in reversed(before) if str(key).isidentifier()), None)
+
+
+def _named_path(path: Sequence[str | int]) -> str:
+    """Name a value by its keys; the place identifies the entry of a list."""
+    return ".".join(part for part in path if isinstance(part, str))
 
 
 def options_of(file: ConfigFile | None) -> Options:

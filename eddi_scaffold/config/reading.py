@@ -14,18 +14,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.config.file import ConfigFile, about_file
-from eddi_scaffold.config.message_types import MessageFields, used
-from eddi_scaffold.config.options import unknown_options
-from eddi_scaffold.config.overriding import overridden
-from eddi_scaffold.config.plain_values import plain_values
-from eddi_scaffold.config.schema import Config, Entry
-from eddi_scaffold.config.undecided import undecided
-from eddi_scaffold.config.violations import violations
-from eddi_scaffold.identifiers import attribute
-from eddi_scaffold.kinds import kinds
-from eddi_scaffold.positioned_yaml.nodes import Map, read_map
-from eddi_scaffold.problems import (
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.problems import (
     EddiError,
     NearNames,
     Place,
@@ -36,8 +27,14 @@ from eddi_scaffold.problems import (
     in_order,
     warning,
 )
-from eddi_scaffold.readers.xml_text import looks_like_xml
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.config.file import ConfigFile, about_file, overridden
+from eddi_scaffold.config.message_types import MessageFields, used
+from eddi_scaffold.config.options import plain_values, unknown_options, violations
+from eddi_scaffold.config.schema import Config, Entry
+from eddi_scaffold.config.undecided import undecided
+from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
+from eddi_scaffold.kinds import kinds
+from eddi_scaffold.yaml_text.nodes import Map, read_map
 
 _ALIASES = {
     "EDDIOoutputs": "EDDIOutputs",

@@ -21,10 +21,10 @@ from pydantic import (
     StrictStr,
 )
 
+from eddi_scaffold.common.identifiers import is_ros_name
+from eddi_scaffold.common.problems import HintedError, did_you_mean
 from eddi_scaffold.config.message_types.definitions import PRIMITIVES
-from eddi_scaffold.identifiers import is_ros_name
 from eddi_scaffold.kinds import InputType
-from eddi_scaffold.problems import HintedError, did_you_mean
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 INPUT_TYPES: dict[str, InputType] = {

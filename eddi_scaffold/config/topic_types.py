@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 
+from eddi_scaffold.common.problems import Problem, error, nearest, warning
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.installed import installed_message, installed_types
-from eddi_scaffold.problems import Problem, error, nearest, warning
 
 _LIKE = 0.9
 """Names of packages are alike already: they end in ``_msgs``."""

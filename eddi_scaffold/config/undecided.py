@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from eddi_scaffold.common.problems import Place, Problem, error
 from eddi_scaffold.kinds import TODO
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, as_text
-from eddi_scaffold.problems import Place, Problem, error
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text
 
 _AGE = "write seconds, about 2.5 periods of the topic, or give `connect` a recording: --bag"
 _OTHER = "write it in place of TODO; comments of `connect` say what fits"

@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import difflib
+import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from eddi_scaffold.config.block import ConfigText, TopicEntry, extended, new_document, read_block
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.identifiers import free_name, full_topic, package_name
+from eddi_scaffold.common.problems import EddiError, Problem, in_order, with_excerpts
 from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.config.topic_block import (
+    ConfigText,
+    TopicEntry,
+    extended,
+    new_document,
+    read_block,
+)
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect import draft as drafts
-from eddi_scaffold.connect.drafted import Connected
-from eddi_scaffold.connect.keeping import Draft, with_draft
-from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.offers import offers
-from eddi_scaffold.connect.owners import chosen_model, refuse_other, unknown_inputs
-from eddi_scaffold.connect.reading import (
+from eddi_scaffold.connect.keeping import (
+    Draft,
     content,
     declared_types,
     model_id,
@@ -23,17 +30,94 @@ from eddi_scaffold.connect.reading import (
     synonyms_of,
     text_of,
     topics_of,
+    with_draft,
 )
-from eddi_scaffold.connect.surroundings import Around, monitors_beside, with_robot
+from eddi_scaffold.connect.matching import Decision, decide
+from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.offers import offers
+from eddi_scaffold.connect.surroundings import (
+    Around,
+    chosen_model,
+    monitors_beside,
+    refuse_other,
+    unknown_inputs,
+    with_robot,
+)
 from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.identifiers import free_name, full_topic, package_name
+from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, Skeleton, kinds
 from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.mros.ids import slug
-from eddi_scaffold.positioned_yaml.nodes import Map, items_of
-from eddi_scaffold.problems import EddiError, in_order, with_excerpts
-from eddi_scaffold.readers.links import events_of
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.mros.filters import slug
+from eddi_scaffold.yaml_text.nodes import Map, items_of
+
+
+@dataclass(frozen=True)
+class Connected:
+    """A draft.
+
+    Attributes:
+        name: of the configuration.
+        before: its text, ``None`` when there is no file.
+        after: its new text.
+        decisions: one for each input of the model.
+        kept: inputs that were decided before.
+        problems: of the robot, and of the configuration.
+        todo: how many values are still to be decided.
+    """
+
+    name: str
+    before: str | None
+    after: str
+    decisions: Sequence[Decision]
+    kept: frozenset[str]
+    problems: Sequence[Problem]
+    todo: int
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is something to write."""
+        return self.after != self.before
+
+    def state(self, decision: Decision) -> str:
+        """Return ``taken``, ``listed`` or ``none``, or ``kept`` where a person has decided."""
+        return "kept" if decision.need.id in self.kept else decision.state
+
+    @property
+    def has_topics(self) -> bool:
+        """Whether the configuration names topics of a robot."""
+        return bool(topics_of(content(ConfigText(self.name, self.after, 0, 0))))
+
+    def diff(self) -> str:
+        """Return the change as a unified diff."""
+        old = (self.before or "").splitlines(keepends=True)
+        name = self.name if self.before is not None else os.devnull
+        new = self.after.splitlines(keepends=True)
+        lines = difflib.unified_diff(old, new, name, self.name)
+        return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the decisions for programs."""
+        return {
+            "inputs": [
+                {
+                    "id": one.need.id,
+                    "state": self.state(one),
+                    "candidates": [
+                        {
+                            "output": found.topic.id,
+                            found.access.key: found.access.text,
+                            "unit": found.access.unit,
+                            "score": found.score,
+                            "parts": dict(found.parts),
+                            "why": list(found.reasons),
+                        }
+                        for found in one.candidates
+                    ],
+                }
+                for one in self.decisions
+            ],
+            "todo": self.todo,
+        }
 
 
 def connect(model: Path, name: str | None, config: Path | None, around: Around) -> Connected:

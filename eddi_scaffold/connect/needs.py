@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.connect.words import Synonyms, best, telling, words
+from eddi_scaffold.connect.name_words import Synonyms, best, telling, words
 from eddi_scaffold.kinds import InputType, ModelInput
 
 

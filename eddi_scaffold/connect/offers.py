@@ -6,12 +6,12 @@ import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from eddi_scaffold.common.identifiers import attribute, free_name, key_text
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.identifiers import attribute, free_name, key_text
+from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.readers.links import events_of
 
 _SILENT = (False,)
 """What a field may be while nothing is known, that evidence may be made of."""

@@ -7,24 +7,27 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.fleet.reading import is_fleet
-from eddi_scaffold.config.model_path import named_model_path
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, info, listed
+from eddi_scaffold.config.deployment_file import is_fleet
+from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.deployments.fleet.checking import check_fleet
+from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
-from eddi_scaffold.deployments.wiring.check import members_of
-from eddi_scaffold.deployments.wiring.deployment import deployment
-from eddi_scaffold.deployments.wiring.topics import absent_publishers
+from eddi_scaffold.deployments.topics import absent_publishers, deployment
+from eddi_scaffold.deployments.wiring import members_of
+from eddi_scaffold.eddi_xml.reading import sniff as is_xml
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
-from eddi_scaffold.monitors.choosing import without_model
-from eddi_scaffold.monitors.loading import checked_models, is_config, no_model, read_models
+from eddi_scaffold.monitors.loading import (
+    checked_models,
+    is_config,
+    no_model,
+    read_models,
+    without_model,
+)
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
-from eddi_scaffold.problems import EddiError, Problem, has_errors, info, listed
-from eddi_scaffold.readers.eddi import sniff as is_xml
-from eddi_scaffold.source import Source, read_source
 
 BY_HAND = "to be written by hand: "
 _OF_WHAT_LACKS = ("D006", "G001", "X037")

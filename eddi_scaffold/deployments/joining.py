@@ -6,19 +6,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
+from eddi_scaffold.common.identifiers import is_package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.deployments.wiring.ages import check_ages
-from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
-from eddi_scaffold.deployments.wiring.deployment import deployment
-from eddi_scaffold.identifiers import is_package_name
+from eddi_scaffold.deployments.lifetimes import check_ages
+from eddi_scaffold.deployments.support import Accepted, acceptances
+from eddi_scaffold.deployments.topics import deployment
+from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, Reading, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
-from eddi_scaffold.monitors.choosing import candidates, model_for
 from eddi_scaffold.monitors.connections import check_ids, check_limits
+from eddi_scaffold.monitors.loading import candidates, checked_models, model_for
 from eddi_scaffold.platforms import PackageAnswers, Platform
-from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
 
 
 def join(
@@ -163,3 +165,30 @@ def _check_names(
             yield error(
                 "G003", message, place, f"choose another Model id, for instance {shown}_monitor"
             )
+
+
+def accepted_of(
+    models: Sequence[Model], configs: Sequence[ConfigFile], marks: Sequence[str] = ()
+) -> tuple[list[Accepted], list[Model], list[Problem]]:
+    """Return what configurations accept, with the claims that rest on it, or the errors.
+
+    Between them are the models as they are configured; those that no configuration is about stay.
+
+    Args:
+        models: those of the file that is shown; a configuration may name another one.
+        configs: the configurations.
+        marks: the default guarantees that are marked.
+    """
+    if not configs:
+        return [], list(models), []
+    monitors, problems = join(models, configs, partial(checked_models, default_guarantees=marks))
+    wrong = [problem for problem in problems if problem.level == "error"]
+    if wrong:
+        return [], list(models), wrong
+    accepted = acceptances([member.participant for member in members_of(monitors)])
+    made = {_identity(one.model): one.model for one in monitors}
+    return accepted, [made.get(_identity(one), one) for one in models], []
+
+
+def _identity(model: Model) -> tuple[str, str, str]:
+    return model.kind, model.source.name, model.place.path or model.name  # may be named anew

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
+from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.diagrams.layout import LINE, RULE, Box, Route, laid_out, text_width
-from eddi_scaffold.escaping import xml_text
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
 _TONES: dict[Tone, tuple[str, str]] = {

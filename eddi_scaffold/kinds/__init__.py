@@ -13,16 +13,15 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
-from eddi_scaffold.claims import Acceptance, Meanings, Use
-from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.verdicts import Listen
+from eddi_scaffold.common.claims import Acceptance, Listen, Meanings, Use
+from eddi_scaffold.common.problems import EddiError, Place, error
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.files import Source
+    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.diagrams import Diagram
-    from eddi_scaffold.problems import Problem
-    from eddi_scaffold.readers.document import EddiDocument
-    from eddi_scaffold.readers.links import Links
-    from eddi_scaffold.source import Source
+    from eddi_scaffold.eddi_xml.document import EddiDocument
+    from eddi_scaffold.eddi_xml.links import Links
 
 InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]
 """``state``: a text, the name of a state, or one number per state (likelihoods)."""

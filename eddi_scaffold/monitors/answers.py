@@ -11,15 +11,15 @@ import json
 from collections.abc import Sequence
 
 from eddi_scaffold import __version__
-from eddi_scaffold.config.schema import Config
-from eddi_scaffold.escaping import (
+from eddi_scaffold.common.escaping import (
     markdown_code,
     markdown_text,
     one_line,
     python_comment,
     python_literal,
 )
-from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker

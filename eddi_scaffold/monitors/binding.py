@@ -10,9 +10,19 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from eddi_scaffold import units
-from eddi_scaffold.config import fields
-from eddi_scaffold.config.field_types import documented_at, resolve
+from eddi_scaffold.common import units
+from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
+from eddi_scaffold.common.problems import (
+    EddiError,
+    NearNames,
+    Place,
+    Problem,
+    error,
+    has_errors,
+    warning,
+)
+from eddi_scaffold.config import field_paths
+from eddi_scaffold.config.field_paths import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import (
     EITHER_TIMES,
@@ -28,22 +38,12 @@ from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput
-from eddi_scaffold.monitors import accepting
+from eddi_scaffold.monitors import input_rules
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
-from eddi_scaffold.monitors.knowledge import taken
+from eddi_scaffold.monitors.input_rules import taken
 from eddi_scaffold.monitors.model_document import model_document
-from eddi_scaffold.problems import (
-    EddiError,
-    NearNames,
-    Place,
-    Problem,
-    error,
-    has_errors,
-    warning,
-)
 
 _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
@@ -206,8 +206,8 @@ def known_types(config: ConfigFile | None, known: MessageFields) -> MessageField
     """Return all known types, and those that a configuration declares itself; its word counts."""
     given = config.config.MessageTypes if config is not None else {}
     own = {
-        name: declared(((of, field) for field, of in fields.items()), name.partition("/")[0])
-        for name, fields in given.items()
+        name: declared(((of, field) for field, of in field_paths.items()), name.partition("/")[0])
+        for name, field_paths in given.items()
     }
     return {**known, **own}
 
@@ -237,7 +237,7 @@ def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str
         "factor": list(binding.factor) if binding.factor else None,
         "default": binding.default,
     }
-    accepts = accepting.keys(entry, document) if entry is not None else []
+    accepts = input_rules.keys(entry, document) if entry is not None else []
     return {**document, "accepts": accepts} if accepts else document
 
 
@@ -511,20 +511,24 @@ class _InputBinder:
     def _taken(self, argument: str, message: str, field: str) -> str | None:
         """Return the expression that takes a field from a message."""
         try:
-            path = fields.parse_field(field)
-        except fields.FieldPathError as problem:
+            path = field_paths.parse_field(field)
+        except field_paths.FieldPathError as problem:
             self._error("K019", str(problem), "field", problem.hint)
             return None
         return taken(argument, self._checked(path, message), message)
 
-    def _checked(self, path: fields.FieldPath, message: str) -> fields.FieldPath:
+    def _checked(self, path: field_paths.FieldPath, message: str) -> field_paths.FieldPath:
         """Check a path with what is known of the message, also by the ROS of this machine."""
         try:
             found = resolve(path, message, self._fields_of)
-        except fields.FieldPathError as problem:
+        except field_paths.FieldPathError as problem:
             first, *rest = path
             hint = problem.hint
-            if rest and isinstance(first, fields.Attribute) and first.name in self.entry.requires:
+            if (
+                rest
+                and isinstance(first, field_paths.Attribute)
+                and first.name in self.entry.requires
+            ):
                 hint = f"leave out `{first.name}.`: the path begins in the message"
             self._error("K020", str(problem), "field", hint)
             return path

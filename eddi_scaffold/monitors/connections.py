@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from eddi_scaffold.config import fields
+from eddi_scaffold.common.identifiers import full_topic, package_name
+from eddi_scaffold.common.problems import Problem, warning
+from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
-from eddi_scaffold.identifiers import full_topic, package_name
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.publications import check_path
-from eddi_scaffold.problems import Problem, warning
 
 _LONG = 100.0
 """Seconds of a limit that are more likely meant as milliseconds."""
@@ -75,16 +75,16 @@ def _full(config: ConfigFile, topic: str) -> str:
 
 def _paths(
     item: InputEntry, binding: InputBinding, source: SimulatorOutput
-) -> Iterable[tuple[str, str, Sequence[fields.PlainStep]]]:
+) -> Iterable[tuple[str, str, Sequence[field_paths.PlainStep]]]:
     """Yield the paths of an input into one message: key of the entry, text, steps."""
     if item.field is not None:
         try:
             yield (
                 "field",
                 item.field,
-                [fields.plain_step(s) for s in fields.parse_field(item.field)],
+                [field_paths.plain_step(s) for s in field_paths.parse_field(item.field)],
             )
-        except fields.FieldPathError:  # no path, which is reported elsewhere
+        except field_paths.FieldPathError:  # no path, which is reported elsewhere
             return
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")
     for name, path in binding.key_paths.get(source.id, {}).items():

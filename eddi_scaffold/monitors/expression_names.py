@@ -5,25 +5,28 @@ from __future__ import annotations
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 
-from eddi_scaffold import units
-from eddi_scaffold.config.field_types import FieldsOf, ResolvedPath, documented_at, resolve
-from eddi_scaffold.config.fields import (
+from eddi_scaffold.common import units
+from eddi_scaffold.common.problems import Problem, did_you_mean, error
+from eddi_scaffold.conditions.findings import Locate
+from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
+from eddi_scaffold.conditions.syntax import Identifier, is_list_path
+from eddi_scaffold.config.field_paths import (
     Beside,
     ByKey,
     Every,
     FieldPath,
     FieldPathError,
+    FieldsOf,
     PlainStep,
+    ResolvedPath,
+    documented_at,
     parse_field,
     plain_step,
+    resolve,
 )
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.language.findings import Locate
-from eddi_scaffold.language.scope import BOOL, NUMBER, TEXT, Type, Variable
-from eddi_scaffold.language.syntax import Identifier, is_list_path
-from eddi_scaffold.monitors.knowledge import check
-from eddi_scaffold.problems import Problem, did_you_mean, error
+from eddi_scaffold.monitors.input_rules import check
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]

@@ -5,21 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from eddi_scaffold.config.field_types import FieldsOf
+from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.conditions.findings import Locate, TextFindings, in_text
+from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, compile_input
+from eddi_scaffold.conditions.parser import parse
+from eddi_scaffold.conditions.scope import Variable
+from eddi_scaffold.config.field_paths import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
-from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.kinds import JsonValue, ModelInput
-from eddi_scaffold.language.findings import Locate, TextFindings, in_text
-from eddi_scaffold.language.input_expressions import (
-    CompiledExpression,
-    ExpressionText,
-    compile_input,
-)
-from eddi_scaffold.language.parser import parse
-from eddi_scaffold.language.scope import Variable
 from eddi_scaffold.monitors.expression_names import ExpressionNames, KeyPaths
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
 
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
 """Keys of an input, one of which defines how it is computed."""

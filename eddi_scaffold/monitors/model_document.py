@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
 
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.compiling.document import ModelError, canonical, digest_of, parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import JsonValue, Kind, Model
-from eddi_scaffold.problems import EddiError, Place, error
 
 
 def model_document(

@@ -6,15 +6,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.config.fields import FieldPath, Step, plain_step
+from eddi_scaffold.common.escaping import markdown_code, python_literal
+from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.config.field_paths import FieldPath, Step, plain_step
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputQos, SimulatorOutput
-from eddi_scaffold.escaping import markdown_code, python_literal
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.fleet import check_fleet, fleet_answers, fleet_message
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, STATUS, Publication, publications
-from eddi_scaffold.problems import Problem, error
+from eddi_scaffold.monitors.robots import check_fleet, fleet_answers, fleet_message
 
 _OF_ITS_OWN = "give each output a topic of its own"
 

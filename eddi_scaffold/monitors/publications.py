@@ -6,21 +6,22 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from eddi_scaffold.config.field_types import ResolvedPath, resolve
-from eddi_scaffold.config.fields import (
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.config.field_paths import (
     Attribute,
     ByKey,
     FieldPath,
     FieldPathError,
     PlainStep,
+    ResolvedPath,
     parse_field,
     plain_step,
+    resolve,
 )
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.schema import OutputEntry
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 MESSAGE_PACKAGE = "eddi_messages"
 STATUS = "status"

@@ -12,9 +12,9 @@ It is not the RobMoSys project MROS (metacontrol for ROS), although that one als
 ``.rossystem`` files.
 """
 
-from eddi_scaffold.mros.errors import MrosSyntaxError
 from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
+from eddi_scaffold.mros.text import MrosSyntaxError
 
 MODEL_SUFFIXES = (".ros", ".ros1", ".ros2")
 SYSTEM_SUFFIX = ".rossystem"

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
-from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.interface_definitions import Models, NodeModelFile, SystemFile, noticed
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
-from eddi_scaffold.problems import EddiError, Place, Problem, error, warning
-from eddi_scaffold.source import read_source
+from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 
 _Read = TypeVar("_Read")
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.mros.model import (
     MISSPELT_KEY,
     Interface,
@@ -16,7 +17,6 @@ from eddi_scaffold.mros.model import (
     RosNode,
     System,
 )
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
 
 WORDS: dict[InterfaceKind, str] = {
     "publisher": "a publisher",

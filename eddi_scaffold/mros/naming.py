@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal
 
+from eddi_scaffold.common.problems import Place, Problem, warning
 from eddi_scaffold.mros.interface_definitions import SystemFile
 from eddi_scaffold.mros.model import Connection, InterfaceKind
 from eddi_scaffold.mros.resolving import ResolvedInterface
 from eddi_scaffold.mros.topics import topic_name
-from eddi_scaffold.problems import Place, Problem, warning
 
 _GIVING: tuple[InterfaceKind, ...] = ("publisher", "serviceserver", "actionserver")
 _TAKING: tuple[InterfaceKind, ...] = ("subscriber", "serviceclient", "actionclient")

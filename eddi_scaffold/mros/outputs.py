@@ -6,15 +6,19 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from eddi_scaffold.mros.filters import Criterion, Filters
-from eddi_scaffold.mros.ids import Existing, Wish, give_ids
+from eddi_scaffold.common.problems import Problem, error, in_order, warning
+from eddi_scaffold.mros.filters import Criterion, Existing, Filters, Wish, give_ids
 from eddi_scaffold.mros.interface_definitions import Models, SystemFile, noticed
 from eddi_scaffold.mros.model import InterfaceKind
 from eddi_scaffold.mros.naming import Naming
-from eddi_scaffold.mros.resolving import NO_NODE_MODEL, ResolvedInterface, resolve
-from eddi_scaffold.mros.subsystems import SUBSYSTEM_MISSING, flattened
+from eddi_scaffold.mros.resolving import (
+    NO_NODE_MODEL,
+    SUBSYSTEM_MISSING,
+    ResolvedInterface,
+    flattened,
+    resolve,
+)
 from eddi_scaffold.mros.topics import Topic, TopicKind
-from eddi_scaffold.problems import Problem, error, in_order, warning
 
 Include = Literal["subscribed", "actions"]
 

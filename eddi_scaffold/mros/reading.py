@@ -8,11 +8,10 @@ from contextlib import contextmanager
 
 from eddi_scaffold.mros.brace import models as brace_models
 from eddi_scaffold.mros.brace import system as brace_system
-from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 from eddi_scaffold.mros.indent import models as indent_models
 from eddi_scaffold.mros.indent import system as indent_system
 from eddi_scaffold.mros.model import Dialect, RosModel, System
-from eddi_scaffold.mros.text import Text, decoded
+from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError, Text, decoded
 
 _NOTHING = re.compile(r"(?:\s+|//[^\n]*|\#[^\n]*|/\*[\s\S]*?\*/)*")
 _BRACE = re.compile(r"(?:RosSystem|PackageSet|ComponentInterface)\b")

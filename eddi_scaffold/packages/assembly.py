@@ -9,20 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
+from eddi_scaffold.common.identifiers import package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
-from eddi_scaffold.deployments.wiring.ages import check_ages
-from eddi_scaffold.deployments.wiring.check import check_wiring, members_of
-from eddi_scaffold.deployments.wiring.deployment import deployment
-from eddi_scaffold.deployments.wiring.support import Participant, remembered
-from eddi_scaffold.deployments.wiring.topics import absent_publishers
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.deployments.lifetimes import check_ages
+from eddi_scaffold.deployments.support import Participant, remembered
+from eddi_scaffold.deployments.topics import absent_publishers, deployment
+from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
-from eddi_scaffold.monitors.choosing import select
-from eddi_scaffold.monitors.loading import checked_models
+from eddi_scaffold.monitors.loading import checked_models, select_models
 from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.renaming import aside
 from eddi_scaffold.packages.rendering import read_answers
@@ -35,7 +34,6 @@ from eddi_scaffold.platforms import (
     Platform,
     owner_of,
 )
-from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.regions.package import manifest_of
 
 
@@ -94,7 +92,7 @@ def monitors_of(
         models = [*models, *reading.models]
         problems += reading.problems
     if model_file and name is not None:
-        models = select(models, name)
+        models = select_models(models, name)
     given, unsure = read_configs(config_files, robot)
     problems += unsure
     former = _former(renames)

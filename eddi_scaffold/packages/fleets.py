@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from eddi_scaffold.deployments.fleet.sites import Site
+from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.deployments.sites import Site
 from eddi_scaffold.packages.assembly import Assembly, assemble
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.handwritten import unwritten
 from eddi_scaffold.packages.identity import left_behind
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.workspace import existing, root_below
-from eddi_scaffold.problems import Problem
 
 
 def places_of(sites: Sequence[Site], folder: Path) -> list[Path]:

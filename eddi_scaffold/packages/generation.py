@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
@@ -18,7 +19,6 @@ from eddi_scaffold.packages.review import ADOPT, is_of_d72
 from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers
-from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.package import (
     EDDI,

@@ -9,20 +9,20 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold.common.files import saved_meanwhile
+from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import TIMES, known_messages
-from eddi_scaffold.identifiers import attribute
 from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
 from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.package import EDDI, KEPT, SavedError
 from eddi_scaffold.regions.sync import Plan
-from eddi_scaffold.source import saved_meanwhile
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple, TypeGuard
 
+from eddi_scaffold.common.problems import did_you_mean, listed
 from eddi_scaffold.config.message_types import element
-from eddi_scaffold.problems import did_you_mean, listed
 
 _KNOWN = {*dir(builtins), "__file__", "__class__"}
 _INDIRECT = {"exec", "eval", "globals", "setattr", "vars", "__dict__"}

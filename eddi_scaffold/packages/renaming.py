@@ -9,10 +9,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.common.identifiers import package_name
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.workspace import existing
-from eddi_scaffold.problems import EddiError, Place, error
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.package import EDDI, entries, manifest_of, read_file
 from eddi_scaffold.regions.sync import Plan

@@ -17,11 +17,11 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold import __version__
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, error
 from eddi_scaffold.packages.unpacking import Unpacked
-from eddi_scaffold.positioned_yaml.nodes import dump_11, read_document, value_11
-from eddi_scaffold.problems import EddiError, error
 from eddi_scaffold.regions.marked_file import sides_of
-from eddi_scaffold.source import read_source
+from eddi_scaffold.yaml_text.nodes import dump_11, read_document, value_11
 
 if TYPE_CHECKING:
     from copier._main import Worker

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from eddi_scaffold.files import read_regular
+from eddi_scaffold.common.escaping import parse_python
+from eddi_scaffold.common.files import read_regular
 from eddi_scaffold.packages.mistakes import Inputs, Messages, is_self
-from eddi_scaffold.python_text import parse_python
 from eddi_scaffold.regions.marked_file import Region
 
 NO_MESSAGES = Messages()

@@ -13,9 +13,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.problems import EddiError, Place, error
 
 _LINE = re.compile(r"line ([0-9]+)")
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")

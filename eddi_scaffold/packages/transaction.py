@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from eddi_scaffold.problems import EddiError, Place, error
+from eddi_scaffold.common.files import refuse_input, saved_meanwhile
+from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.regions.package import Step, kind_of, put_aside
-from eddi_scaffold.source import refuse_input, saved_meanwhile
 
 NEW, NEW_PROGRAM = 0o644, 0o755
 """Permissions of files that were not there before."""

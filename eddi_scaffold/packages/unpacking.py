@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, error
 from eddi_scaffold.regions.git import GitError, git
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.model_path import named_model_path
+from eddi_scaffold.common.escaping import markdown_code
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.identifiers import package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.deployments.joining import unanswered
-from eddi_scaffold.deployments.wiring.support import remembered
-from eddi_scaffold.escaping import markdown_code
-from eddi_scaffold.identifiers import package_name
+from eddi_scaffold.deployments.support import remembered
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
@@ -29,8 +30,6 @@ from eddi_scaffold.packages.handwritten import until_written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import check_answers, existing, linked, model_id, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
-from eddi_scaffold.problems import EddiError, Place, Problem, error, has_errors, warning
-from eddi_scaffold.source import read_source
 
 
 @dataclass(frozen=True)

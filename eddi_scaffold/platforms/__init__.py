@@ -16,12 +16,12 @@ from pathlib import Path, PurePosixPath
 from shlex import quote
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, error
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.kinds import JsonValue
     from eddi_scaffold.monitors.binding import BoundMonitor
-    from eddi_scaffold.problems import Problem
     from eddi_scaffold.regions.choosing import Body
 
 DEFAULT = "ros1"
@@ -182,7 +182,7 @@ class Platform:
 
 def names() -> tuple[str, ...]:
     """Return the names of all platforms, sorted, without loading one."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg))
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, error
 from eddi_scaffold.targets.c import c_files
 from eddi_scaffold.targets.monitor_model import MonitorModel
 from eddi_scaffold.targets.python import python_module

@@ -6,8 +6,8 @@ variables (stubs in which a person writes) and the main program.
 
 from __future__ import annotations
 
+from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.compiling.program.instructions import Read
-from eddi_scaffold.escaping import c_comment
 from eddi_scaffold.targets import c_step
 from eddi_scaffold.targets.c_functions import TYPES, functions
 from eddi_scaffold.targets.kept_bodies import HEADER, region

@@ -5,6 +5,7 @@ from __future__ import annotations
 import string
 from collections.abc import Sequence
 
+from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.compiling.program.instructions import (
     BUFFERED,
     LEAVES,
@@ -15,7 +16,6 @@ from eddi_scaffold.compiling.program.instructions import (
     Program,
     must_be_finite,
 )
-from eddi_scaffold.escaping import c_comment
 from eddi_scaffold.targets.monitor_model import MonitorModel
 
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}

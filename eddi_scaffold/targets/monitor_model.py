@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.compiling.program.instructions import Program
 from eddi_scaffold.compiling.program.sampling import HostInput, Sampling
-from eddi_scaffold.escaping import c_comment
 from eddi_scaffold.targets.names import module_name, unique_names
 
 

@@ -6,8 +6,8 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-from eddi_scaffold.identifiers import RESERVED
-from eddi_scaffold.problems import EddiError, error
+from eddi_scaffold.common.identifiers import RESERVED
+from eddi_scaffold.common.problems import EddiError, error
 
 _C_WORDS = frozenset(
     re.findall(

@@ -10,9 +10,9 @@ from functools import cache
 from eddi_runtime.expressions import hold, lists, stacks, window, windows
 from eddi_runtime.expressions.conditions import Conditions, Unknown, reduced
 
+from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read
 from eddi_scaffold.compiling.program.python import CLASSES, class_lines
-from eddi_scaffold.escaping import python_literal
 from eddi_scaffold.targets import values
 from eddi_scaffold.targets.kept_bodies import HEADER, region
 from eddi_scaffold.targets.monitor_model import HostArgument, MonitorModel

@@ -7,11 +7,21 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
 
-from eddi_scaffold.verdicts import Said, State, Verdict
-from eddi_scaffold.watch.limits import MAX_MONITORS, MAX_REASONS, MAX_VERDICTS, plain
-from eddi_scaffold.watch.messages import DIAGNOSTICS, Message, heard
-from eddi_scaffold.watch.names import base_topic, is_below, robot_of
-from eddi_scaffold.watch.reports import NodeReport, reports_of
+from eddi_scaffold.common.claims import Said, State, Verdict
+from eddi_scaffold.watch.messages import (
+    DIAGNOSTICS,
+    MAX_MONITORS,
+    MAX_REASONS,
+    MAX_VERDICTS,
+    Message,
+    NodeReport,
+    base_topic,
+    heard,
+    is_below,
+    plain,
+    reports_of,
+    robot_of,
+)
 
 PATIENCE = 3.0
 """Seconds without a message after which a verdict counts as unknown, at least."""

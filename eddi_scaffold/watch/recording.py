@@ -8,9 +8,9 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.identifiers import full_topic
-from eddi_scaffold.problems import EddiError, Place, error
-from eddi_scaffold.replay.bags import opened
+from eddi_scaffold.common.identifiers import full_topic
+from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.recordings.bags import opened
 from eddi_scaffold.watch.messages import Message, is_watched
 
 _TICK = 0.25

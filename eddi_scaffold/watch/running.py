@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 
 from eddi_scaffold.watch.fleet import Change, FleetState
 from eddi_scaffold.watch.messages import Source
-from eddi_scaffold.watch.page.feed import Feed
-from eddi_scaffold.watch.page.view import view_of
+from eddi_scaffold.watch.page import view_of
+from eddi_scaffold.watch.page_feed import Feed
 from eddi_scaffold.watch.text import Clock
 
 WAIT_S = 0.1

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
+from eddi_scaffold.kinds.bayesian_network.write import to_xdsl
 from tests.adopting.old_networks import write_old_network
 from tests.cli.command import ROOT, run
 from tests.kinds.bayesian_network.networks import read_path

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.adopting.modules import Body
-from eddi_scaffold.adopting.proposals import use_of
+from eddi_scaffold.packages.adopting.old_package import Body
+from eddi_scaffold.packages.adopting.proposals import use_of
 
 OUTCOMES = {"outcome_A": "A", "outcome_B": "B", "outcome_C": "on"}
 

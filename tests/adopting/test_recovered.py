@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.adopting.adopt import Adoption, adopt
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.packages.adopting.adopt import Adoption, adopt
 from tests.adopting.old_networks import LICENCE, write_old_ros_network
 from tests.adopting.old_packages import EDDI_INPUT, write_old_ros_package
 from tests.cli.command import EXAMPLE

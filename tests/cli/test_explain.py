@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.diagnostics import find
+from eddi_scaffold.common.catalogue import find
 from tests.cli.command import Result, run
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages import rendering
 from eddi_scaffold.packages.rendering import Renderer, Template, own_template
 from eddi_scaffold.packages.unpacking import Unpacked, unpacked
-from eddi_scaffold.problems import EddiError
 from tests.diagnosed import assert_example
 
 

@@ -11,13 +11,13 @@ import pytest
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import check_document, digest_of
 from eddi_scaffold.compiling.execution import build
-from eddi_scaffold.language import analyse
+from eddi_scaffold.conditions import analyse
 from runtime_lib.tests import documents
 from runtime_lib.tests.event.event_documents import SECOND, document, form
 from tests.compiling.formatting import objections
 from tests.compiling.test_consert import HOSTILE
-from tests.language import test_lists
-from tests.language.formulas import DECLARATIONS, RATE, Formulas
+from tests.conditions import test_lists
+from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 
 LONG = "a_name_of_more_than_twenty_four_characters"
 

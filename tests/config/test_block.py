@@ -7,9 +7,15 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.block import ConfigText, TopicEntry, new_document, read_block, rewritten
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.source import Source
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.config.topic_block import (
+    ConfigText,
+    TopicEntry,
+    new_document,
+    read_block,
+    rewritten,
+)
 
 SCAN = TopicEntry("scan", "sensor_msgs.LaserScan", "/scan")
 ON = TopicEntry("on", "std_msgs.Bool", "/lamp/on")

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.config.field_types import resolve
-from eddi_scaffold.config.fields import FieldPathError, expression, parse_field
+from eddi_scaffold.config.field_paths import FieldPathError, expression, parse_field, resolve
 from eddi_scaffold.config.message_types import declared, known_messages
 
 KNOWN = {

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.config.fields import (
+from eddi_scaffold.config.field_paths import (
     Attribute,
     ByKey,
     FieldPathError,

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError, Place
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.positioned_yaml.writer import dump_plain
-from eddi_scaffold.problems import EddiError, Place
-from eddi_scaffold.source import Source
+from eddi_scaffold.yaml_text.writer import dump_plain
 from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_example
 

@@ -9,17 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.config.block import ConfigText, read_block
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect.draft import Age, age_of, entry, recorded_age
-from eddi_scaffold.connect.keeping import Draft, with_draft
+from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.reading import text_of
 from eddi_scaffold.connect.topics import Leaf, RobotTopic, leaves
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, read_map
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.source import Source
+from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
 from tests.hostile_texts import HOSTILE
 

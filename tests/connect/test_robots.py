@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.positioned_yaml.nodes import dump_plain
+from eddi_scaffold.yaml_text.nodes import dump_plain
 from tests.cli.command import run
 from tests.data_files import data_file
 

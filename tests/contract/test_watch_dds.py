@@ -17,8 +17,8 @@ from cyclonedds.topic import Topic
 from eddi_runtime.transports.dds.graph import discovery_types, told, writing
 from eddi_runtime.transports.dds.messages import message_classes
 
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.watch.dds import DdsGraphs
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.watch.dds_source import DdsGraphs
 from eddi_scaffold.watch.fleet import FleetState
 from tests.cli.command import ROOT, run
 from tests.contract.stages import DdsStage, environment, free_domain
@@ -94,7 +94,7 @@ def test_a_node_is_found_lost_and_found_again(stage):
 
 
 def test_without_the_wheel_it_says_what_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "eddi_scaffold.watch.dds", None)
+    monkeypatch.setitem(sys.modules, "eddi_scaffold.watch.dds_source", None)
     result = run("watch", "--text", "--domain", "3", cwd=tmp_path)
     assert result.status == 2
     assert_example("V004", result.err)

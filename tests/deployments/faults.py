@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from random import Random
 
-from eddi_scaffold.replay.node import Received
+from eddi_scaffold.recordings.node import Received
 from tests.deployments.drafts import END, Draft
 from tests.deployments.drawing import Wiring, draft_of, with_history
 from tests.deployments.history import History

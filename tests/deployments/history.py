@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from eddi_scaffold.replay.message_trees import Message
+from eddi_scaffold.recordings.messages import Message
 
 
 class Sample(NamedTuple):

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from eddi_scaffold.config.fields import Attribute, ByKey, FieldPath, Index, Step, parse_field
+from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, Index, Step, parse_field
 from eddi_scaffold.config.message_types import element, known_messages
-from eddi_scaffold.replay.message_trees import Message, blank
+from eddi_scaffold.recordings.messages import Message, blank
 
 
 @cache

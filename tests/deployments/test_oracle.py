@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.deployments.wiring.check import check_wiring
-from eddi_scaffold.deployments.wiring.deployment import Member
+from eddi_scaffold.deployments.topics import Member
+from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.problems import Problem
 from tests.data_files import ORACLES
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.world import Claims, World

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.replay.parts import of_messages
-from eddi_scaffold.replay.playing import play
-from eddi_scaffold.replay.recordings import Sample, Tape
-from eddi_scaffold.replay.steps import Rhythm
+from eddi_scaffold.recordings.csv_recording import Sample, Tape
+from eddi_scaffold.recordings.parts import of_messages
+from eddi_scaffold.recordings.playing import Rhythm, play
 from tests.data_files import data_file
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.test_oracle import NAMES

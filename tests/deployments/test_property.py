@@ -15,10 +15,10 @@ import pytest
 from eddi_runtime.expressions import expression
 from hypothesis import settings
 
+from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.compiling import execution
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.problems import EddiError, has_errors
-from eddi_scaffold.replay import node
+from eddi_scaffold.recordings import node
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case
 from tests.deployments.drafts import Draft, deployment_of, running_of

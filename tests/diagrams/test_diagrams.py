@@ -13,10 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, drawn
-from eddi_scaffold.diagrams.layers import layered
-from eddi_scaffold.diagrams.layout import label_of, laid_out, text_width
-from eddi_scaffold.diagrams.ordering import crossings, ordered
-from eddi_scaffold.diagrams.placing import placed
+from eddi_scaffold.diagrams.layers import crossings, layered, ordered
+from eddi_scaffold.diagrams.layout import label_of, laid_out, placed, text_width
 
 ROOT = Path(__file__).parents[2]
 SVG = "{http://www.w3.org/2000/svg}"

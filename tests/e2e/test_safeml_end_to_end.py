@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.replay.packaged import load
+from eddi_scaffold.recordings.packaged import load
 from tests.e2e.robot import Run
 from tests.e2e.workspace import Workspace
 from tests.ros1.world import PYTHON, until

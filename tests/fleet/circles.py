@@ -13,11 +13,11 @@ from eddi_runtime.node.outputs import Output
 from eddi_runtime.node.receipts import Input
 from eddi_runtime.peers import Fleet, Source
 
-from eddi_scaffold.identifiers import full_topic
+from eddi_scaffold.common.identifiers import full_topic
 from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.replay.node import GivenInput
-from eddi_scaffold.replay.parts import compiled
+from eddi_scaffold.recordings.node import GivenInput
+from eddi_scaffold.recordings.parts import compiled
 from runtime_lib.tests.node.message_package import converter, package
 
 MESSAGE_CLASSES = package("eddi_messages", {**MESSAGES, **BETWEEN_ROBOTS})

@@ -10,9 +10,9 @@ from typing import Any
 
 import yaml
 
+from tests.conditions.formulas import DECLARATIONS, Formulas
 from tests.deployments.pool import conserts, events, networks, reliabilities
 from tests.deployments.pool.templates import Template
-from tests.language.formulas import DECLARATIONS, Formulas
 from tests.metamodel.eddis import random_eddi
 
 Files = Mapping[str, str]

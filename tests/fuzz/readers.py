@@ -11,50 +11,47 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.execution import build
-from eddi_scaffold.config.block import read_block, rewritten
+from eddi_scaffold.conditions.analysis import analyse
+from eddi_scaffold.conditions.report import as_json, as_text
+from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
-from eddi_scaffold.connect.keeping import Draft, with_draft
+from eddi_scaffold.connect.keeping import Draft, content, topics_of, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.reading import content, topics_of
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.deployments.fleet.drawing import picture_of_fleet
-from eddi_scaffold.deployments.fleet.sites import sites_of
+from eddi_scaffold.deployments.drawing import picture_of_fleet
+from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.eddi_xml.reading import sniff as is_xml
 from eddi_scaffold.kinds import TODO, kinds
-from eddi_scaffold.language.analysis import analyse
-from eddi_scaffold.language.report import as_json, as_text
-from eddi_scaffold.language.standalone import generate
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.in_eddi import written_into
+from eddi_scaffold.monitors.exports import written_into
 from eddi_scaffold.monitors.loading import checked_models, read_models
-from eddi_scaffold.monitors.model_survey import survey_of
+from eddi_scaffold.monitors.survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.as_json import model_json, system_json
-from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.mros.show import model_json, model_tree, system_json, system_tree
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.problems import EddiError, has_errors
-from eddi_scaffold.readers.eddi import sniff as is_xml
+from eddi_scaffold.recordings.bags import read_bag
+from eddi_scaffold.recordings.csv_recording import read_tape
+from eddi_scaffold.recordings.parts import columns, compiled, of_messages, of_values, rhythm
+from eddi_scaffold.recordings.playing import ROWS, play
+from eddi_scaffold.recordings.results import changes, steps
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.sync import Plan, plan_sync
-from eddi_scaffold.replay.bags import read_bag
-from eddi_scaffold.replay.parts import columns, compiled, of_messages, of_values, rhythm
-from eddi_scaffold.replay.playing import play
-from eddi_scaffold.replay.recordings import read_tape
-from eddi_scaffold.replay.running import changes, steps
-from eddi_scaffold.replay.steps import ROWS
-from eddi_scaffold.source import Source, read_source
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
@@ -556,7 +553,7 @@ def _bare(data: bytes) -> list[str]:
 
 
 def _adopt(folder: Path) -> Made:
-    from eddi_scaffold.adopting.adopt import adopt
+    from eddi_scaffold.packages.adopting.adopt import adopt
 
     ros = write_old_ros_package(folder / "ros", _consert_yaml())
     xdsl = _exported("PedestrianRisk.xdsl") or _exported(".xdsl")

@@ -15,9 +15,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.problems import EddiError
 from tests.cli.command import EXAMPLE, ROOT, Result, files_below, run
 from tests.fuzz.mutations import mutations
 

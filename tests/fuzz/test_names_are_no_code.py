@@ -20,11 +20,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.positioned_yaml.writer import dump_plain
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.yaml_text.writer import dump_plain
 from tests.cli.command import XML_HEAD, XML_TAIL, template
 from tests.hostile_texts import HOSTILE
 

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.as_json import model_json, system_json
+from eddi_scaffold.mros.show import model_json, system_json
 from tests.data_files import data_file
 from tests.fuzz.mutations import mutations
 from tests.mros.test_outputs import ARM, LASERS, NODES

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jinja2 import Environment, FileSystemLoader
 
-from eddi_scaffold import escaping
-from eddi_scaffold.identifiers import RESERVED, is_package_name
+from eddi_scaffold.common import escaping
+from eddi_scaffold.common.identifiers import RESERVED, is_package_name
 from eddi_scaffold.regions import markers
 from tests.checkouts import HERE
 from tests.fuzz.test_names_are_no_code import shown

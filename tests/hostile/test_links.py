@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.transaction import FileState, write
-from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions.__main__ import main as regions_tool
 from tests.cli.command import Result, example, run
 from tests.diagnosed import assert_example

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.files import read_regular
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.common.files import read_regular, read_source
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.regions.package import entries
-from eddi_scaffold.source import read_source
 from tests.cli.command import ROOT, example, run
 from tests.hostile import special
 

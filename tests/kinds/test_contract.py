@@ -14,6 +14,8 @@ import pytest
 import yaml
 from eddi_runtime.inputs import InputState
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.deployments.joining import packages_of
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.kinds import Kind, Model, kinds
@@ -21,10 +23,8 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.problems import has_errors
-from eddi_scaffold.replay.parts import compiled
-from eddi_scaffold.replay.publishing import Publications
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.recordings.messages import Publications
+from eddi_scaffold.recordings.parts import compiled
 from tests.checkouts import HERE
 from tests.cli.command import run
 from tests.kinds.examples import EXAMPLES

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.safeml.reference import read_reference
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.source import Source, read_source
 from tests.cli.command import run
 from tests.data_files import data_file
 from tests.kinds.bayesian_network.networks import brute_force

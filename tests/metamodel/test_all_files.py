@@ -6,10 +6,10 @@ import re
 
 import pytest
 
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.eddi_xml.parsing import XMI
+from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.readers.xmi import XMI
-from eddi_scaffold.source import read_source
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import (
@@ -17,8 +19,6 @@ from eddi_scaffold.kinds.consert.model import (
     Dimension,
 )
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.source import Source
 from tests.cli.command import run
 from tests.kinds.consert.running import monitor_of
 from tests.metamodel.expected import FOLDER, cases, expected, models

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.readers.links import links_of
-from eddi_scaffold.source import read_source
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.eddi_xml.links import links_of
+from eddi_scaffold.eddi_xml.reading import read_document
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 from eddi_runtime.bayesian_network.asking import posteriors
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.source import Source
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, models
 

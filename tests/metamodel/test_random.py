@@ -9,13 +9,13 @@ import pytest
 from hypothesis import settings
 from lxml import etree
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.survey import MONITORED, survey
 from eddi_scaffold.kinds import Options, kinds
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import has_errors
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.readers.survey import MONITORED, survey
-from eddi_scaffold.source import Source
 from tests.kinds.consert.running import monitor_of
 from tests.metamodel.eddis import random_eddi
 from tests.metamodel.expected import FOLDER, expected

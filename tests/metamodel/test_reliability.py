@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilitySystem
-from eddi_scaffold.kinds.reliability.report import cut_sets
+from eddi_scaffold.kinds.reliability.show import cut_sets
+from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.readers.survey import survey
-from eddi_scaffold.source import Source, read_source
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, cases, expected, models
 

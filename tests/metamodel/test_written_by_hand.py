@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import Reading, kinds
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.source import Source
 
 MODELS = Path(__file__).parent / "models"
 

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.source import Source
 from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_example
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.connections import check_limits
-from eddi_scaffold.source import Source
 from tests.checkouts import HERE
 
 CONFIG = """

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from eddi_scaffold.monitors.drawing import pictures
-from eddi_scaffold.problems import EddiError, Place
+from eddi_scaffold.common.problems import EddiError, Place
+from eddi_scaffold.monitors.exports import pictures
 from tests.checkouts import HERE
 from tests.diagnosed import assert_example
 

@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 from eddi_runtime.history import EDDIInputBase
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.file import from_json
@@ -16,10 +18,8 @@ from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.positioned_yaml.columns import inside_scalar
-from eddi_scaffold.positioned_yaml.nodes import Map, Scalar, read_document
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.yaml_text.nodes import Map, Scalar, read_document
+from eddi_scaffold.yaml_text.spans import inside_scalar
 from tests.checkouts import HERE
 
 EXAMPLE = HERE / "examples" / "rover-events"

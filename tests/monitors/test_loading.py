@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.source import read_source
 
 
 @pytest.mark.parametrize(

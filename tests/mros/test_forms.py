@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.as_tree import model_tree, system_tree
+from eddi_scaffold.mros.show import model_tree, system_tree
 
 SYSTEM = """RosSystem { Name robot
   Parameters { Parameter { name speed value 3 [ 1, { a } ] type Double } },

@@ -10,14 +10,13 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.identifiers import is_identifier
+from eddi_scaffold.common.identifiers import is_identifier
+from eddi_scaffold.common.problems import Place, Problem, has_errors
 from eddi_scaffold.mros.directory import load_models, load_system
-from eddi_scaffold.mros.filters import Filters
-from eddi_scaffold.mros.ids import Existing, Wish, give_ids, slug
+from eddi_scaffold.mros.filters import Existing, Filters, Wish, give_ids, slug
 from eddi_scaffold.mros.interface_definitions import InterfaceReference
 from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
 from eddi_scaffold.mros.topics import Topic, topic_name
-from eddi_scaffold.problems import Place, Problem, has_errors
 from tests.data_files import data_file
 from tests.mros.words import as_word
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.as_json import failure_json, model_json, system_json
+from eddi_scaffold.mros.show import failure_json, model_json, system_json
 from tests.data_files import data_file
 from tests.mros.words import as_word
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.diagnostics import find
+from eddi_scaffold.common.catalogue import find
 
 
 def as_word(code: str) -> str:

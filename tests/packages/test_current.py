@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import Outcome, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.problems import EddiError
 from tests.checkouts import checkout, tree
 
 pytestmark = pytest.mark.slow

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.renaming import read_renames
-from eddi_scaffold.problems import EddiError
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_example
 from tests.updates.inputs import inputs_of, write_inputs

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.transaction import FileState, write
-from eddi_scaffold.problems import EddiError
 from eddi_scaffold.regions import package as writing
 from tests.cli.command import files_below
 

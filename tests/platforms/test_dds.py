@@ -11,7 +11,7 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.ros2 import ros2_messages
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.platforms.dds.hashes import type_hash
+from eddi_scaffold.platforms.dds import type_hash
 from tests.cli.command import run
 
 CONTRACT = Path(__file__).parents[1] / "contract"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.platforms.ros1.names import taken_names
+from eddi_scaffold.platforms.ros1 import taken_names
 
 MANIFEST = "<package><name>{0}</name><version>1.0.0</version><description>d</description></package>"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.platforms.ros1.package_answers import monitor_answers
+from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.cli.command import EXAMPLE
 
 FIELD = "guarantees[System_A_G0_c2].active"

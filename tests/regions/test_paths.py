@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.files import inside
+from eddi_scaffold.common.files import inside
 from eddi_scaffold.regions.package import is_relative
 
 

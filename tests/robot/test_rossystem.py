@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.connect.rossystem import Parsed, parse, read_robot
 from eddi_scaffold.mros.filters import Filters
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.robot.rossystem import Parsed, parse, read_robot
 
 SYSTEM = """robot:
   subSystems:

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.kinds.bayesian_network.model import Network, Node
-from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
+from eddi_scaffold.kinds.bayesian_network.write import to_xmlbif
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import chosen
 from tests.adopting.old_packages import write_old_ros_package

@@ -12,9 +12,9 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
-from eddi_scaffold.replay.bags import read_bag
-from eddi_scaffold.replay.parts import of_messages, published, rhythm
-from eddi_scaffold.replay.playing import play
+from eddi_scaffold.recordings.bags import read_bag
+from eddi_scaffold.recordings.parts import of_messages, published, rhythm
+from eddi_scaffold.recordings.playing import play
 from tests.cli.command import ROOT
 
 ROBOT = ROOT / "examples" / "warehouse-robot"

@@ -9,10 +9,9 @@ from types import SimpleNamespace
 
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
-from eddi_scaffold.watch.page.feed import Feed
-from eddi_scaffold.watch.page.models import pictures_of
-from eddi_scaffold.watch.page.server import open_server
-from eddi_scaffold.watch.page.view import view_of
+from eddi_scaffold.watch.page import pictures_of, view_of
+from eddi_scaffold.watch.page_feed import Feed
+from eddi_scaffold.watch.page_server import open_server
 from eddi_scaffold.watch.text import seconds
 from tests.watch.recorded import ROBOT, warehouse
 

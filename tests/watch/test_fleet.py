@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.watch import fleet, limits
+from eddi_scaffold.watch import fleet, messages
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
-from eddi_scaffold.watch.messages import Message, heard
-from eddi_scaffold.watch.names import wanted_robots
+from eddi_scaffold.watch.messages import Message, heard, wanted_robots
 from tests.watch.recorded import warehouse
 
 CONSERT = "eddi_messages/ConSertStatus"
@@ -22,7 +21,7 @@ FALSE, UNKNOWN, TRUE = 0, 1, 2
 def status(**verdicts: Any) -> SimpleNamespace:
     rows = [
         SimpleNamespace(id=k, verdict=v, missing=[] if v == TRUE else [f"needs_{k}"])
-        for k, v in verdicts.items()
+        for k, v in messages.items()
     ]
     return SimpleNamespace(model_id="Cart", model_digest="ab", guarantees=rows, accepted=[])
 
@@ -60,9 +59,9 @@ def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
     from eddi_runtime.bayesian_network import claims
     from eddi_runtime.event import monitor
 
-    from eddi_scaffold.kinds.bayesian_network import verdicts
+    from eddi_scaffold.kinds.bayesian_network import messages
 
-    assert verdicts.WORDS == claims.REASONS
+    assert messages.WORDS == claims.REASONS
     for verdict, reasons in ((FALSE, monitor._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
         ((said,), *_) = vars(heard()["eddi_messages/EventOutput"].listen(event)).values()
@@ -167,8 +166,8 @@ def test_memory_is_limited_whatever_comes(monkeypatch: pytest.MonkeyPatch) -> No
     long = state.take(message(1.0, status(x=TRUE), "/r1", node="n\x1b" * 9999))
     assert long == []
     state.take(message(1.0, status(B=TRUE), "/r1"))  # its seven are gone: there is room again
-    assert limits.plain("a\nb\x1b[2J" + "c" * 999).startswith("a b?[2J")
-    assert len(limits.plain("c" * 999)) == limits.MAX_TEXT
+    assert messages.plain("a\nb\x1b[2J" + "c" * 999).startswith("a b?[2J")
+    assert len(messages.plain("c" * 999)) == messages.MAX_TEXT
 
 
 @given(

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.metrics.families import MAX_REASONS, families
+from eddi_scaffold.watch.metrics import MAX_REASONS, families
 from tests.cli.command import ROOT
 from tests.watch.served import Fleet, diagnostics, serving
 from tests.watch.test_watch_page import ask
@@ -94,14 +94,14 @@ def test_it_is_openmetrics(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> Non
         parsed: Any = {one.name: one for one in text_string_to_metric_families(text)}
         assert parsed.keys() == samples(fleet).keys()
         assert ask(port, "/metrics", Host="prometheus.example:80")[0] == 403
-        monkeypatch.setattr("eddi_scaffold.watch.page.server._OLD_S", -1.0)
+        monkeypatch.setattr("eddi_scaffold.watch.page_server._OLD_S", -1.0)
         assert ask(port, "/metrics")[0] == 503
 
 
 def test_without_the_library_the_page_says_so(
     fleet: Fleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "eddi_scaffold.watch.metrics.exposition", None)
+    monkeypatch.setitem(__import__("sys").modules, "eddi_scaffold.watch.metrics", None)
     with serving(fleet) as port:
         status, _, text = ask(port, "/metrics")
         assert (status, "prometheus-client" in text) == (501, True)

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.watch.messages import Message
-from tests.language.browser import Browser
+from tests.conditions.browser import Browser
 from tests.watch.served import Fleet, serving
 
 pytestmark = pytest.mark.slow

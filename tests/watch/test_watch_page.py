@@ -12,8 +12,7 @@ import pytest
 
 from eddi_scaffold.diagrams import Diagram, DiagramNode
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.page.graph import graph
-from eddi_scaffold.watch.page.models import pictures_of
+from eddi_scaffold.watch.page import pictures_of, verdict_graph
 from tests.watch.recorded import ROBOT
 from tests.watch.served import Fleet, diagnostics, serving
 
@@ -134,14 +133,14 @@ def test_a_known_model_is_drawn_with_its_states() -> None:
     fleet = Fleet()
     fleet.play(13.0)
     robot = fleet.feed.shown.snapshot.robots[0]
-    known = words_of(graph(robot, pictures_of([ROBOT / "warehouse.yml"])))
+    known = words_of(verdict_graph(robot, pictures_of([ROBOT / "warehouse.yml"])))
     assert known.count("AND") == 2
     at = known.index("lacks")
     assert known[at - 1] == "PathClear"  # evidence of the model
-    assert "AND" not in words_of(graph(robot, {}))
+    assert "AND" not in words_of(verdict_graph(robot, {}))
     ((title, _),) = pictures_of([ROBOT / "warehouse.yml"])
     other = Diagram("warehouse", (DiagramNode("FullSpeed", ("FullSpeed",)),))
-    assert "WalkingPace" in words_of(graph(robot, {(title, "warehouse"): other}))
+    assert "WalkingPace" in words_of(verdict_graph(robot, {(title, "warehouse"): other}))
 
 
 def test_models_may_be_named_by_configurations_and_deployment_files() -> None:

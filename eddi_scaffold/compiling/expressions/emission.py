@@ -52,7 +52,7 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
 
     Args:
         name: of the class.
-        document: what ``eddi_scaffold.language.input_expressions`` made.
+        document: what ``eddi_scaffold.conditions.inputs`` made.
 
     Raises:
         ModelError: it is damaged.

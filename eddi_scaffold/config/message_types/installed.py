@@ -10,8 +10,8 @@ from pathlib import Path
 
 import rospkg
 
+from eddi_scaffold.common.files import read_regular
 from eddi_scaffold.config.message_types.definitions import Fields, fields_of
-from eddi_scaffold.files import read_regular
 
 _PARTS = (
     "Action", "ActionFeedback", "ActionGoal", "ActionResult", "Feedback", "Goal", "Result",

@@ -6,12 +6,11 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Alias, Functions, Kind
-from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES
-from eddi_scaffold.kinds.bayesian_network.verdicts import VERDICTS
+from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.files import Source
     from eddi_scaffold.kinds.bayesian_network.options import NetworkModel
-    from eddi_scaffold.source import Source
 
 _SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".xml")
 _METHODS = "bayesian_network_config.py"

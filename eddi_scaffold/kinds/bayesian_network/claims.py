@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.claims import Acceptance, Meaning, Meanings
+from eddi_scaffold.common.claims import Acceptance, Meaning, Meanings
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)

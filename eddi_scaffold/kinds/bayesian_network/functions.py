@@ -7,7 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 
-from eddi_scaffold.escaping import markdown_code
+from eddi_scaffold.common.escaping import markdown_code
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Problem, in_order, warning
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.parsing import load
+from eddi_scaffold.eddi_xml.reading import sniff as is_xml
 from eddi_scaffold.kinds import (
     EditableModule,
     Functions,
@@ -17,27 +22,23 @@ from eddi_scaffold.kinds import (
     Reading,
 )
 from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag, support
-from eddi_scaffold.kinds.bayesian_network.config_module import config_module
-from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
-from eddi_scaffold.kinds.bayesian_network.doctype import without_doctype
-from eddi_scaffold.kinds.bayesian_network.from_bif import read_bif
-from eddi_scaffold.kinds.bayesian_network.from_eddi import read_eddi as eddi_networks
-from eddi_scaffold.kinds.bayesian_network.from_xdsl import read_xdsl
-from eddi_scaffold.kinds.bayesian_network.from_xmlbif import read_xmlbif
+from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
 from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
-from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
-from eddi_scaffold.kinds.bayesian_network.names import identifiers, node_attributes
+from eddi_scaffold.kinds.bayesian_network.method_module import config_module, skeleton
+from eddi_scaffold.kinds.bayesian_network.network import (
+    Network,
+    identifiers,
+    in_digits,
+    node_attributes,
+)
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, configure, settings_of
-from eddi_scaffold.kinds.bayesian_network.picture import diagram
-from eddi_scaffold.kinds.bayesian_network.skeleton import skeleton
+from eddi_scaffold.kinds.bayesian_network.read_bif import read_bif
+from eddi_scaffold.kinds.bayesian_network.read_eddi import read_eddi as eddi_networks
+from eddi_scaffold.kinds.bayesian_network.read_xdsl import read_xdsl
+from eddi_scaffold.kinds.bayesian_network.read_xmlbif import read_xmlbif, without_doctype
+from eddi_scaffold.kinds.bayesian_network.show import diagram
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
-from eddi_scaffold.kinds.bayesian_network.to_xdsl import changed_ids, to_xdsl
-from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
-from eddi_scaffold.problems import Problem, in_order, warning
-from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.readers.eddi import sniff as is_xml
-from eddi_scaffold.readers.xmi import load
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 
 NAME = "bayesian_network"
 

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import PurePath
 
+from eddi_scaffold.common.escaping import parse_shallow
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
 from eddi_scaffold.kinds.bayesian_network import lint_ways as ways
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, warning
-from eddi_scaffold.python_text import parse_shallow
-from eddi_scaffold.source import Source
 
 FILE = "bayesian_network_config.py"
 _DECLARED = re.compile(r"\s*# Declared: (?:discretised|taken) from ")

@@ -6,22 +6,20 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
-from eddi_scaffold.claims import Use
+from eddi_scaffold.common.claims import Use
+from eddi_scaffold.common.identifiers import attribute, free_name
+from eddi_scaffold.common.problems import Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.common.units import accepted
 from eddi_scaffold.compiling.bayesian_network.graph import Shape
 from eddi_scaffold.compiling.bayesian_network.width import LARGE, TOO_LARGE, Width, width_of
-from eddi_scaffold.identifiers import attribute, free_name
 from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
-from eddi_scaffold.kinds.bayesian_network.doubts import doubts
-from eddi_scaffold.kinds.bayesian_network.influence import without_influence
-from eddi_scaffold.kinds.bayesian_network.model import Network, in_digits
-from eddi_scaffold.kinds.bayesian_network.names import node_attributes
+from eddi_scaffold.kinds.bayesian_network.influence import doubts, without_influence
+from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
 from eddi_scaffold.kinds.bayesian_network.thresholds import (
     Threshold,
     read_thresholds,
 )
-from eddi_scaffold.problems import Problem, did_you_mean, error, has_errors, warning
-from eddi_scaffold.units import accepted
 
 _CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", "prior", "hold")}
 

@@ -6,12 +6,12 @@ import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.identifiers import is_ros_name
+from eddi_scaffold.common.identifiers import is_ros_name
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.kinds import JsonValue, Options
-from eddi_scaffold.kinds.bayesian_network.model import Network
-from eddi_scaffold.kinds.bayesian_network.plain_values import is_number
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error, has_errors
-from eddi_scaffold.quantities import QuantityError, duration
+from eddi_scaffold.kinds.bayesian_network.discretisation import is_number
+from eddi_scaffold.kinds.bayesian_network.network import Network
 
 KEY = "evidence"
 _KEYS = ("id", "node", "state", "at_most", "at_least", "release", "hold", "topic")

@@ -6,13 +6,12 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES
+from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES, VERDICTS
 from eddi_scaffold.kinds.consert.options import KEYS
-from eddi_scaffold.kinds.consert.verdicts import VERDICTS
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.files import Source
     from eddi_scaffold.kinds.consert.model import ConSertModel
-    from eddi_scaffold.source import Source
 
 _SUFFIXES = (".yml", ".yaml", ".json")
 _OWN_KEY = re.compile(

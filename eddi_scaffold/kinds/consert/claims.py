@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.claims import Meaning, Meanings
-from eddi_scaffold.graphs import reached
+from eddi_scaffold.common.claims import Meaning, Meanings
+from eddi_scaffold.common.graphs import reached
+from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.matching import mismatch
 from eddi_scaffold.kinds.consert.options import publishing
-from eddi_scaffold.kinds.consert.paths import constants
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

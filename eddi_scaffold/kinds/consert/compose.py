@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.graphs import cycles
+from eddi_scaffold.common.graphs import cycles
+from eddi_scaffold.common.problems import NearNames, Problem, error, warning
+from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
-from eddi_scaffold.kinds.consert.paths import constants
-from eddi_scaffold.problems import NearNames, Problem, error, warning
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

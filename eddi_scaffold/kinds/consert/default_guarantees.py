@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.positioned_yaml.nodes import shown
-from eddi_scaffold.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.yaml_text.nodes import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -5,23 +5,22 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Problem, has_errors, in_order
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Functions, Reading, with_status
-from eddi_scaffold.kinds.consert.check.model import check_consert
-from eddi_scaffold.kinds.consert.check.static import static_checks
+from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
 from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
-from eddi_scaffold.kinds.consert.eddi.reading import read_eddi
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
 from eddi_scaffold.kinds.consert.options import accepted, configure, lag, published_ids, settings
-from eddi_scaffold.kinds.consert.outline import counts, outline
-from eddi_scaffold.kinds.consert.picture import diagram
+from eddi_scaffold.kinds.consert.read_eddi import read_eddi
+from eddi_scaffold.kinds.consert.read_yaml import read_draft
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
-from eddi_scaffold.kinds.consert.yaml.reading import read_draft
-from eddi_scaffold.kinds.consert.yaml.writing import to_yaml
-from eddi_scaffold.problems import Problem, has_errors, in_order
-from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.consert.show import counts, diagram, outline
+from eddi_scaffold.kinds.consert.static_checks import static_checks
+from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 
 
 def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> Reading:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.common.graphs import in_order
+from eddi_scaffold.compiling.consert.paths import Sets, Work, combined
+
 if TYPE_CHECKING:
-    from eddi_scaffold.graphs import Graph
+    from collections.abc import Mapping, Sequence
+
+    from eddi_scaffold.common.graphs import Graph
     from eddi_scaffold.kinds.consert.model import ConSert
 
 
@@ -22,3 +28,95 @@ def inputs_of(consert: ConSert) -> Graph:
         if edge.source in inputs and edge.target in inputs:
             inputs[edge.target][edge.source] = None
     return {id_: tuple(sources) for id_, sources in inputs.items()}
+
+
+def leaves_of(consert: ConSert) -> list[str]:
+    """Return evidence, then demands: bit ``n`` of a mask is leaf ``n`` of this list."""
+    return [node.id for group in (consert.evidence, consert.demands) for node in group]
+
+
+def constants(consert: ConSert) -> dict[str, bool | None]:
+    """Return for each node whether it is constant TRUE or FALSE; ``None``: it depends on leaves.
+
+    Linear in the size of the ConSert, with the meaning of :func:`path_sets`.
+    """
+    inputs, defaults = inputs_of(consert), _defaults(consert)
+    ors = {gate.id for gate in consert.gates if gate.function == "Or"}
+    values: dict[str, bool | None] = dict.fromkeys(leaves_of(consert))
+    for id_ in in_order(inputs):
+        if id_ in values:
+            continue
+        if id_ in defaults:
+            values[id_] = True
+            continue
+        given = [values[source] for source in inputs[id_]]
+        wins = id_ in ors
+        if wins in given:
+            values[id_] = wins
+        else:
+            values[id_] = None if None in given else not wins
+    return values
+
+
+def path_sets(consert: ConSert) -> dict[str, Sets | None]:
+    """Return the path sets of every node; ``None`` where there are too many.
+
+    A default guarantee holds always; a guarantee or gate without input is what an And or Or
+    without input is.
+    """
+    inputs, defaults = inputs_of(consert), _defaults(consert)
+    ors = {gate.id for gate in consert.gates if gate.function == "Or"}
+    found: dict[str, Sets | None] = {
+        id_: frozenset({1 << index}) for index, id_ in enumerate(leaves_of(consert))
+    }
+    work = Work()
+    for id_ in in_order(inputs):
+        if id_ in defaults:
+            found[id_] = frozenset({0})
+        elif id_ not in found:
+            given = [found[source] for source in inputs[id_]]
+            found[id_] = combined(given, is_or=id_ in ors, work=work)
+    return found
+
+
+def _defaults(consert: ConSert) -> set[str]:
+    return {guarantee.id for guarantee in consert.guarantees if guarantee.default}
+
+
+def implies(first: Sets, second: Sets) -> bool:
+    """Return whether the second holds whenever the first does."""
+    return all(any(other & mask == other for other in second) for mask in first)
+
+
+def redundant_inputs(
+    id_: str,
+    inputs: Graph,
+    found: Mapping[str, Sets | None],
+    *,
+    is_or: bool,
+    work: Work,
+) -> set[str]:
+    """Return the inputs of a node without any of which its path sets stay the same."""
+    sources, whole = inputs[id_], found[id_]
+    given = [found[source] for source in sources]
+    if len(sources) < 2 or whole is None:
+        return set()
+    if is_or:
+        count = Counter(mask for sets in given for mask in sets or ())
+        return {
+            source
+            for source, sets in zip(sources, given, strict=True)
+            if all(count[mask] > (mask in (sets or ())) for mask in whole)
+        }
+    before = _running(given, work)
+    behind = _running(given[::-1], work)[::-1]
+    others = zip(sources, before, behind[1:], strict=False)
+    return {s for s, *rest in others if combined(rest, is_or=False, work=work) == whole}
+
+
+def _running(given: Sequence[Sets | None], work: Work) -> list[Sets | None]:
+    """Return the And of none, of the first, of the first two ... of some nodes."""
+    found: list[Sets | None] = [frozenset({0})]
+    for sets in given:
+        found.append(combined([found[-1], sets], is_or=False, work=work))
+    return found

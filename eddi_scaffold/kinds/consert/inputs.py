@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from eddi_scaffold import units
-from eddi_scaffold.claims import Use
+from eddi_scaffold.common import units
+from eddi_scaffold.common.claims import Use
 from eddi_scaffold.kinds import InputType, ModelInput
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold import units
+from eddi_scaffold.common import units
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,

@@ -7,6 +7,10 @@ Facts that D7.2 does not publish are in separate messages.
 
 from __future__ import annotations
 
+from typing import Any
+
+from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+
 GUARANTEE = "string id\nbool active\n"
 
 CONSERT_OUTPUT = "Guarantee[] guarantees\n"
@@ -81,3 +85,21 @@ MESSAGES = {
     "GuaranteeStatus": GUARANTEE_STATUS,
 }
 """ROS message name -> text of its ``.msg`` file."""
+
+
+_UNKNOWN, _TRUE = 1, 2
+
+
+def _said(status: Any) -> Said:
+    verdicts = tuple(
+        Verdict(
+            one.id,
+            state_of(active=one.verdict == _TRUE, known=one.verdict != _UNKNOWN),
+            tuple(one.missing),
+        )
+        for one in status.guarantees
+    )
+    return Said(verdicts, status.model_id, status.model_digest, tuple(status.accepted))
+
+
+VERDICTS: dict[str, Listen] = {"ConSertStatus": _said}

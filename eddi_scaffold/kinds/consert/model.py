@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import JsonValue, TypedModel
-from eddi_scaffold.problems import Place
 
 NAME = "consert"
 

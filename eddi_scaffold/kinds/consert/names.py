@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from eddi_scaffold.identifiers import attribute
+from eddi_scaffold.common.identifiers import attribute
 
 __all__ = [
     "IDENTIFIER",

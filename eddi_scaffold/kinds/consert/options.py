@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from eddi_scaffold.claims import Acceptance
+from eddi_scaffold.common.claims import Acceptance
+from eddi_scaffold.common.problems import Problem, error
 from eddi_scaffold.kinds import JsonValue, Options
 from eddi_scaffold.kinds.consert.model import ConSertModel
 from eddi_scaffold.kinds.consert.names import published_class
-from eddi_scaffold.problems import Problem, error
 
 KEYS = ("guarantee_ids", "debounce", "filter")
 _IDS = ("source", "class")

@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.consert.model import (
 )
 
 if TYPE_CHECKING:
-    from eddi_scaffold.problems import Place
+    from eddi_scaffold.common.problems import Place
 
 Json = dict[str, Any]
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.event.messages import MESSAGES
-from eddi_scaffold.kinds.event.verdicts import VERDICTS
+from eddi_scaffold.kinds.event.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds.event.model import EventModel
-    from eddi_scaffold.source import Source
+    from eddi_scaffold.common.files import Source
+    from eddi_scaffold.kinds.event.events import EventModel
 
 
 def _sniff(source: Source) -> bool:

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from eddi_scaffold.claims import Acceptance, Meaning, Meanings, Use
-from eddi_scaffold.language.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
+from eddi_scaffold.common.claims import Acceptance, Meaning, Meanings, Use
+from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
 
 _VERDICT = Meaning(
     (1,),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from eddi_scaffold.kinds import Functions
 from eddi_scaffold.kinds.event.claims import acceptances, limits, meanings, support
-from eddi_scaffold.kinds.event.from_eddi import in_map, read_eddi
-from eddi_scaffold.kinds.event.model import (
+from eddi_scaffold.kinds.event.events import (
     configure,
     counts,
     export,
@@ -17,6 +16,7 @@ from eddi_scaffold.kinds.event.model import (
     readme,
     skeleton,
 )
+from eddi_scaffold.kinds.event.read_eddi import in_map, read_eddi
 
 FUNCTIONS = Functions(
     in_map=in_map,

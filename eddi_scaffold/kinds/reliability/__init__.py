@@ -10,12 +10,11 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.reliability.messages import MESSAGES
-from eddi_scaffold.kinds.reliability.verdicts import VERDICTS
+from eddi_scaffold.kinds.reliability.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds.reliability.model import ReliabilityModel
-    from eddi_scaffold.source import Source
+    from eddi_scaffold.common.files import Source
+    from eddi_scaffold.kinds.reliability.system import ReliabilityModel
 
 _SUFFIXES = (".yml", ".yaml")
 MEF_SUFFIXES = (".xml", ".opsa", ".mef")

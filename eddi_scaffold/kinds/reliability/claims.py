@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.claims import Meaning, Meanings, ValidityField
+from eddi_scaffold.common.claims import Meaning, Meanings, ValidityField
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
 _NUMBER = Meaning(

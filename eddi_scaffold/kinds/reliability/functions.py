@@ -6,35 +6,28 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from eddi_scaffold.common.files import Source, beside, read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, warning
 from eddi_scaffold.diagrams import Diagram
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.parsing import load
+from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading, Skeleton
-from eddi_scaffold.kinds.reliability import MEF_SUFFIXES, from_eddi, report
-from eddi_scaffold.kinds.reliability.check import check_system
+from eddi_scaffold.kinds.reliability import MEF_SUFFIXES, show
+from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
+from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
-from eddi_scaffold.kinds.reliability.from_mef import read_mef
-from eddi_scaffold.kinds.reliability.from_values import KEYS, read_system, with_rate
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.model import NAME, ReliabilityModel, ReliabilitySystem
-from eddi_scaffold.kinds.reliability.picture import picture
+from eddi_scaffold.kinds.reliability.read_open_psa import read_mef
+from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system, with_rate
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.show import picture
 from eddi_scaffold.kinds.reliability.skeleton import decided, drafted
-from eddi_scaffold.kinds.reliability.to_mef import to_mef
-from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.kinds.reliability.system import NAME, ReliabilityModel, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
-from eddi_scaffold.positioned_yaml.nodes import Items, Map, Node, read_map, value_11
-from eddi_scaffold.problems import (
-    EddiError,
-    Place,
-    Problem,
-    has_errors,
-    in_order,
-    warning,
-)
-from eddi_scaffold.readers.document import EddiDocument
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.readers.xmi import load
-from eddi_scaffold.source import Source, beside, read_source
+from eddi_scaffold.kinds.reliability.write import to_mef, to_yaml
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
 
 
 def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Reading:
@@ -223,17 +216,17 @@ def export(model: ReliabilityModel) -> Mapping[str, str]:
 
 def counts(model: ReliabilityModel) -> Mapping[str, int]:
     """Return what ``show`` counts."""
-    return report.counts(model.data)
+    return show.counts(model.data)
 
 
 def outline(model: ReliabilityModel) -> Sequence[str]:
     """Return the lines that ``show`` prints."""
-    return report.outline(model.data)
+    return show.outline(model.data)
 
 
 def readme(model: ReliabilityModel) -> Sequence[str]:
     """Return lines of Markdown for the package's README."""
-    return report.readme(model.data)
+    return show.readme(model.data)
 
 
 def diagram(model: ReliabilityModel) -> Diagram:

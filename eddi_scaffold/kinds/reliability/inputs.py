@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from eddi_scaffold.claims import Use
+from eddi_scaffold.common.claims import Use
+from eddi_scaffold.common.units import accepted
 from eddi_scaffold.kinds import ModelInput
-from eddi_scaffold.kinds.reliability.model import (
+from eddi_scaffold.kinds.reliability.system import (
     Chain,
     ComponentModel,
     FaultTree,
     ReliabilitySystem,
 )
-from eddi_scaffold.units import accepted
 
 MISSION_END = "mission_end"
 _COHERENT = ("AND", "OR", "VOTE")

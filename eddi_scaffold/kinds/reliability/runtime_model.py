@@ -6,21 +6,21 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+from eddi_scaffold.common.problems import Place
 from eddi_scaffold.compiling.reliability.cut_sets import cut_sets_of_gates
 from eddi_scaffold.compiling.reliability.diagram import NODE_LIMIT, Diagram, build
 from eddi_scaffold.compiling.reliability.model import certain
 from eddi_scaffold.compiling.reliability.simplification import Gate as Number
-from eddi_scaffold.kinds.reliability.dependencies import order
 from eddi_scaffold.kinds.reliability.inputs import input_id
-from eddi_scaffold.kinds.reliability.model import (
+from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,
     Chain,
     ComponentModel,
     FaultTree,
     Gate,
     ReliabilitySystem,
+    order,
 )
-from eddi_scaffold.problems import Place
 
 
 def runtime_model(system: ReliabilitySystem) -> dict[str, Any]:

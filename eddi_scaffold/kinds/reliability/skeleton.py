@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from eddi_scaffold.eddi_xml.reading import sniff
 from eddi_scaffold.kinds import TODO, JsonValue, Skeleton
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilityModel
 from eddi_scaffold.kinds.reliability.runtime_model import used
-from eddi_scaffold.readers.eddi import sniff
+from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilityModel
 
 _NAMES = 12
 

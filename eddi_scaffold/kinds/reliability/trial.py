@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
@@ -16,8 +17,8 @@ from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.execution import build, module_of
 from eddi_scaffold.compiling.reliability.emission import FORMAT, lines_of
 from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
-from eddi_scaffold.kinds.reliability.model import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300
@@ -155,3 +156,30 @@ def _no_data(_: str) -> bytes:
 def _start(system: ReliabilitySystem) -> dict[str, Any]:
     """Return inputs that report no failure."""
     return {one.id: one.sample for one in inputs_of(used(system))}
+
+
+def proximity(
+    one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
+) -> tuple[float, float]:
+    """Return the fraction of samples with less than a distance, as lower and upper bound.
+
+    Args:
+        one: track (samples, coordinates) in m; both tracks at the same times.
+        other: track of the same shape.
+        distance: m; a sample exactly as far away is not counted.
+
+    Returns:
+        Both bounds, equal unless a coordinate is not finite: such a sample counts for the upper
+        one only. NaN, NaN without samples.
+
+    Raises:
+        ValueError: the tracks do not have the same shape.
+    """
+    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    if a.shape != b.shape or a.ndim > 2:
+        raise ValueError(f"the tracks have the shapes {a.shape} and {b.shape}")
+    if not a.size:
+        return float("nan"), float("nan")
+    known = (np.isfinite(a) & np.isfinite(b)).all(axis=1)
+    near = int((np.linalg.norm(a[known] - b[known], axis=1) < distance).sum())
+    return near / len(a), (near + int((~known).sum())) / len(a)

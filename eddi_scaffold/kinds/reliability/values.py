@@ -5,21 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.problems import (
-    NearNames,
-    Place,
-    Problem,
-    error,
-    has_errors,
-    warning,
-)
-from eddi_scaffold.quantities import (
-    Quantity,
-    QuantityError,
-    UnitError,
-    number,
-    temperature,
-)
+from eddi_scaffold.common.problems import NearNames, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.units import Quantity, QuantityError, UnitError, number, temperature
 
 KEY = -1
 """Last part of a path that refers to the place of a key, not of its value."""

@@ -10,12 +10,11 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.safeml.messages import MESSAGES, VIOLATION_FIELD, respelt
-from eddi_scaffold.kinds.safeml.verdicts import VERDICTS
+from eddi_scaffold.kinds.safeml.messages import MESSAGES, VERDICTS, VIOLATION_FIELD, respelt
 
 if TYPE_CHECKING:
-    from eddi_scaffold.kinds.safeml.model import SafeMLModel
-    from eddi_scaffold.source import Source
+    from eddi_scaffold.common.files import Source
+    from eddi_scaffold.kinds.safeml.scope import SafeMLModel
 
 _SUFFIXES = (".yml", ".yaml")
 _OWN_KEY = re.compile(

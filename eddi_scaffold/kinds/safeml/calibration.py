@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.kinds.safeml.design import Rows
-from eddi_scaffold.kinds.safeml.model import Calibration, Metric
+from eddi_scaffold.kinds.safeml.scope import Calibration, Metric
 
 _LARGEST = 1e300
 _AT_ONCE = 2_000_000
@@ -85,3 +87,21 @@ def autocorrelation(series: Rows) -> tuple[float, int]:
     found = np.where(power > 0.0, shifted / np.where(power > 0.0, power, 1.0), 0.0)
     at = int(found.argmax())
     return float(found[at]), at
+
+
+def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
+    count = int(windows.shape[0])
+    values = windows.swapaxes(0, 1).reshape(comparison.tests, count * comparison.m)
+
+    def ranks(*, equal: bool) -> npt.NDArray[np.int64]:
+        found = comparison.backend.ranks(comparison.reference, values, equal=equal)
+        ordered: npt.NDArray[np.int64] = found.reshape(comparison.tests, count, comparison.m)
+        return ordered.swapaxes(0, 1)
+
+    lower, upper = ranks(equal=False), ranks(equal=True)
+    some = bool((lower != upper).any())
+    found: npt.NDArray[Any] = comparison.of_ranks(
+        lower, upper if some else None, comparison.counts(windows)
+    )
+    return found

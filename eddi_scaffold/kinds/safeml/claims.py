@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.claims import Meaning, Meanings, ValidityField
+from eddi_scaffold.common.claims import Meaning, Meanings, ValidityField
 
 _IN_SCOPE = "`field: in_scope` of SafeMLStatus"
 _VERDICT = (("omission", False),)

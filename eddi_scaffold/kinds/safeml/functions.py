@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.problems import Problem, error, has_errors, in_order
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import (
     DeclaredInput,
@@ -16,11 +18,13 @@ from eddi_scaffold.kinds import (
     Skeleton,
     with_status,
 )
-from eddi_scaffold.kinds.safeml import report, runtime_model
+from eddi_scaffold.kinds.safeml import runtime_model, show
 from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
-from eddi_scaffold.kinds.safeml.from_eddi import in_map, read_eddi
 from eddi_scaffold.kinds.safeml.messages import VIOLATION_FIELD, VIOLATION_FIELDS
-from eddi_scaffold.kinds.safeml.model import (
+from eddi_scaffold.kinds.safeml.plan import plan
+from eddi_scaffold.kinds.safeml.read_eddi import in_map, read_eddi
+from eddi_scaffold.kinds.safeml.reference import read_named
+from eddi_scaffold.kinds.safeml.scope import (
     NAME,
     Plan,
     Planned,
@@ -28,12 +32,8 @@ from eddi_scaffold.kinds.safeml.model import (
     SafeMLModel,
     SafeMLOptions,
 )
-from eddi_scaffold.kinds.safeml.picture import picture
-from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.settings import read_settings
-from eddi_scaffold.problems import Problem, error, has_errors, in_order
-from eddi_scaffold.source import PartSource, Source
+from eddi_scaffold.kinds.safeml.show import picture
 
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
@@ -149,12 +149,12 @@ def export(model: SafeMLModel) -> Mapping[str, str]:
 
 def counts(model: SafeMLModel) -> Mapping[str, int]:
     """Return what ``show`` counts."""
-    return report.counts(model.data)
+    return show.counts(model.data)
 
 
 def outline(model: SafeMLModel) -> Sequence[str]:
     """Return the lines that ``show`` prints."""
-    return report.outline(model.data, _plan(model))
+    return show.outline(model.data, _plan(model))
 
 
 def diagram(model: SafeMLModel) -> Diagram:
@@ -165,7 +165,7 @@ def diagram(model: SafeMLModel) -> Diagram:
 def readme(model: SafeMLModel) -> Sequence[str]:
     """Return lines of Markdown for the package's README."""
     connection = _connection(model)
-    return report.readme(connection.plan, connection.frequency)
+    return show.readme(connection.plan, connection.frequency)
 
 
 def _plan(model: SafeMLModel) -> Plan | None:

@@ -10,10 +10,11 @@ import numpy as np
 from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
+from eddi_scaffold.common.problems import Problem, error, has_errors, warning
 from eddi_scaffold.compiling.safeml.limits import limit_quantile
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate, effective
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows, principal_axes, split
-from eddi_scaffold.kinds.safeml.model import (
+from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Calibration,
     Plan,
@@ -27,7 +28,6 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     smallest_window,
     theoretical,
 )
-from eddi_scaffold.problems import Problem, error, has_errors, warning
 
 ROWS_PER_WINDOW = 20
 """Windows that a reference must hold for calibration to be worth it (``calibration: auto``)."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.kinds.safeml.model import (
+from eddi_scaffold.kinds.safeml.plan import upwards
+from eddi_scaffold.kinds.safeml.reference import Table
+from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Plan,
     ReferenceSample,
     SafeMLFile,
     SafeMLOptions,
 )
-from eddi_scaffold.kinds.safeml.plan import upwards
-from eddi_scaffold.kinds.safeml.tables import Table
 
 REFERENCE_FILE = "reference.csv"
 """Name of an exported reference."""

@@ -7,9 +7,11 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Problem, did_you_mean, error
 from eddi_scaffold.compiling.safeml.model import BACKENDS
-from eddi_scaffold.kinds.safeml.model import METRICS, SafeMLSettings
-from eddi_scaffold.positioned_yaml.nodes import (
+from eddi_scaffold.kinds.safeml.scope import METRICS, SafeMLSettings
+from eddi_scaffold.yaml_text.nodes import (
     Map,
     Node,
     Scalar,
@@ -19,8 +21,6 @@ from eddi_scaffold.positioned_yaml.nodes import (
     read_map,
     value_11,
 )
-from eddi_scaffold.problems import Problem, did_you_mean, error
-from eddi_scaffold.source import Source
 
 MAX_WINDOW = 1_000_000
 REQUIRED = ("window_size", "reference_sample_file", "significance_level", "distance_metric")

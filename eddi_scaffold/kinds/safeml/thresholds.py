@@ -9,8 +9,8 @@ import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.compiling.safeml.limits import critical_value
-from eddi_scaffold.kinds.safeml.model import Metric
-from eddi_scaffold.kinds.safeml.windows import of_windows
+from eddi_scaffold.kinds.safeml.calibration import of_windows
+from eddi_scaffold.kinds.safeml.scope import Metric
 
 MOST_EXACT = 20_000_000
 """Product of sample sizes up to which Kolmogorov-Smirnov is computed exactly."""

@@ -11,8 +11,8 @@ import re
 from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeVar
 
+from eddi_scaffold.common.problems import nearest
 from eddi_scaffold.mros.text import Text, alternatives, quoted
-from eddi_scaffold.problems import nearest
 
 T = TypeVar("T")
 

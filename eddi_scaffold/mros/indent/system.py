@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from eddi_scaffold.mros.errors import EMPTY_FILE, FOREIGN_FORMAT
 from eddi_scaffold.mros.indent.keys import Keys
 from eddi_scaffold.mros.indent.lines import Line, Words, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
@@ -15,7 +14,7 @@ from eddi_scaffold.mros.model import (
     System,
     SystemInterface,
 )
-from eddi_scaffold.mros.text import Text, alternatives
+from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, Text, alternatives
 
 _ARROWS: dict[str, InterfaceKind] = {
     "pub->": "publisher",

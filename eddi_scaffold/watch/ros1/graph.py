@@ -9,8 +9,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from eddi_scaffold.watch.limits import MAX_MONITORS
-from eddi_scaffold.watch.messages import is_watched
+from eddi_scaffold.watch.messages import MAX_MONITORS, is_watched
 from eddi_scaffold.watch.ros1.calls import CallError, call
 from eddi_scaffold.watch.ros1.connection import Connection, connect
 

@@ -6,7 +6,7 @@ np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime.safeml import accelerators, arrays  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
 
-from eddi_scaffold.kinds.safeml.windows import of_windows  # noqa: E402
+from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 
 

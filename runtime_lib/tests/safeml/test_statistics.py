@@ -9,7 +9,7 @@ from eddi_runtime.safeml.comparison import Comparison  # noqa: E402 - numpy come
 from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
 from eddi_runtime.safeml.window import Window  # noqa: E402
 
-from eddi_scaffold.kinds.safeml.windows import of_windows  # noqa: E402
+from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
 
 METRICS = tuple(LITERAL)

@@ -8,7 +8,7 @@ from eddi_runtime.safeml import Interpolated, Kolmogorov
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.compiling.safeml import limits
-from eddi_scaffold.kinds.safeml.windows import of_windows
+from eddi_scaffold.kinds.safeml.calibration import of_windows
 
 
 def tail(metric, n, m):

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.deployments.fleet.fleet import read_whole_fleet
-from eddi_scaffold.deployments.fleet.sites import sites_of
-from eddi_scaffold.deployments.fleet.station import with_station
-from eddi_scaffold.deployments.fleet.words import among_others, digests_of
+from eddi_scaffold.deployments.fleet import read_whole_fleet
+from eddi_scaffold.deployments.fleet_topics import among_others, digests_of
+from eddi_scaffold.deployments.sites import sites_of
+from eddi_scaffold.deployments.station import with_station
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
-from eddi_scaffold.source import Source
 from tests.cli.command import ROOT, files_below, run
 
 EXAMPLE = ROOT / "examples" / "two-robots"

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.problems import Problem
 from tests.cli.command import run
 from tests.deployments.wiring.test_bounds import LINK, READ, SENSOR
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT

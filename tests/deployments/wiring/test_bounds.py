@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eddi_scaffold.deployments.wiring.acceptances import acceptances
-from eddi_scaffold.deployments.wiring.check import members_of
-from eddi_scaffold.deployments.wiring.lifetimes import bounds
-from eddi_scaffold.deployments.wiring.support import Participant
+from eddi_scaffold.deployments.lifetimes import bounds
+from eddi_scaffold.deployments.support import Participant, acceptances
+from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT
 

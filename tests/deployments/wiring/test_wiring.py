@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.deployments.wiring.check import check_wiring
-from eddi_scaffold.deployments.wiring.deployment import Member, deployment
-from eddi_scaffold.deployments.wiring.topics import shared_by_robots
+from eddi_scaffold.common.problems import EddiError, Problem
+from eddi_scaffold.deployments.topics import Member, deployment, shared_by_robots
+from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.problems import EddiError, Problem
 from tests.cli.command import example
 
 CONSERT = """\

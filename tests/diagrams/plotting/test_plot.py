@@ -8,8 +8,7 @@ from xml.etree import ElementTree as ET
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.diagrams.plotting.svg import plot
-from eddi_scaffold.diagrams.plotting.tracks import Track, stretches, ticks, tracks_of
+from eddi_scaffold.diagrams.plot import Track, plot, stretches, ticks, tracks_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 

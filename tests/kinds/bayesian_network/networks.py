@@ -10,15 +10,15 @@ from pathlib import Path
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, Reading, kinds
-from eddi_scaffold.kinds.bayesian_network.model import Network, Node
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.source import Source, read_source
 
 KIND = kinds()["bayesian_network"]
 

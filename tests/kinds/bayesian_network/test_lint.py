@@ -8,8 +8,8 @@ from textwrap import indent
 import pytest
 from hypothesis import given
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.bayesian_network.lint import lint
-from eddi_scaffold.source import Source
 from tests.fuzz.mutations import mutations
 
 FRAME = """class BayesianNetworkConfig:

@@ -16,16 +16,14 @@ from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, post
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import Model
-from eddi_scaffold.kinds.bayesian_network import crosscheck
-from eddi_scaffold.kinds.bayesian_network.crosscheck import cross_check
-from eddi_scaffold.kinds.bayesian_network.model import Network
-from eddi_scaffold.kinds.bayesian_network.names import identifiers, xdsl_ids
-from eddi_scaffold.kinds.bayesian_network.proposing import proposed_bins
-from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
-from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
-from eddi_scaffold.problems import Place
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
+from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
+from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
+from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
+from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_example
 from tests.fuzz.mutations import mutations
@@ -262,7 +260,7 @@ def test_an_observed_node_without_influence_is_told() -> None:
 def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
     code = (
         "import sys; from eddi_scaffold.monitors.loading import read_models; "
-        "from eddi_scaffold.source import read_source; "
+        "from eddi_scaffold.common.files import read_source; "
         "from eddi_scaffold.kinds import kinds; "
         f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "
         "print(''.join(kinds()['bayesian_network'].functions.export(model).values()))"

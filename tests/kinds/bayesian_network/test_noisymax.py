@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.bayesian_network.noisymax import NoisyMaxError, noisy_max_table
+from eddi_scaffold.kinds.bayesian_network.read_xdsl import NoisyMaxError, noisy_max_table
 from tests.kinds.bayesian_network.networks import read
 
 TWO = '<state id="y"/><state id="n"/>'

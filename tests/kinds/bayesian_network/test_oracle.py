@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.source import Source
 from tests.data_files import data_file
 from tests.kinds.bayesian_network.networks import KIND, joined, read, read_path, running
 

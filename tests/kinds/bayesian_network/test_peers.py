@@ -13,9 +13,8 @@ import pytest
 from eddi_runtime.bayesian_network.asking import posteriors
 from hypothesis import given, settings
 
-from eddi_scaffold.kinds.bayesian_network.model import Network
-from eddi_scaffold.kinds.bayesian_network.to_xdsl import to_xdsl
-from eddi_scaffold.kinds.bayesian_network.to_xmlbif import to_xmlbif
+from eddi_scaffold.kinds.bayesian_network.network import Network
+from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.kinds.bayesian_network.networks import joined, networks, read, read_path, running
 
 pytestmark = pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.kinds import Reading
-from eddi_scaffold.kinds.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.network import Network
 from tests.kinds.bayesian_network.networks import read
 
 START = """\

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from eddi_scaffold.source import Source
+from eddi_scaffold.common.files import Source
 from tests.data_files import data_file
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.messages import MESSAGES
-from eddi_scaffold.source import Source
 from tests.kinds.consert.example import ROVER, read
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
-from eddi_scaffold.source import Source
 
 SOUND = {
     "guarantees": "guarantees:\n  - id: G\n    dimensions:\n      - Binary: {type: Safe}\n",

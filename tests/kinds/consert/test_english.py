@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.english import read_english
+from eddi_scaffold.kinds.consert.english_dimensions import read_english
 from eddi_scaffold.kinds.consert.model import BinaryDimension, Bound, NumericDimension, Range
 from tests.data_files import data_file
 

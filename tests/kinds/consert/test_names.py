@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold import units
+from eddi_scaffold.common import units
 from eddi_scaffold.kinds.consert import names
 
 

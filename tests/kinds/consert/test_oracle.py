@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSert
-from eddi_scaffold.problems import worst
-from eddi_scaffold.source import Source
 from tests.kinds.consert.oracle import as_source, oracle
 
 MORE_UNITS = {"P_uom_percent", "P_uom_rad"}

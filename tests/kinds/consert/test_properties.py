@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.check.model import check_consert
-from eddi_scaffold.kinds.consert.check.static import static_checks
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import (
@@ -29,10 +30,9 @@ from eddi_scaffold.kinds.consert.model import (
     Range,
     RequiredService,
 )
-from eddi_scaffold.kinds.consert.yaml.reading import read_consert
-from eddi_scaffold.kinds.consert.yaml.writing import to_yaml
-from eddi_scaffold.problems import has_errors
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.consert.read_yaml import read_consert
+from eddi_scaffold.kinds.consert.static_checks import static_checks
+from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.kinds.consert.example import ROVER
 
 pytestmark = pytest.mark.slow

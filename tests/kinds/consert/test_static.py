@@ -7,7 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.check.static import static_checks
+from eddi_scaffold.kinds.consert.graph import constants, path_sets
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     ConSert,
@@ -17,7 +17,7 @@ from eddi_scaffold.kinds.consert.model import (
     Propagation,
     ProvidedService,
 )
-from eddi_scaffold.kinds.consert.paths import constants, path_sets
+from eddi_scaffold.kinds.consert.static_checks import static_checks
 
 B = BinaryDimension("T")
 

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.replay.parts import compiled
-from eddi_scaffold.source import read_source
+from eddi_scaffold.recordings.parts import compiled
 from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"

@@ -9,10 +9,10 @@ import pytest
 from lxml import etree
 
 from eddi_scaffold import api
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import Model, Options, kinds
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.problems import Problem
-from eddi_scaffold.source import Source, read_source
 from tests.cli.command import run
 
 MODELS = Path(__file__).parents[2] / "readers" / "models"

@@ -8,13 +8,13 @@ from typing import Any
 
 from eddi_runtime.reliability import Reliability
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.problems import Problem, in_order
-from eddi_scaffold.readers.eddi import read_document
-from eddi_scaffold.source import Source, read_source
 
 
 def compiled(model: Model) -> Reliability:

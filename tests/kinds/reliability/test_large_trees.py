@@ -12,11 +12,11 @@ import time
 import pytest
 from eddi_runtime.reliability.large_tree import LargeTree
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.compiling.reliability.trees import table
-from eddi_scaffold.kinds.reliability.model import ReliabilitySystem
 from eddi_scaffold.kinds.reliability.runtime_model import diagram_of, runtime_model
+from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.source import Source
 from tests.data_files import data_file
 
 pytestmark = pytest.mark.slow

@@ -12,9 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Model, Reading
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.model import (
+from eddi_scaffold.kinds.reliability.system import (
     BasicEvent,
     ComponentModel,
     FaultTree,
@@ -22,10 +23,9 @@ from eddi_scaffold.kinds.reliability.model import (
     Law,
     ReliabilitySystem,
 )
-from eddi_scaffold.kinds.reliability.to_mef import to_mef
 from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.kinds.reliability.write import to_mef
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.source import Source
 from tests.cli.command import run
 from tests.diagnosed import assert_example
 from tests.kinds.reliability.monitors import sound

@@ -19,8 +19,8 @@ from eddi_scaffold.compiling.reliability.model import read_plan
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.compiling.reliability import trees as written
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.problems import Problem, in_order
 from tests.kinds.reliability.monitors import everything, models_of
 
 FILE = Path(__file__).with_name("diagnostics.txt")

@@ -10,13 +10,13 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
-from eddi_scaffold.replay.parts import compiled
-from eddi_scaffold.source import read_source
+from eddi_scaffold.recordings.parts import compiled
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text
 from tests.rows import played

@@ -6,9 +6,9 @@ import re
 
 import pytest
 
-from eddi_scaffold.kinds.reliability.model import ReliabilitySystem
-from eddi_scaffold.kinds.reliability.report import outline, readme
-from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
+from eddi_scaffold.kinds.reliability.show import outline, readme
+from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.kinds.reliability.monitors import read_text
 
 EVERY_KEY = """

@@ -10,12 +10,11 @@ import pytest
 import yaml
 from eddi_runtime.thresholds import Evidence, Threshold
 
+from eddi_scaffold.common.units import rate
 from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.proximity import proximity
-from eddi_scaffold.kinds.reliability.trial import mean_life
-from eddi_scaffold.quantities import rate
+from eddi_scaffold.kinds.reliability.trial import mean_life, proximity
 from tests.data_files import data_file
 from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
 

@@ -8,8 +8,8 @@ import pytest
 
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
-from eddi_scaffold.kinds.reliability.to_yaml import to_yaml
 from eddi_scaffold.kinds.reliability.trial import at_start
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.kinds.reliability.monitors import compiled, read_text, sound
 
 CPU = "c: {type: processor, mttf_ref: 400 h, t_ref: 51 degC, t_max: %s degC, u_max: %s}"

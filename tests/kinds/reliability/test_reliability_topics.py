@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.platforms.ros1.package_answers import monitor_answers
-from eddi_scaffold.problems import EddiError
+from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.kinds.reliability.monitors import read_text, sound
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.calibration import largest_statistics
 from eddi_scaffold.kinds.safeml.design import Design
-from eddi_scaffold.kinds.safeml.model import Metric, Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.source import Source
+from eddi_scaffold.kinds.safeml.scope import Metric, Plan, ReferenceSample, SafeMLSettings
 
 Rows = Any
 """numpy.ndarray (rows, features)."""

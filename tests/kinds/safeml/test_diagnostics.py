@@ -15,12 +15,12 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.functions import FUNCTIONS
-from eddi_scaffold.problems import Problem, in_order
-from eddi_scaffold.source import Source, read_source
 
 CASES_FILE = Path(__file__).with_name("diagnostics.txt")
 SOUND = {

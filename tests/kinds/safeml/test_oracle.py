@@ -14,12 +14,12 @@ import pytest
 import yaml
 from eddi_runtime.safeml.comparison import Comparison
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.compiling.safeml.limits import critical_value, limit_quantile
-from eddi_scaffold.kinds.safeml.model import Plan, ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.plan import plan
+from eddi_scaffold.kinds.safeml.scope import Plan, ReferenceSample, SafeMLSettings
 from eddi_scaffold.kinds.safeml.thresholds import ks_asymptotic, ks_tail, theoretical
-from eddi_scaffold.kinds.safeml.windows import of_windows
-from eddi_scaffold.source import Source
 from tests.data_files import data_file
 from tests.kinds.safeml.monitors import LONG_NAMES, running
 

@@ -11,13 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
-from eddi_scaffold.kinds.safeml.report import detectable_shift
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.replay.parts import compiled
-from eddi_scaffold.ros.messages import messages_of
-from eddi_scaffold.source import Source, read_source
+from eddi_scaffold.kinds.safeml.show import detectable_shift
+from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.ros_packages.messages import messages_of
 from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
 
 _CHANCE = random.Random(11)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.model import Metric
+from eddi_scaffold.kinds.safeml.calibration import of_windows
+from eddi_scaffold.kinds.safeml.scope import Metric
 from eddi_scaffold.kinds.safeml.thresholds import theoretical
-from eddi_scaffold.kinds.safeml.windows import of_windows
 from tests.kinds.safeml.simulation import WINDOW, Rows, planned, power, process, rate
 
 pytestmark = pytest.mark.slow

@@ -10,6 +10,7 @@ import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.compiling.safeml.limits import critical_value, moments
+from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
@@ -18,7 +19,6 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     smallest_window,
     theoretical,
 )
-from eddi_scaffold.kinds.safeml.windows import of_windows
 
 
 @pytest.mark.parametrize(("n", "m"), [(1, 1), (5, 3), (4, 4), (6, 4), (7, 2)])

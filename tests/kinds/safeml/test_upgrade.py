@@ -11,14 +11,14 @@ from types import SimpleNamespace
 
 import pytest
 
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.compiling.document import digest_of
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.problems import EddiError
-from eddi_scaffold.replay.packaged import load
+from eddi_scaffold.recordings.packaged import load
 from tests.kinds.safeml.monitors import CONNECTED, lay
 
 _CHANCE = random.Random(1)

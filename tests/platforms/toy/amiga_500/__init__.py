@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.answers import identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import PackageAnswers, Platform, Templates, Workspace
-from eddi_scaffold.problems import Problem
 
 _TEMPLATES = Templates("robot", ("fleet",))
 

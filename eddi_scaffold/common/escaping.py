@@ -1,0 +1,122 @@
+"""Texts of models and configurations as parts of other languages: one function for each target.
+
+Whatever the text contains, it stays text there. Names are not escaped but checked
+(``identifiers``); CMake and ROS launch files get names and numbers only. What an answers file may
+hold of the results is repeated in ``copier_templates/shapes.jinja``, because answers can be given
+to Copier directly.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import warnings
+
+_IN_XML = re.compile(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_XML = str.maketrans(
+    {
+        "&": "&amp;",
+        "<": "&lt;",
+        ">": "&gt;",
+        '"': "&quot;",
+        "\t": "&#9;",
+        "\n": "&#10;",
+        "\r": "&#13;",
+    }
+)
+_MARKUP = re.compile(
+    r"""[\\`*<>|~&]
+    |(?<![^\W_])_|_(?![^\W_])   # inside a word it is not emphasis
+    |\](?=[(\[:])               # a link
+    |^[#+=-]|^[0-9]+[.)]        # a block""",
+    re.VERBOSE,
+)
+
+
+def one_line(text: str) -> str:
+    """Fold any text into one line of printable characters, which is no marker of a region."""
+    folded = " ".join(text.split()).replace("Manual edit ", "manual edit ")
+    return "".join(char if char.isprintable() else "?" for char in folded)
+
+
+def python_literal(value: object) -> str:
+    """Return a text, number, Boolean or None, or a tuple or list of them, as Python in ASCII."""
+    return ascii(value)
+
+
+def python_comment(text: str) -> str:
+    """Return text that is safe in a comment or docstring of Python without ending it."""
+    return one_line(text).replace("\\", "/").replace('"', "'").replace("'''", "'")
+
+
+def c_comment(text: str) -> str:
+    """Return text that is safe in a block comment of C, and in a docstring of Python."""
+    plain = re.sub(r"[^ -~]+", " ", text).replace("\\", "/").replace('"', "'")
+    plain = plain.replace("*/", "* /").replace("/*", "/ *")
+    plain = plain.replace("Manual edit", "manual edit")  # as in :func:`one_line`
+    return re.sub(r"\?(?=\?)", "? ", plain).strip()  # ??/ is a backslash
+
+
+def xml_text(text: str) -> str:
+    """Return text for an element or a quoted attribute; XML has no way to hold some characters."""
+    return _IN_XML.sub("?", text).translate(_XML)
+
+
+def toml_text(text: str) -> str:
+    """Return one line as a TOML string; of printable characters, JSON is the same."""
+    return json.dumps(one_line(text), ensure_ascii=False)
+
+
+def markdown_text(text: str) -> str:
+    """Return one line that Markdown shows as it is, in a paragraph or in a cell of a table."""
+    return _MARKUP.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", one_line(text))
+
+
+def markdown_code(text: str) -> str:
+    """Return one line for between two backticks, also in a table, which both cannot be escaped."""
+    return one_line(text).replace("`", "'").replace("|", "¦") or " "
+
+
+DEEPEST = 150
+"""Levels of a tree that recursive functions of ``ast`` get through with their callers."""
+_MOST_BITS = 14_000  # of a number that Python writes in decimal digits
+
+
+def parse_python(text: str | bytes) -> ast.Module:
+    """Return the syntax tree of a text, however deep.
+
+    Raises:
+        SyntaxError: the text is not Python, or nested deeper than Python reads.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ast.parse(text)
+    except (RecursionError, MemoryError):
+        raise SyntaxError("nested too deeply") from None
+    except ValueError as problem:
+        raise SyntaxError(str(problem)) from None
+
+
+def parse_shallow(text: str | bytes) -> ast.Module:
+    """Return a syntax tree that ``ast.unparse`` and its neighbours can walk.
+
+    Raises:
+        SyntaxError: the text is not Python, nested deeper than :data:`DEEPEST`, or holds a number
+            of thousands of digits.
+    """
+    tree = parse_python(text)
+    level: list[ast.AST] = [tree]
+    for _ in range(DEEPEST):
+        level = [node for parent in level for node in ast.iter_child_nodes(parent)]
+        if any(_is_huge(node) for node in level):
+            raise SyntaxError("a number with too many digits")
+        if not level:
+            return tree
+    raise SyntaxError("nested too deeply")
+
+
+def _is_huge(node: ast.AST) -> bool:
+    value = node.value if isinstance(node, ast.Constant) else None
+    return isinstance(value, int) and value.bit_length() > _MOST_BITS

@@ -1,0 +1,342 @@
+"""Files of anybody: only regular ones are opened, and never read beyond a limit.
+
+FIFOs, sockets and devices may wait for ever, or be read without end.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import io
+import itertools
+import os
+import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path, PurePosixPath
+from typing import BinaryIO
+
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, nearest
+from eddi_scaffold.regions.package import KINDS, is_relative
+
+MAX_BYTES = 64 * 1024 * 1024
+"""A larger file is nothing that we read."""
+
+
+class NotRegularError(OSError):
+    """The entry is a FIFO, a socket or a device."""
+
+
+def open_regular(path: str | Path) -> BinaryIO:
+    """Open a file, or what a link leads to, for reading; the caller closes it.
+
+    Raises:
+        NotRegularError: it is not a regular file; nothing waits for its other end.
+        OSError: it is a folder, or cannot be opened.
+    """
+    if "\0" in str(path):
+        raise OSError(errno.EINVAL, "no file has such a name")
+    _refuse(Path(path).stat().st_mode, path)
+    handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    try:
+        _refuse(os.fstat(handle).st_mode, path)  # another one may be there by now
+    except OSError:
+        os.close(handle)
+        raise
+    return os.fdopen(handle, "rb")
+
+
+def read_regular(path: str | Path, limit: int = MAX_BYTES) -> bytes:
+    """Return the bytes of a regular file, of which no more than ``limit`` + 1 are read.
+
+    Raises:
+        NotRegularError: it is not a regular file.
+        OSError: it is a folder, cannot be read, or is larger than ``limit``.
+    """
+    with open_regular(path) as stream:
+        size = os.fstat(stream.fileno()).st_size
+        data = stream.read(size + 1) or b"" if size <= limit else b""  # None: nothing new in kmsg
+        if len(data) > size:  # it grows, or is of /proc, where files have no size
+            data += stream.read(limit + 1 - len(data)) or b""
+    if max(size, len(data)) > limit:
+        reason = f"it has more than the limit of {limit} bytes"
+        raise OSError(errno.EFBIG, reason, str(path))
+    return data
+
+
+def stays(root: Path, path: Path) -> bool:
+    """Return whether a path, links followed, still lies below a folder."""
+    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(root))
+
+
+def inside(root: Path, name: object) -> Path | None:
+    """Return the place of a relative path below a folder, ``None`` where it may lie elsewhere.
+
+    Args:
+        root: the folder.
+        name: from a file; anything.
+
+    Returns:
+        ``None`` for a path that is not relative and normalised, or has a link among its parents
+        below ``root``. The last part may be a link: it names the link, not its target.
+    """
+    if not isinstance(name, str) or not is_relative(name):
+        return None
+    above = [root / folder for folder in PurePosixPath(name).parents][:-1]
+    # false for a name that no disk can hold
+    return None if any(map(os.path.islink, above)) else root / name
+
+
+def _refuse(mode: int, path: str | Path) -> None:
+    kind = stat.S_IFMT(mode)
+    if kind == stat.S_IFDIR:
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if kind != stat.S_IFREG:
+        reason = f"it is {KINDS.get(kind, 'no regular file')}, and only regular files are read"
+        raise NotRegularError(errno.EINVAL, reason, str(path))
+
+
+HEAD_BYTES = 4096
+_NETWORK = "save it as XDSL, XMLBIF 0.3 or BIF"
+_BY_GENIE = f"GeNIe opens it: {_NETWORK}"
+_FORMATS = (
+    (rb"\Aversion https://git-lfs\.", "a pointer of Git LFS, not the file", "run `git lfs pull`"),
+    (rb"\A\x1f\x8b", "compressed by gzip", "unpack it with `gunzip`"),
+    (rb"\APK\x03\x04", "a zip archive", "unpack it, and name the file in it"),
+    (rb"\A\s*(?://[^\n]*\n\s*)*(?://\s*~->\[DNET-1\]|bnet\b)", "a network of Netica", _BY_GENIE),
+    (rb"\A\s*belief\s+network\b", "a network of MSBN", _BY_GENIE),
+    (rb"<ANALYSISNOTEBOOK\b", "a network of MSBN", _BY_GENIE),
+    (rb"\A(?:\s|%[^\n]*\n)*(?:net|class\s+\w+)\s*\{", "a network of Hugin", _BY_GENIE),
+    (rb"<ProbModelXML\b", "a network of OpenMarkov", _NETWORK),
+    (
+        rb"""<(?i:(?:\w+:)?bif\b[^>]*\bversion\s*=\s*["']0\.[45])""",
+        "XMLBIF 0.4 or 0.5, which writes networks in another way",
+        "save it as XMLBIF 0.3 or BIF, for example with JavaBayes",
+    ),
+)
+
+
+def other_format(head: bytes) -> tuple[str, str] | None:
+    """Return what a file is and what to do about it, ``None`` for one that may be ours."""
+    text = head.removeprefix(b"\xef\xbb\xbf")
+    return next(((name, hint) for form, name, hint in _FORMATS if re.search(form, text)), None)
+
+
+KEPT_BYTES = 4 * 1024 * 1024
+"""Larger files are not kept in memory next to what is made of them."""
+_MOST_NEIGHBOURS = 1_000
+_inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default=None)
+"""Device and number of the files that the command has read; ``None`` where nobody asks."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """One input file.
+
+    Attributes:
+        name: path as the user gave it, for messages.
+        data: its bytes.
+    """
+
+    name: str
+    data: bytes
+
+    @cached_property
+    def sha256(self) -> str:
+        """Hex digest of the bytes, for traceability."""
+        digest = hashlib.sha256()
+        with self.open() as stream:
+            while block := stream.read(1 << 20):
+                digest.update(block)
+        return digest.hexdigest()
+
+    def open(self) -> BinaryIO:
+        """Return the bytes as a seekable stream, which the caller closes."""
+        return io.BytesIO(self.data)
+
+    def text(self, code: str) -> str:
+        """Return the content as text, without a byte order mark.
+
+        Args:
+            code: of the problem if it is none.
+
+        Raises:
+            EddiError: it is not UTF-8 text; the place is that of the first byte that is wrong.
+        """
+        try:
+            return self.data.decode("utf-8-sig")
+        except UnicodeDecodeError as problem:
+            *above, line = self.data[: problem.start].decode("utf-8", "replace").split("\n")
+            place = Place(self.name, len(above) + 1, len(line) + 1)
+            raise EddiError(error(code, "the file is not UTF-8 text", place)) from None
+
+    @property
+    def stem(self) -> str:
+        """File name without folder and suffix."""
+        return Path(self.name).stem
+
+    @property
+    def file_name(self) -> str:
+        """File name without folder: what a generated file may mention."""
+        return Path(self.name).name
+
+
+def beside(file: str, name: str) -> Path:
+    """Return where a file is that another one names, relative to itself.
+
+    Raises:
+        EddiError: it is not in the folder of that file, or below (F009).
+    """
+    place = inside(Path(file).parent, str(PurePosixPath(name)))
+    if place is None:
+        message = "it is not below the folder of the file that names it"
+        hint = "copy it there: a file may refer only to files in its own folder"
+        raise EddiError(error("F009", message, Place(file), hint))
+    return place
+
+
+class LargeSource(Source):
+    """A file that is read again each time that its bytes are asked for."""
+
+    _limit: int
+
+    def __init__(self, name: str, limit: int = MAX_BYTES) -> None:
+        object.__setattr__(self, "name", name)  # the dataclass is frozen
+        object.__setattr__(self, "_limit", limit)
+
+    @property
+    def data(self) -> bytes:  # a field there, computed here
+        """The bytes of the file as it is now."""
+        try:
+            return read_regular(self.name, self._limit)
+        except OSError as problem:
+            raise EddiError(_unreadable(self.name, problem)) from None
+
+    def open(self) -> BinaryIO:
+        """Open the file.
+
+        Raises:
+            EddiError: it has gone since (F001).
+        """
+        try:
+            stream = open_regular(self.name)
+        except OSError as problem:
+            raise EddiError(_unreadable(self.name, problem)) from None
+        note_input(stream.fileno())
+        return stream
+
+
+class PartSource(Source):
+    """A file of which one part describes a model: its digest is that of the part.
+
+    The part may move within the file, and others may change, without a word.
+    """
+
+    _file: Source
+    _part: bytes
+
+    def __init__(self, file: Source, part: bytes) -> None:
+        object.__setattr__(self, "name", file.name)  # the dataclass is frozen
+        object.__setattr__(self, "_file", file)
+        object.__setattr__(self, "_part", part)
+
+    @property
+    def data(self) -> bytes:  # a field there, taken from the file here
+        """The bytes of the whole file."""
+        return self._file.data
+
+    @property
+    def sha256(self) -> str:  # of the whole file there
+        """Hex digest of the part."""
+        return hashlib.sha256(self._part).hexdigest()
+
+    def open(self) -> BinaryIO:
+        """Open the whole file."""
+        return self._file.open()
+
+
+def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
+    """Read a file, and nothing that would wait or never end.
+
+    Raises:
+        EddiError: the file is missing, unreadable, no regular file (a folder, pipe or device), or
+            larger than ``limit`` bytes (F001); it is of another format (F003).
+    """
+    large = LargeSource(str(path), limit)
+    with large.open() as stream:
+        size = os.fstat(stream.fileno()).st_size
+        other = other_format(stream.read(HEAD_BYTES))
+    if other is not None:
+        raise EddiError(error("F003", f"this is {other[0]}", Place(large.name), other[1]))
+    return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
+
+
+@contextmanager
+def inputs_noted() -> Iterator[None]:
+    """Note the files that are read meanwhile: a command does not write over its own inputs."""
+    token = _inputs.set(set())
+    try:
+        yield
+    finally:
+        _inputs.reset(token)
+
+
+def note_input(file: int) -> None:
+    """Note an open file as an input, whatever names it has."""
+    noted = _inputs.get()
+    if noted is not None:
+        noted.add(_identity(os.fstat(file)))
+
+
+def refuse_input(path: Path) -> None:
+    """Refuse an output file that is an input.
+
+    Raises:
+        EddiError: this command has read it (F014).
+    """
+    try:
+        found = _identity(path.stat())
+    except OSError:  # nothing there: it is new
+        return
+    if found in (_inputs.get() or ()):
+        message = "this file is an input of the command, and would be overwritten"
+        hint = "name another file or folder for the output"
+        raise EddiError(error("F014", message, Place(str(path)), hint))
+
+
+def saved_meanwhile(path: Path) -> EddiError:
+    """Return what to say of a file that was saved between its reading and its writing (F013)."""
+    message = "it was saved while this command was running; Nothing was changed"
+    return EddiError(error("F013", message, Place(str(path)), "run the command again"))
+
+
+def _identity(status: os.stat_result) -> tuple[int, int]:
+    return status.st_dev, status.st_ino
+
+
+def _unreadable(name: str, problem: OSError) -> Problem:
+    reason = problem.strerror or str(problem)
+    hint = "write it to a file first" if isinstance(problem, NotRegularError) else None
+    if isinstance(problem, FileNotFoundError):
+        hint = near_file(Path(name), name)
+    return error("F001", f"cannot read the file: {reason}", Place(name), hint)
+
+
+def near_file(path: Path, written: str, but: str = "") -> str | None:
+    """Return the hint on a file of a near name in the folder of one that is missing.
+
+    Args:
+        path: where that one should be.
+        written: how a person named it.
+        but: the file that names it, which is not meant.
+    """
+    try:
+        there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
+    except (OSError, ValueError):
+        return None
+    near = nearest(path.name, [name for name in there if name != but])
+    return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None

@@ -1,0 +1,115 @@
+"""Expressions of EDDI inputs: checked here, compiled by ``eddi_scaffold.compiling``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from eddi_scaffold.common.problems import Problem, error, has_errors
+from eddi_scaffold.conditions.analysis import Analysis, analyse
+from eddi_scaffold.conditions.findings import Locate
+from eddi_scaffold.conditions.scope import Variable
+
+ExpressionType = Literal["bool", "float", "int", "state"]
+
+
+@dataclass(frozen=True)
+class ExpressionText:
+    """One expression as written in a configuration.
+
+    Attributes:
+        text: the expression.
+        locate: offset in it -> place in the configuration.
+        state: of the input that it decides, for type ``state``.
+        event: which event of the text it is, where that is a file of events.
+    """
+
+    text: str
+    locate: Locate
+    state: str | None = None
+    event: str | None = None
+
+
+@dataclass(frozen=True)
+class CompiledExpression:
+    """A checked expression of an input.
+
+    Attributes:
+        document: JSON for ``eddi_scaffold.compiling.expressions``.
+        names: variables, in order and once each.
+        requires: first words of the variables: SimulatorOutputs, or other inputs.
+        canonical: the expression in canonical form; several for a state.
+        unit: of a number, ``None`` for none.
+    """
+
+    document: Mapping[str, Any]
+    names: tuple[str, ...]
+    requires: tuple[str, ...]
+    canonical: tuple[str, ...]
+    unit: str | None
+
+
+def compile_input(
+    texts: Sequence[ExpressionText],
+    type_: ExpressionType,
+    *,
+    rate: float | None,
+    variables: Mapping[str, Variable] | None,
+    declarations: str = "",
+    polarity: Literal["EVIDENCE", "HAZARD"] = "EVIDENCE",
+) -> tuple[CompiledExpression | None, list[Problem]]:
+    """Check the expression of an input and make what its package holds.
+
+    Args:
+        texts: one, or one for each state.
+        type_: of the input.
+        rate: steps per second of the monitor.
+        variables: by path (``motor.temps[1]``); ``None``: types follow from the use.
+        declarations: ENUM, VAR and CONST that are declared with the inputs.
+        polarity: what UNKNOWN means for a ``bool``.
+
+    Returns:
+        The expression, ``None`` after an error, and all problems, with places in the configuration.
+    """
+    parts: list[dict[str, Any]] = []
+    problems: list[Problem] = []
+    analyses: list[Analysis] = []
+    for one in texts:
+        analysis = analyse(
+            one.text,
+            rate=rate,
+            variables=variables,
+            declarations=declarations,
+            locate=one.locate,
+            only=one.event,
+        )
+        problems += [*analysis.problems, *_wrong_type(analysis, one, type_)]
+        analyses.append(analysis)
+        parts.append({"form": analysis.form, **({"state": one.state} if one.state else {})})
+    if has_errors(problems):
+        return None, problems
+    names = dict.fromkeys(one.name for analysis in analyses for one in analysis.inputs)
+    requires = tuple(dict.fromkeys(name.split(".")[0].split("[")[0] for name in names))
+    canonical = tuple(analysis.events[0].canonical for analysis in analyses)
+    document = {"type": type_, "polarity": polarity, "parts": parts}
+    return CompiledExpression(
+        document, tuple(names), requires, canonical, analyses[0].events[0].unit
+    ), problems
+
+
+def _wrong_type(
+    analysis: Analysis, text: ExpressionText, type_: ExpressionType
+) -> Sequence[Problem]:
+    """Return an error when the expression gives another type than the input has."""
+    if analysis.form is None:
+        return ()
+    if len(analysis.events) != 1:
+        return (error("E003", "one expression is expected, not several events", text.locate(0)),)
+    place = text.locate(0 if text.event is None else analysis.events[0].at)
+    wanted = "bool" if type_ in ("bool", "state") else "number"
+    if analysis.events[0].type == wanted:
+        return ()
+    shown = {"bool": "a boolean", "number": "a number"}
+    message = f"the input needs {shown[wanted]}, this is {shown[analysis.events[0].type]}"
+    return (error("E007", message, place),)

@@ -1,0 +1,56 @@
+"""Standalone monitors of a checked text."""
+
+from __future__ import annotations
+
+from eddi_scaffold.common.problems import Place, Problem, warning
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.targets import Target, printed
+from eddi_scaffold.targets.monitor_model import MonitorModel, named
+
+__all__ = ["Target", "generate", "monitor_model", "without_limits"]
+
+
+def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
+    """Return file name -> text of a standalone monitor.
+
+    Args:
+        analysis: of a text without errors.
+        target: the language.
+        name: what files and functions begin with; any text.
+
+    Raises:
+        EddiError: the language has no lists or texts yet (E026).
+    """
+    return printed(monitor_model(analysis, name), target)
+
+
+def without_limits(analysis: Analysis, file: str) -> list[Problem]:
+    """Report the variables without a VAR: no sample of theirs gets old (W003).
+
+    Args:
+        analysis: of a text without errors; it reports those with a VAR itself.
+        file: name of the text.
+    """
+    of = [one for one in analysis.inputs if one.timeout is None and not one.declared]
+    if not of:
+        return []
+    names = ", ".join(one.name for one in of)
+    message = f"{names}: no TIMEOUT, so it goes unnoticed when a source falls silent"
+    type_ = of[0].type.kind.upper() if of[0].type is not None else "NUMBER"
+    hint = f"in a file of events: VAR {of[0].name} : {type_} TIMEOUT 500ms"
+    return [warning("W003", message, Place(file), hint)]
+
+
+def monitor_model(analysis: Analysis, name: str) -> MonitorModel:
+    """Return what is printed of an analysis without errors.
+
+    Args:
+        analysis: of the text.
+        name: of the monitor; any text.
+    """
+    assert analysis.form is not None
+    units = {one.name: one.unit or "" for one in (*analysis.inputs, *analysis.variables)}
+    enums = {one.name: one.type.enum for one in analysis.variables if one.type is not None}
+    source = analysis.text.strip().split("\n")
+    return named(read_form(analysis.form), name, source, units=units, enums=enums)

@@ -1,0 +1,343 @@
+"""Field paths of a configuration: ``data``, ``pose.position.x``, ``guarantees[G0].active``.
+
+A path is parsed here and becomes a Python expression in which only checked names and literals
+occur, so text of a configuration never becomes code. What the messages define of it, such as which
+field is the key of ``[G0]``, is found in ``field_types``.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from eddi_scaffold.common.escaping import python_literal
+from eddi_scaffold.common.identifiers import is_identifier, key_text
+from eddi_scaffold.common.problems import HintedError, did_you_mean
+from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
+from eddi_scaffold.config.message_types.documented import Documented, documented
+
+_STEP = re.compile(
+    r"""\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)
+      | \[(?:(?P<field>[A-Za-z][A-Za-z0-9_.]*)=)?
+          (?:"(?P<quoted>[^"\r\n]+)"|(?P<key>[^\[\]"=\r\n]+))\]""",
+    re.VERBOSE,
+)
+_PART = re.compile(r"([0-9]{1,6})\.\.([0-9]{1,6})")
+_INDEX = re.compile(r"[0-9]{1,6}")
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """Take the field ``name`` of a message."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Index:
+    """Take one element of a list by position."""
+
+    position: int
+
+
+@dataclass(frozen=True)
+class ByKey:
+    """Take the only element of a list whose key is ``wanted``.
+
+    Attributes:
+        wanted: text, or a number where the field is one.
+        field: which field is the key (``title``, ``header.frame_id``); ``None``: not given.
+    """
+
+    wanted: str | int
+    field: str | None = None
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Take the element of a list at the position of its name in a parallel list.
+
+    Attributes:
+        wanted: the name.
+        values: the field with the numbers.
+        names: the field with the names.
+    """
+
+    wanted: str
+    values: str
+    names: str
+
+
+@dataclass(frozen=True)
+class Every:
+    """Take all elements of a list, or those from ``part[0]`` to ``part[1]``, both included."""
+
+    part: tuple[int, int] | None = None
+
+
+class FieldPathError(HintedError):
+    """A text is not a field path, or the path leads nowhere in its message."""
+
+
+Step = Attribute | Index | ByKey | Beside | Every
+FieldPath = tuple[Step, ...]
+PlainStep = str | int | list[str | int]
+"""A step as ``eddi_runtime.access.follow`` takes it."""
+
+
+def parse_field(text: str, *, lists: bool = False) -> FieldPath:
+    """Parse a field path.
+
+    Args:
+        text: the path.
+        lists: ``[*]`` and ``[2..5]`` are allowed in it.
+
+    Raises:
+        FieldPathError: the text is not a field path; the message has column and expectation.
+    """
+    steps: list[Step] = []
+    position = 0
+    while position < len(text):
+        match = _STEP.match(text, position)
+        dotted = text[position] == "."
+        if match is None or (match["name"] is not None and dotted != bool(steps)):
+            expected = "a field name, `.name`, `[index]` or `[key]`"
+            raise FieldPathError(f"column {position + 1} of {text!r}: {expected} is expected")
+        name = match["name"]
+        if name is None:
+            if not steps:
+                raise FieldPathError(f"{text!r}: a path begins with a field name")
+            steps.append(_element(match))
+            if isinstance(steps[-1], Every) and not lists:
+                hint = "reduce it in `expression:`, for example MIN(scan.ranges[*])"
+                raise FieldPathError(f"{text!r} is a list, `field:` takes one value", hint)
+        elif not is_identifier(name):
+            raise FieldPathError(f"{text!r}: {name!r} cannot be the name of a field")
+        else:
+            steps.append(Attribute(name))
+        position = match.end()
+    if not steps:
+        raise FieldPathError("the path is empty")
+    return tuple(steps)
+
+
+def _element(match: re.Match[str]) -> Index | ByKey | Every:
+    field, key = match["field"], match["key"]
+    if key is None:
+        return ByKey(match["quoted"], field)
+    part = _PART.fullmatch(key)
+    if field is None and (part or key == "*"):
+        return Every((int(part[1]), int(part[2])) if part else None)
+    if _INDEX.fullmatch(key):
+        return Index(int(key)) if field is None else ByKey(int(key), field)
+    return ByKey(key, field)
+
+
+def path_text(path: Sequence[Step]) -> str:
+    """Return a path as a person writes it, keys in quotes where they are not words."""
+    return "".join(_step_text(step) for step in path).removeprefix(".")
+
+
+def _step_text(step: Step) -> str:
+    if isinstance(step, Attribute):
+        return f".{step.name}"
+    if isinstance(step, Index):
+        return f"[{step.position}]"
+    if isinstance(step, Every):
+        return "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
+    if isinstance(step, Beside):
+        return f".{step.values}[{key_text(step.wanted)}]"
+    return f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
+
+
+def pattern(path: FieldPath) -> list[str]:
+    """Return a path without the keys of its lists: ``.guarantees``, ``[]``, ``.active``."""
+    steps: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            steps.append(f".{step.name}")
+        elif isinstance(step, Beside):
+            steps += [f".{step.values}", "[]"]
+        else:
+            steps.append("[]")
+    return steps
+
+
+def expression(variable: str, path: FieldPath) -> str:
+    """Return the Python expression that takes ``path`` from the message in ``variable``."""
+    text = variable
+    for step in path:
+        if isinstance(step, Attribute):
+            text = f"{text}.{step.name}"
+        elif isinstance(step, Index):
+            text = f"{text}[{step.position}]"
+        elif isinstance(step, Every):
+            raise TypeError("a list is not a single value")
+        elif isinstance(step, Beside):
+            text = (
+                f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.wanted)})"
+            )
+        elif step.field in (None, "id"):
+            text = f"by_id({text}, {python_literal(step.wanted)})"
+        else:
+            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.wanted)})"
+    return text
+
+
+def plain_step(step: Step) -> PlainStep:
+    """Return a step as plain data."""
+    if isinstance(step, Attribute):
+        return step.name
+    if isinstance(step, Index):
+        return step.position
+    if isinstance(step, Every):
+        return ["*", *(step.part or ())]
+    if isinstance(step, Beside):
+        return [step.values, step.names, step.wanted]
+    return [step.field or "id", step.wanted]
+
+
+KEYS = (
+    *("id", "name", "title", "outcome_name", "key", "joint_name", "label"),
+    *("child_frame_id", "header.frame_id"),
+)
+"""Fields that name an element: the first of them that is a text counts."""
+NAME_LISTS = ("name", "names", "joint_names", "labels")
+"""Fields that name the numbers in a list of the same message."""
+_INTEGERS = ("int", "uint", "byte", "char")
+FieldsOf = Callable[[str], Fields | None]
+
+
+@dataclass(frozen=True)
+class ResolvedPath:
+    """A path with its keys, and what is at its end.
+
+    Attributes:
+        path: each key names its field, as far as the messages are known.
+        type: the Python type, or the message type; ``None`` where a type on the way is not known.
+    """
+
+    path: FieldPath
+    type: str | None
+
+
+def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
+    """Return the path with its keys, and the type at its end.
+
+    Args:
+        path: into the message.
+        message: type of the message.
+        fields_of: message type -> its fields, ``None`` when they are not known.
+
+    Raises:
+        FieldPathError: the path leads nowhere; the message reports where it ends, with the fields.
+    """
+    taken: list[Step] = []
+    of, parent = message, message
+    for number, step in enumerate(path):
+        if isinstance(step, Attribute):
+            known = _fields_at(of, step.name, fields_of)
+            if known is None:
+                return ResolvedPath((*taken, *path[number:]), None)
+            of, parent = known[step.name], of
+            taken.append(step)
+            continue
+        inner = element(of)
+        if inner is None:
+            raise FieldPathError(f"{of} is not a list")
+        if isinstance(step, ByKey):
+            found = _keyed(step, inner, parent, taken[-1], fields_of)
+            # The list of numbers and the name in it are one step.
+            taken[len(taken) - isinstance(found, Beside) :] = [found]
+        else:
+            taken.append(step)
+        of = inner
+    return ResolvedPath(tuple(taken), python_type(of))
+
+
+def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
+    """Return the documentation of the field at the end of a path that has its keys."""
+    names: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            names.append(step.name)
+        elif isinstance(step, Beside):
+            names.append(f"{step.values}[]")
+        else:
+            names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
+    return documented(message, names, fields_of)
+
+
+def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
+    """Return the fields of a message that has this one, ``None`` when they are not known."""
+    if element(of) is not None:
+        hint = "one element of it is [0], or [key] where the elements have names"
+        raise FieldPathError(f"{of} is a list", hint)
+    if is_primitive(of):
+        raise FieldPathError(f"a {of} has no field {name!r}: the path ends before")
+    known = fields_of(of)
+    if known is not None and name not in known:
+        raise FieldPathError(f"{of} has no field {name!r}", _listed(name, known))
+    return known
+
+
+def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: FieldsOf) -> Step:
+    """Return the step with its key; the elements are messages, or numbers with a list of names."""
+    assert isinstance(before, Attribute)  # ROS has no lists of lists
+    if is_primitive(inner):
+        return _beside(step, parent, before, fields_of)
+    known = fields_of(inner)
+    if known is None:
+        return step
+    if step.field is not None:
+        return _with_key_of(step, inner, fields_of)
+    for key in KEYS:
+        if _type_of(key, inner, fields_of) == "string":
+            return replace(step, field=key)
+    message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
+    hint = f'name the field, [field="{step.wanted}"], of: {", ".join(known)}'
+    raise FieldPathError(message, hint)
+
+
+def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:
+    """Check the field that a person names as the key."""
+    assert step.field is not None
+    of = _type_of(step.field, inner, fields_of)
+    if of is None:
+        known = fields_of(inner) or {}
+        raise FieldPathError(f"{inner} has no field {step.field!r}", _listed(step.field, known))
+    if of == "string":
+        return replace(step, wanted=str(step.wanted))
+    if not of.startswith(_INTEGERS) or of.endswith("]"):
+        raise FieldPathError(
+            f"{step.field!r} of {inner} is a {of}: a key is a text or a whole number"
+        )
+    if type(step.wanted) is str:
+        raise FieldPathError(
+            f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is not a whole number"
+        )
+    return step
+
+
+def _beside(step: ByKey, parent: str, before: Attribute, fields_of: FieldsOf) -> Beside:
+    known = fields_of(parent) or {}
+    names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
+    if step.field is None and len(names) == 1 and names[0] != before.name:
+        return Beside(str(step.wanted), before.name, names[0])
+    message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
+    raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
+
+
+def _type_of(path: str, message: str, fields_of: FieldsOf) -> str | None:
+    """Return the type of a field, ``a.b`` of a field's field; ``None`` when there is none."""
+    of: str | None = message
+    for name in path.split("."):
+        of = (fields_of(of) or {}).get(name) if of is not None else None
+    return of
+
+
+def _listed(name: str, known: Fields) -> str:
+    listed = f"its fields: {', '.join(known) or 'none'}"
+    near = did_you_mean(name, known)
+    return f"{near} {listed}" if near else listed

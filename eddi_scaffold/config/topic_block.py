@@ -1,0 +1,371 @@
+"""Replace the block ``SimulatorOutputs`` of an ``eddi_config.yml`` as text.
+
+Every other byte stays: comments, order, quoting, line ends. In the block itself, an entry whose id,
+type and topic are the same stays as it is written; of others the further keys (``max_age``) and the
+comments stay with their topic.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError, NearNames, Place, Problem, error, warning
+from eddi_scaffold.yaml_text.nodes import quoted, read_document
+from eddi_scaffold.yaml_text.scalars import Map
+from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
+
+KEPT_ENTRY = "M026"
+_NAMES = ("SimulatorOutputs", "SimulatorOutput")
+_KEYS = ("id", "type", "topic")
+_WORDS = re.compile(r"\w+")
+_NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#[^\n]*)?")
+
+
+@dataclass(frozen=True)
+class TopicEntry:
+    """One entry to be written: id, type and topic."""
+
+    id: str
+    type: str
+    topic: str
+
+
+@dataclass(frozen=True)
+class OldEntry:
+    """One entry of the block.
+
+    Attributes:
+        text: as written, without the dash, to the end of its last line.
+        column: blanks in front of it, which its further lines have as well.
+        more: the keys other than id, type and topic, as written.
+        type: as written.
+        above: the comments in front of it.
+        inside: the comments in its text.
+        comment_lines: the lines of all of them.
+    """
+
+    id: str
+    topic: str
+    text: str
+    column: int
+    line: int
+    more: tuple[str, ...] = ()
+    type: str = ""
+    above: tuple[str, ...] = ()
+    inside: tuple[str, ...] = ()
+    comment_lines: tuple[int, ...] = ()
+
+    def lines(self) -> list[str]:
+        """Return its lines as they are, two blanks in."""
+        first, *rest = self.text.split("\n")
+        more = (_dedented(line, self.column) for line in rest)
+        whole = (f"    {one}" if one else "" for one in more)
+        return [*self.lead(self.above), f"  - {first}", *whole]
+
+    @staticmethod
+    def lead(comments: Iterable[str]) -> list[str]:
+        """Return comments as lines in front of an entry."""
+        return [f"  {one}" for one in comments]
+
+
+@dataclass(frozen=True)
+class Absence:
+    """Why an entry of the old block is not among the new ones.
+
+    Attributes:
+        why: what is reported about it.
+        stays: it is kept, whether an input requires it or not.
+    """
+
+    why: str = "is not published by the system"
+    stays: bool = False
+
+
+@dataclass(frozen=True)
+class ConfigText:
+    """A configuration as text, with the places that matter here.
+
+    Attributes:
+        name: of the file.
+        text: without byte order mark.
+        start: offset of the block; where it would be put when there is none.
+        end: offset behind the line in which it ends; equal to ``start`` when there is none.
+        old: its entries.
+        head: the comment behind the name of the block.
+        comments: lines of the block that hold a comment, where it is a list in brackets.
+        required: id that an input requires -> line.
+        used: words of the inputs, among them the ids that their expressions name.
+    """
+
+    name: str
+    text: str
+    start: int
+    end: int
+    old: tuple[OldEntry, ...] = ()
+    head: str = ""
+    comments: tuple[int, ...] = ()
+    required: Mapping[str, int] | None = None
+    used: frozenset[str] = frozenset()
+
+    @property
+    def line_end(self) -> str:
+        """The line end of the file."""
+        return "\r\n" if "\r\n" in self.text else "\n"
+
+
+def read_block(source: Source) -> ConfigText:
+    """Find the block in a configuration.
+
+    Raises:
+        EddiError: the file is not a YAML mapping (K001), is written in one pair of braces (K037),
+            has the block under both of its names (K035), or uses an anchor of it elsewhere (K036).
+    """
+    if _NOTHING.fullmatch(source.data):
+        text = source.data.decode("utf-8-sig", "replace")
+        return ConfigText(source.name, text, len(text), len(text))
+    node, problems = read_document(source, "K001")
+    if node is None or problems:
+        raise EddiError(*problems)
+    text = source.data.decode("utf-8-sig")
+    if not isinstance(node, Map):
+        message = "the top level must be a map with the sections of an eddi_config.yml"
+        raise EddiError(error("K001", message, node.place))
+    root = spans(text, source.name)
+    if root is None or root.is_flow:
+        message = "the file is one map in braces, in which no block can be replaced"
+        hint = "write each section on lines of its own"
+        raise EddiError(error("K037", message, node.place, hint))
+    found = [(key, value) for key, value in root.entries() if key.text in _NAMES]
+    required, used = _required(root), _used(root)
+    if not found:
+        where = _insertion(text, root)
+        return ConfigText(source.name, text, where, where, required=required, used=used)
+    if len(found) > 1:
+        lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
+        place = Place(source.name, found[1][0].line, 1)
+        hint = "keep SimulatorOutputs, which is the name that is written"
+        raise EddiError(error("K035", f"there are both {lines}", place, hint))
+    ((key, value),) = found
+    _refuse_anchors(source.name, root, value)
+    start = key.start
+    end = _line_end(text, max(value.end, key.end) if value.end > value.start else key.end)
+    return ConfigText(
+        source.name,
+        text,
+        start,
+        end,
+        tuple(_old_entries(text, key, value)),
+        _comment_behind(text, value.end if value.is_flow else key.end),
+        tuple(comments(text, value, start, value.end)) if value.is_flow else (),
+        required,
+        used,
+    )
+
+
+def rewritten(
+    document: ConfigText,
+    entries: Sequence[TopicEntry],
+    absence: Callable[[OldEntry], Absence] = lambda _: Absence(),
+) -> tuple[str, list[Problem]]:
+    """Return the text with another block, and what a person should know.
+
+    An entry of the old block whose topic is not among the new ones is dropped, unless ``absence``
+    shows that it stays, or an input requires its id: that one is typically the output of another
+    monitor, and stays.
+    """
+    topics = {entry.topic for entry in entries}
+    old = {entry.topic: entry for entry in document.old}
+    foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
+    ids = {entry.id for entry in entries}
+    kept = [
+        one
+        for one, absent in foreign
+        if (absent.stays or one.id in document.used) and one.id not in ids
+    ]
+    lines = [line for one in entries for line in _lines(one, old.get(one.topic))]
+    lines += [line for one in kept for line in one.lines()]
+    name = f"SimulatorOutputs:{'' if lines else ' []'}{document.head}"
+    body = [name, *lines]
+    block = "".join(line + document.line_end for line in body)
+    before, after = document.text[: document.start], document.text[document.end :]
+    if before and not before.endswith("\n"):
+        before += document.line_end
+    problems = _notes(document, foreign, kept)
+    problems += _unmet(document, [*ids, *(one.id for one in kept)])
+    return before + block + after, problems
+
+
+def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
+    """Return the text with more entries, behind those that there are."""
+    if not entries:
+        return document.text
+    dash = re.search(r"(?m)^([ ]*)-", document.text[document.start : document.end])
+    if dash is None or not document.old:  # no block yet, or one in brackets
+        return rewritten(document, entries, lambda _: Absence(stays=True))[0]
+    lines = [line.removeprefix("  ") for one in entries for line in _lines(one, None)]
+    new = "".join(f"{dash[1]}{line}{document.line_end}" for line in lines)
+    before = document.text[: document.end]
+    before += "" if before.endswith("\n") else document.line_end
+    return before + new + document.text[document.end :]
+
+
+def _notes(
+    document: ConfigText, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
+) -> list[Problem]:
+    problems: list[Problem] = []
+    for one, absent in foreign:
+        place = Place(document.name, one.line, 1)
+        what = f"{one.id!r} ({one.topic}) {absent.why}"
+        if one not in kept:
+            problems.append(warning("M027", f"{what}; it is dropped", place))
+        elif absent.stays:
+            problems.append(warning(KEPT_ENTRY, f"{what}; it stays as it is", place))
+        else:
+            message = f"{what}; it stays, because an input needs it"
+            problems.append(warning(KEPT_ENTRY, message, place))
+    dropped = (one.comment_lines for one, _ in foreign if one not in kept)
+    lost = sorted({*document.comments, *(line for some in dropped for line in some)})
+    if lost:
+        lines = ", ".join(map(str, lost))
+        message = f"comments inside SimulatorOutputs are not kept (line {lines})"
+        problems.append(warning("M028", message, Place(document.name, lost[0], 1)))
+    return problems
+
+
+def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
+    known = set(ids)
+    near = NearNames(ids)
+    for name, line in (document.required or {}).items():
+        if name not in known:
+            message = f"an input requires {name!r}, which is not a simulator output"
+            place = Place(document.name, line, 1)
+            yield warning("M025", message, place, near.hint(name))
+
+
+def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
+    if old is not None and (old.id, old.type) == (entry.id, entry.type):
+        return old.lines()
+    values = (quoted(entry.id), quoted(entry.type), quoted(entry.topic))
+    first, *rest = [f"{key}: {value}" for key, value in zip(_KEYS, values, strict=True)]
+    more = [line for text in (old.more if old else ()) for line in text.split("\n")]
+    above = OldEntry.lead((*old.above, *old.inside)) if old else []
+    return [*above, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
+
+
+def _dedented(line: str, column: int) -> str:
+    return line[column:] if not line[:column].strip() else line.lstrip()
+
+
+def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
+    done = _line_end(text, key.end)
+    for item in value.children if not value.is_map else []:
+        before, done = done, _line_end(text, item.end)
+        if not item.is_map:
+            continue
+        values = {key.text: inner for key, inner in item.entries()}
+        name, topic = values.get("id"), values.get("topic")
+        if name is None or topic is None or not name.text or not topic.text:
+            continue
+        column = item.start - (text.rfind("\n", 0, item.start) + 1)
+        more = tuple(
+            _slice(text, key.start, max(key.end + 1, inner.end), column)
+            for key, inner in item.entries()
+            if key.text not in _KEYS
+        )
+        type_ = values.get("type")
+        entry = OldEntry(
+            name.text,
+            topic.text,
+            text[item.start : item.end].replace("\r", ""),
+            column,
+            item.line,
+            more,
+            (type_.text or "") if type_ else "",
+        )
+        if not value.is_flow:
+            entry = replace(
+                entry,
+                text=text[item.start : done].replace("\r", "").rstrip(),
+                above=tuple(comment_texts(text, value, before, item.start)),
+                inside=tuple(comment_texts(text, value, item.start, done)),
+                comment_lines=tuple(comments(text, value, before, done)),
+            )
+        yield entry
+
+
+def _slice(text: str, start: int, end: int, column: int) -> str:
+    first, *rest = text[start:end].replace("\r", "").split("\n")
+    return "\n".join([first, *(_dedented(line, column) for line in rest)])
+
+
+def _insertion(text: str, root: Span) -> int:
+    """Return where a new block goes: behind Model, else before EDDIInputs, else to the end."""
+    by_name = {key.text: (key, value) for key, value in root.entries()}
+    if "Model" in by_name:
+        key, value = by_name["Model"]
+        return _line_end(text, max(key.end, value.end))
+    if "EDDIInputs" in by_name:
+        return by_name["EDDIInputs"][0].start
+    return len(text)
+
+
+def _line_end(text: str, offset: int) -> int:
+    end = text.find("\n", offset)
+    return len(text) if end < 0 else end + 1
+
+
+def _comment_behind(text: str, offset: int) -> str:
+    """Return the comment at the end of a line behind its name, with the blanks in front of it."""
+    found = re.search(r"\s+#.*", text[offset : _line_end(text, offset)].rstrip())
+    return found[0] if found else ""
+
+
+def _used(root: Span) -> frozenset[str]:
+    """Return the words that say where inputs come from."""
+    inputs = root.get("EDDIInputs")
+    entries = inputs.children if inputs is not None and not inputs.is_map else []
+    pairs = (pair for one in entries if one.is_map for pair in one.entries())
+    texts = (text for key, value in pairs if key.text != "id" for text in _texts(value))
+    return frozenset(word for text in texts for word in (text, *_WORDS.findall(text)))
+
+
+def _texts(span: Span) -> Iterator[str]:
+    if span.text is not None:
+        yield span.text
+    for one in span.children:
+        yield from _texts(one)
+
+
+def _required(root: Span) -> dict[str, int]:
+    inputs = root.get("EDDIInputs")
+    found: dict[str, int] = {}
+    for item in inputs.children if inputs is not None and not inputs.is_map else []:
+        required = item.get("requires") if item.is_map else None
+        for one in [required, *required.children] if required is not None else []:
+            if one.text:
+                found.setdefault(one.text, one.line)
+    return found
+
+
+def _refuse_anchors(name: str, root: Span, value: Span) -> None:
+    elsewhere: dict[str, int] = {}
+    for _, other in root.entries():
+        if other is not value:
+            elsewhere |= other.aliases
+    for anchor, line in value.anchors.items():
+        if anchor in elsewhere:
+            message = (
+                f"the anchor &{anchor} of line {line} is inside SimulatorOutputs and is used "
+                f"in line {elsewhere[anchor]}"
+            )
+            place = Place(name, line, 1)
+            hint = "replace the alias by its value"
+            raise EddiError(error("K036", message, place, hint))
+
+
+def new_document(name: str) -> ConfigText:
+    """Return a configuration that is not there yet."""
+    return ConfigText(name, "", 0, 0)

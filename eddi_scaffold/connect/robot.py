@@ -1,0 +1,188 @@
+"""Models of a robot, and what they add to a configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.identifiers import is_ros_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.config.message_types import declared
+from eddi_scaffold.config.reading import RobotAdditions, read_config
+from eddi_scaffold.connect.rossystem import Robot, read_robot
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.loading import is_config
+from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
+from eddi_scaffold.mros.directory import load_models, load_system, problem_of
+from eddi_scaffold.mros.filters import Existing
+from eddi_scaffold.mros.interface_definitions import Models, noticed
+from eddi_scaffold.mros.outputs import Outputs, silent_problems, simulator_outputs
+
+
+def beside(robot: Robot) -> RobotAdditions:
+    """Return what a system and its models add to configurations.
+
+    The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write, without
+    topics that ROS does not allow: an error in what nobody wrote would have no line to be mended.
+    """
+
+    def outputs(entries: object) -> list[dict[str, JsonValue]]:
+        old = [one for one in entries if isinstance(one, dict)] if isinstance(entries, list) else []
+        existing = [
+            Existing(str(one.get("id")), str(one.get("topic")), Place(str(robot.path)))
+            for one in old
+        ]
+        every = simulator_outputs(robot.system, robot.models, existing=existing).topics
+        more = {str(one.get("topic")): one for one in old}
+        found = [one for one in every if is_ros_name(one.topic) or one.topic in more]
+        given = [
+            {**more.get(one.topic, {}), "id": one.id, "type": one.type, "topic": one.topic}
+            for one in found
+        ]
+        taken = {one.id for one in found} | {one.topic for one in found}
+        return [*given, *(o for o in old if not {o.get("id"), o.get("topic")} & taken)]
+
+    return RobotAdditions(outputs, message_types(robot.models))
+
+
+def additions(system: Path | None, folder: Path | None) -> tuple[RobotAdditions, list[Problem]]:
+    """Return what a system, node models or both add to configurations, and what is wrong with them.
+
+    Raises:
+        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
+    """
+    if folder is None:
+        hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
+        raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))
+    if system is None:
+        models = load_models(folder)
+        located = [replace(p, place=_inside(folder, p.place)) for p in models.problems]
+        return RobotAdditions(types=message_types(models)), _as_warnings(located)
+    robot = read_robot(system, folder)
+    outputs = simulator_outputs(robot.system, robot.models)
+    problems = robot.located([*robot.problems, *outputs.problems])
+    return beside(robot), _as_warnings(problems)
+
+
+def check_robots(
+    files: Sequence[Path], configs: Sequence[Path], folder: Path | None
+) -> tuple[list[Problem], RobotAdditions | None]:
+    """Check ``.rossystem`` and ``.ros*`` files, and configurations against the systems.
+
+    Args:
+        files: of the MROS family.
+        configs: the other files of the command; those that are configurations are compared.
+        folder: directory of node models; without it the files are only read.
+
+    Returns:
+        All problems, and what the models add to configurations.
+    """
+    problems: list[Problem] = []
+    models = load_models(folder, systems=True) if folder is not None else None
+    if folder is not None and models is not None:
+        problems += [replace(p, place=_inside(folder, p.place)) for p in models.problems]
+    for path in files:
+        problems += _check_file(path, folder, models, configs)
+    return problems, RobotAdditions(types=message_types(models)) if models is not None else None
+
+
+def _check_file(
+    path: Path, folder: Path | None, models: Models | None, configs: Sequence[Path]
+) -> Iterable[Problem]:
+    try:
+        if path.name.endswith(SYSTEM_SUFFIX):
+            return _check_system(path, folder, models, configs)
+        model = read_ros_models(read_source(path).data, str(path))
+    except MrosSyntaxError as failed:
+        return [problem_of(failed)]
+    except EddiError as failed:
+        return failed.problems
+    return noticed(model.notices, str(path))
+
+
+def _check_system(
+    path: Path, folder: Path | None, models: Models | None, configs: Sequence[Path]
+) -> list[Problem]:
+    if folder is None or models is None:
+        return load_system(path)[1]
+    system, problems = load_system(path, folder)
+    robot = Robot(folder, path, system, models, ())
+    outputs = simulator_outputs(system, models, include=("subscribed", "actions"))
+    problems += [*outputs.problems, *silent_problems(system, models)]
+    located = robot.located(problems)
+    for config in configs:
+        located += _compared(config, outputs, path)
+    return located
+
+
+def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
+    """Compare the topics of a configuration with those of a system (K040, K041)."""
+    try:
+        source = read_source(path)
+    except EddiError:
+        return  # reported when the file itself is checked
+    config = read_config(source)[0] if is_config(source) else None
+    known = {topic.topic: topic for topic in outputs.topics}
+    for index, entry in enumerate(config.config.SimulatorOutputs if config else ()):
+        assert config is not None
+        topic = known.get(entry.topic)
+        if topic is None:
+            message = f"no node of {system} has the topic {entry.topic}"
+            hint = did_you_mean(entry.topic, known)
+            place = config.place("SimulatorOutputs", index, "topic")
+            yield warning("K040", message, place, hint)
+        elif topic.type.replace(".", "/") != entry.type:
+            message = f"{entry.topic} is a {topic.type.replace('.', '/')} in {system}"
+            yield error("K041", message, config.place("SimulatorOutputs", index, "type"))
+
+
+def _inside(folder: Path, place: Place) -> Place:
+    return replace(place, file=str(folder / place.file))
+
+
+def _as_warnings(problems: Iterable[Problem]) -> list[Problem]:
+    return [replace(one, level="warning") for one in problems]
+
+
+def message_types(models: Models) -> dict[str, dict[str, str]]:
+    """Return the messages that are specified next to node models; the first of a name is used."""
+    found: dict[str, dict[str, str]] = {}
+    for file in models.files:
+        for package in file.model.packages:
+            for spec in package.specs:
+                fields = dict(spec.sections).get("message")
+                if fields is not None:
+                    pairs = ((one.type, one.name) for one in fields if one.value is None)
+                    table = declared(pairs, package.name)
+                    found.setdefault(f"{package.name}/{spec.name}", table)
+    return found
+
+
+@contextmanager
+def beside_configs(
+    system: Path | None, folder: Path | None
+) -> Iterator[tuple[RobotAdditions | None, list[Problem]]]:
+    """Add what a command was given beside configurations: a system, models, both or none.
+
+    What does not resolve in the system is a warning here: only what an input requires must.
+
+    Yields:
+        What the models add, and what is wrong with them: it may be the reason for what is refused
+        inside, and is told with it.
+
+    Raises:
+        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
+    """
+    if system is None and folder is None:
+        yield None, []
+        return
+    # reading MROS takes a while to import, and most commands are given none
+
+    robot, problems = additions(system, folder)
+    try:
+        yield robot, problems
+    except EddiError as refused:
+        raise EddiError(*problems, *refused.problems) from None

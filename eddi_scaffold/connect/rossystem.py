@@ -1,0 +1,322 @@
+"""``parse-rossystem`` as functions: the topics of a robot's system go into a configuration."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tempfile
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from eddi_scaffold.common.files import read_source, saved_meanwhile
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    error,
+    has_errors,
+    in_order,
+    with_excerpts,
+)
+from eddi_scaffold.config.topic_block import (
+    Absence,
+    ConfigText,
+    OldEntry,
+    TopicEntry,
+    new_document,
+    read_block,
+    rewritten,
+)
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.mros.directory import load_models, load_system, named
+from eddi_scaffold.mros.filters import OPTIONS, Existing, Filters, unmatched
+from eddi_scaffold.mros.interface_definitions import Models, SystemFile
+from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
+from eddi_scaffold.mros.resolving import flattened
+from eddi_scaffold.mros.topics import Topic
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A system and the models of its nodes, as files of this machine.
+
+    Attributes:
+        folder: of the models.
+        path: of the system.
+        problems: of the files.
+    """
+
+    folder: Path
+    path: Path
+    system: SystemFile
+    models: Models
+    problems: tuple[Problem, ...]
+
+    def located(self, problems: Iterable[Problem]) -> list[Problem]:
+        """Return problems with files as a person can open them, not relative to the models."""
+        return [replace(one, place=self._located(one.place)) for one in problems]
+
+    def _located(self, place: Place) -> Place:
+        if place.file == self.system.file:
+            return replace(place, file=str(self.path))
+        inside = {*self.models.skipped, *(one.file for one in self.models.files)}
+        inside |= {one.file for one in self.models.systems} | {
+            problem.place.file for problem in self.models.problems
+        }
+        return replace(place, file=str(self.folder / place.file)) if place.file in inside else place
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """What a run found, and what the configuration becomes.
+
+    Attributes:
+        problems: files relative to the directory of models.
+        before: text of the configuration, ``None`` when there is no file.
+        after: its new text; the old one where there are errors and nothing resolved.
+    """
+
+    robot: Robot
+    outputs: Outputs
+    problems: tuple[Problem, ...]
+    before: str | None
+    after: str
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is something to write."""
+        return self.after != (self.before or "")
+
+    def diff(self, name: str) -> str:
+        """Return the change of the configuration as a unified diff."""
+        old = (self.before or "").splitlines(keepends=True)
+        new = self.after.splitlines(keepends=True)
+        lines = difflib.unified_diff(
+            old, new, name if self.before is not None else os.devnull, name
+        )
+        return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
+
+    def summary(self) -> Mapping[str, int]:
+        """Return the figures of the last line."""
+        levels = [problem.level for problem in self.problems]
+        return {
+            "components": self.outputs.components,
+            "model_files": len(self.robot.models.files),
+            "publishers": self.outputs.publishers,
+            "topics": len(self.outputs.topics),
+            "services": self.outputs.services,
+            "actions": self.outputs.actions,
+            "errors": levels.count("error"),
+            "warnings": levels.count("warning"),
+        }
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return the result for programs; the same on every machine."""
+        system = self.robot.system.system
+        return {
+            "system": system.name,
+            "dialect": system.dialect,
+            "outputs": [
+                {
+                    "id": topic.id,
+                    "type": topic.type,
+                    "topic": topic.topic,
+                    "kind": topic.kind,
+                    "components": list(topic.components),
+                    "file": topic.file,
+                    "line": topic.line,
+                }
+                for topic in self.outputs.topics
+            ],
+            "diagnostics": [
+                {
+                    "severity": one.level,
+                    "code": one.code,
+                    "file": one.place.file,
+                    "line": one.place.line,
+                    "column": one.place.col,
+                    "message": one.message,
+                }
+                for one in self.problems
+            ],
+            "summary": dict(self.summary()),
+        }
+
+
+def read_robot(system: Path, folder: Path) -> Robot:
+    """Read a system and all models of its directory.
+
+    Raises:
+        EddiError: the system cannot be read, or there is no such directory.
+    """
+    try:
+        file, problems = load_system(system, folder)
+    except EddiError as failed:
+        raise EddiError(*_as_given(failed.problems, system, folder)) from None
+    models = load_models(folder, systems=bool(file.system.subsystems))
+    return Robot(folder, system, file, models, (*problems, *models.problems))
+
+
+def _as_given(problems: Sequence[Problem], system: Path, folder: Path) -> Iterable[Problem]:
+    """Name the system as it was given; who can go no further sees an error in any case."""
+    name = named(system, folder)
+    for one in problems:
+        place = replace(one.place, file=str(system)) if one.place.file == name else one.place
+        yield replace(one, place=place, level="error")
+
+
+def parse(
+    robot: Robot,
+    config: Path,
+    *,
+    include: Collection[Include] = (),
+    filters: Filters | None = None,
+    names: Literal["label", "model"] = "label",
+) -> Parsed:
+    """Join a system with its models, and write its topics into the text of a configuration.
+
+    Raises:
+        EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
+    """
+    is_there = config.exists() or config.is_symlink()
+    document = read_block(read_source(config)) if is_there else new_document(str(config))
+    parsed = with_topics(robot, document, include=include, filters=filters, names=names)
+    return parsed if is_there else replace(parsed, before=None)
+
+
+def with_topics(
+    robot: Robot,
+    document: ConfigText,
+    *,
+    include: Collection[Include] = (),
+    filters: Filters | None = None,
+    names: Literal["label", "model"] = "label",
+    wants: Callable[[Topic], bool] = lambda _: True,
+) -> Parsed:
+    """Do the same with a text.
+
+    Args:
+        robot: the system with its models.
+        document: the configuration.
+        include: topics in addition to the published ones.
+        filters: what a person chooses.
+        names: whose names the topics get.
+        wants: whether a topic is written.
+
+    Raises:
+        EddiError: the filters leave nothing.
+    """
+    filters = filters or Filters()
+    outputs = simulator_outputs(
+        robot.system,
+        robot.models,
+        include=include,
+        existing=_existing(document),
+        filters=filters,
+        names=names,
+    )
+    found = [*robot.problems, *outputs.problems]
+    _refuse_filters(filters, robot, outputs, document)
+    after, notes = document.text, list[Problem]()
+    if outputs.topics or not has_errors(found):
+        wanted = [topic for topic in outputs.topics if wants(topic)]
+        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in wanted]
+        after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
+    problems = in_order(_quoted([*found, *notes], document))
+    return Parsed(robot, outputs, tuple(problems), document.text, after)
+
+
+def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: ConfigText) -> None:
+    """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
+
+    Raises:
+        EddiError: a glob matches nothing, or together they leave nothing.
+    """
+    topics = [*(topic.topic for topic in outputs.topics), *outputs.left_out]
+    if not outputs.is_complete:
+        topics += [old.topic for old in document.old]
+    systems = flattened(robot.system, robot.models.systems).systems
+    components = [one.name for file in systems for one in file.system.components]
+    wrong = list(unmatched(filters, topics, components))
+    some = filters.topics or filters.components
+    if some and not wrong and outputs.is_complete and not outputs.topics:
+        wrong = [error("M022", f"no topic is left by {filters}")]
+    if wrong:
+        found = [one for one in (*robot.problems, *outputs.problems) if one.level == "error"]
+        raise EddiError(*robot.located(in_order(found)), *wrong)
+
+
+def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> Absence:
+    """Explain why an entry is not rewritten; what may be there all the same stays."""
+    criterion = outputs.left_out.get(old.topic)
+    if not outputs.is_complete and not filters.wants(old.topic):
+        criterion = "topics"
+    if criterion is not None:
+        return Absence(f"is left out by {OPTIONS[criterion]}")
+    if not outputs.is_complete:
+        return Absence("did not resolve this time, or is gone", stays=True)
+    return Absence()
+
+
+def _quoted(problems: Sequence[Problem], document: ConfigText) -> list[Problem]:
+    """Quote the configuration as it was read: what is printed comes after it is rewritten."""
+    own = [one for one in problems if one.place.file == document.name]
+    others = [one for one in problems if one.place.file != document.name]
+    return [*others, *with_excerpts(own, document.text)]
+
+
+def _existing(document: ConfigText) -> list[Existing]:
+    return [
+        Existing(entry.id, entry.topic, Place(document.name, entry.line, 1))
+        for entry in document.old
+    ]
+
+
+def save(path: Path, text: str, before: str | None) -> None:
+    """Replace a configuration as one step; its byte order mark and its mode stay.
+
+    Args:
+        path: the configuration.
+        text: its new text.
+        before: the text that the new one was made of, ``None`` where there was no file.
+
+    Raises:
+        EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
+    """
+    target = path.resolve()
+    mode = target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask()
+    mark = b"\xef\xbb\xbf" if target.exists() and _has_mark(target) else b""
+    try:
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".eddi-", delete=False) as file:
+            try:
+                file.write(mark + text.encode())
+                file.flush()
+                os.fsync(file.fileno())
+                Path(file.name).chmod(mode)
+                _refuse_changed(path, before)
+                Path(file.name).replace(target)
+            except BaseException:
+                Path(file.name).unlink(missing_ok=True)
+                raise
+    except OSError as refused:
+        message = f"cannot write: {refused.strerror or refused}"
+        raise EddiError(error("F002", message, Place(str(path)))) from None
+
+
+def _refuse_changed(path: Path, before: str | None) -> None:
+    now = path.read_bytes().removeprefix(b"\xef\xbb\xbf") if path.exists() else None
+    if now != (None if before is None else before.encode()):
+        raise saved_meanwhile(path)
+
+
+def _has_mark(path: Path) -> bool:
+    with path.open("rb") as stream:
+        return stream.read(3) == b"\xef\xbb\xbf"
+
+
+def _umask() -> int:
+    current = os.umask(0)
+    os.umask(current)
+    return current

@@ -1,1 +1,0 @@
-"""Several robots: who meets whom, and whose guarantees may fulfil whose demands."""

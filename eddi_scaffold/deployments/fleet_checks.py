@@ -1,0 +1,199 @@
+"""A fleet as if each robot read the guarantees of the others from topics: for checks of its wiring.
+
+How guarantees travel does not matter to what they rest on: rings, meanings and ages are found by
+the same checks as within one robot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.problems import Problem, error, has_errors, warning
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import OutputEntry, SimulatorOutput
+from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
+from eddi_scaffold.deployments.fleet_topics import among_others
+from eddi_scaffold.deployments.joining import packages_of, unanswered
+from eddi_scaffold.deployments.lifetimes import check_ages
+from eddi_scaffold.deployments.offers import Seat
+from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, fed
+from eddi_scaffold.deployments.station import check_station, is_closed
+from eddi_scaffold.deployments.topics import Deployment, Member, absent_publishers, deployment
+from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
+from eddi_scaffold.monitors.robots import fleet_message
+
+
+def read_directly(fleet: Fleet, seat: Seat) -> ConfigFile:
+    """Return the configuration of a monitor that publishes for others, and reads them, by topic."""
+    config, shared = seat.config, fleet.file.form.Fleet
+    topic, lease = shared.topic, shared.lease
+    if seat.guarantees:
+        own = OutputEntry.model_construct(id="peers", topic=_topic(seat, topic))
+        outputs = [*config.config.EDDIOutputs, own]
+        config = replace(config, config=config.config.model_copy(update={"EDDIOutputs": outputs}))
+    for bond in fleet.bonds_of(seat):
+        sources = [
+            GuaranteeSource(
+                SimulatorOutput(
+                    id=f"peer_{one.seat.robot.name}_{attribute(one.guarantee)}",
+                    type=f"{MESSAGE_PACKAGE}/{one.seat.monitor.kind.output_message}",
+                    topic=_topic(one.seat, topic),
+                ),
+                one.guarantee,
+            )
+            for one in bond.offers
+        ]
+        if sources:
+            config = fed(config, bond.demand, sources, lease, bond.place)
+    return config
+
+
+def _topic(seat: Seat, topic: str) -> str:
+    return f"{topic}/{seat.robot.name}/{seat.monitor.package}"
+
+
+_OWN_PERIODS = 2
+"""Of a robot that relies on a word: it is an answer to its own last word, and used at its step."""
+
+
+def check_fleet(
+    source: Source, read: Callable[[Path], Reading]
+) -> tuple[list[Problem], frozenset[Path]]:
+    """Return all that is wrong with a deployment file and what it names, and these files.
+
+    Args:
+        source: the deployment file.
+        read: reads a file of models, with all problems in it; raises EddiError.
+    """
+    fleet, problems = read_whole_fleet(source, read)
+    if fleet is None:
+        return problems, frozenset()
+    pairs = [pair for robot in fleet.robots for pair in robot.pairs]
+    names = [name for model, config in pairs for name in (model.source.name, config.name)]
+    return problems_of(fleet, problems), frozenset(Path(name).resolve() for name in names)
+
+
+def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
+    """Return what is wrong with robots that could be read: each by itself, then together.
+
+    Args:
+        fleet: the robots.
+        found: when they were read.
+    """
+    told = unanswered(found, [model for robot in fleet.robots for model, _ in robot.pairs])
+    problems = [*told, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
+    closed = is_closed(fleet)
+    members: dict[FleetRobot, list[Member]] = {}
+    for robot in fleet.robots:
+        monitors, found = fleet.monitors(
+            robot, lambda seat: among_others(fleet, seat, {}, closed=closed)
+        )
+        members[robot] = [Member(one, robot.form.prefix) for one in monitors]
+        problems += [
+            *(_with_binding(one, robot) for one in found),
+            *packages_of(monitors, robot.platform, None)[1],
+        ]
+    if not has_errors(problems):
+        for robots in _meetings(fleet.robots):
+            problems += _check_together([one for of in robots for one in _members(fleet, of)])
+            together = [one for of in robots for one in members[of]]
+            problems += check_hidden([one.participant for one in together])
+            problems += check_ages(deployment(together))  # words have ages of their own: D015
+    return problems
+
+
+def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
+    """Return the warning that nothing provides an input, and what a deployment file can do.
+
+    Args:
+        problem: of a configuration, which other robots may share.
+        robot: in which it was found.
+    """
+    if problem.code != "K014":
+        return problem
+    hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"
+    return replace(problem, message=f"{robot.name}: {problem.message}", hint=hint)
+
+
+def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:
+    monitors, _ = fleet.monitors(robot, lambda seat: read_directly(fleet, seat))
+    return [Member(one, robot.form.prefix) for one in monitors]
+
+
+def _meetings(robots: Sequence[FleetRobot]) -> list[list[FleetRobot]]:
+    """Return the robots in groups that hear each other."""
+    groups: dict[object, list[FleetRobot]] = {}
+    for one in robots:
+        groups.setdefault(one.graph or one.name, []).append(one)
+    return list(groups.values())
+
+
+def _check_together(members: Sequence[Member]) -> Iterator[Problem]:
+    yield from check_wiring(members)
+    together = deployment(members)
+    yield from absent_publishers(together)
+    yield from _check_shared(together)
+
+
+def _check_shared(together: Deployment) -> Iterator[Problem]:
+    """Report topics of sensors that several robots read (D014)."""
+    first: dict[str, Member] = {}
+    for member in together.members:
+        used = {one.id for binding in member.monitor.inputs for one in binding.requires}
+        for index, source in enumerate(member.config.config.SimulatorOutputs):
+            if source.id not in used or member.topic(source.topic) in together.publishers:
+                continue
+            before = first.setdefault(source.topic, member) if source.topic[0] == "/" else member
+            if before.namespace != member.namespace:
+                message = (
+                    f"{before.name} and {member.name} both read {source.topic}, one topic for all "
+                    "robots: the sensor of one would count for the other"
+                )
+                hint = f"write {source.topic[1:]}, relative to the namespace of each robot"
+                place = member.config.place("SimulatorOutputs", index, "topic")
+                yield warning("D014", message, place, hint)
+
+
+def _check_names(fleet: Fleet) -> Iterator[Problem]:
+    """Report monitors of one robot whose words nobody could tell apart (D010)."""
+    relied = {one.seat for bond in fleet.bonds for one in bond.offers}
+    first: dict[tuple[str, str], Seat] = {}
+    for seat in fleet.seats:
+        if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
+            continue
+        before = first.setdefault((seat.robot.name, seat.monitor.model.name), seat)
+        if before is not seat:
+            message = (
+                f"{before.name} and {seat.name} are both monitors of {seat.monitor.model.name}: "
+                "others cannot tell their words apart, and count neither"
+            )
+            hint = "copy the model for one of them, and give the ConSert there another id"
+            report = error if relied & {before, seat} else warning
+            place = fleet.file.place("Robots", seat.robot.number, "monitors", seat.index)
+            yield report("D010", message, place, hint)
+
+
+def _check_ages(fleet: Fleet) -> Iterator[Problem]:
+    """Report age limits that end before the next word can have come (D015)."""
+    for bond in fleet.bonds:
+        config = bond.user.config
+        for index, entry in enumerate(config.config.EDDIInputs):
+            limit = entry.max_age
+            if entry.id != bond.demand or not isinstance(limit, float):
+                continue
+            for seat in dict.fromkeys(one.seat for one in bond.offers):
+                least = _OWN_PERIODS / bond.user.frequency + 1 / seat.frequency
+                if limit < least:
+                    message = (
+                        f"{bond.demand!r} is unknown after {limit:g} s, but the word of "
+                        f"{seat.name} may be {least:g} s old when {bond.user.name} uses it"
+                    )
+                    hint = f"max_age: {least:g} or more, or more steps per second"
+                    place = config.place("EDDIInputs", index, "max_age")
+                    yield warning("D015", message, place, hint)

@@ -1,0 +1,262 @@
+"""Which guarantees of which robots may fulfil a demand, as the deployment file says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+from eddi_scaffold.common.problems import NearNames, Place, Problem, error
+from eddi_scaffold.config.deployment_file import Binding, FleetFile
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.deployments.robots import FleetRobot
+from eddi_scaffold.monitors.binding import BoundMonitor
+
+BINDINGS = "Bindings"
+_MOST_REASONS = 3
+_MOST_OFFERS = 2_500
+"""Each is checked, and most are written down: 50 robots of which each relies on any other one."""
+_COMPOSE = "`eddi-scaffold compose` shows which guarantees would"
+
+
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """A monitor on its robot.
+
+    Attributes:
+        robot: where it runs.
+        index: of the monitor among those of the robot.
+        monitor: its model and configuration, as they are without other robots.
+    """
+
+    robot: FleetRobot
+    index: int
+    monitor: BoundMonitor
+
+    @property
+    def config(self) -> ConfigFile:
+        """Its configuration, as it is without other robots."""
+        assert self.monitor.config is not None
+        return self.monitor.config
+
+    @property
+    def id(self) -> str:
+        """``Model: id:`` of its configuration."""
+        return self.config.config.Model.id
+
+    @property
+    def name(self) -> str:
+        """Robot and monitor, for people."""
+        return f"{self.robot.name}/{self.id}"
+
+    @property
+    def frequency(self) -> float:
+        """Steps per second."""
+        return self.config.config.Model.frequency
+
+    @property
+    def demands(self) -> Sequence[str]:
+        """Ids of its demands."""
+        return [one.model.id for one in self.monitor.inputs if one.model.is_demand]
+
+    @property
+    def guarantees(self) -> Sequence[str]:
+        """Ids of its guarantees in messages."""
+        if self.monitor.kind.functions.unfulfilled is None:
+            return []
+        ids = self.monitor.kind.functions.ids(self.monitor.model)
+        return [key for keys in ids.values() for key in keys]
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A guarantee that may fulfil a demand."""
+
+    seat: Seat
+    guarantee: str
+
+
+@dataclass(frozen=True)
+class Bond:
+    """A demand, and what may fulfil it.
+
+    Attributes:
+        user: whose demand it is.
+        demand: its id.
+        offers: of the robots of the deployment file.
+        of_any: whether it may be any robot; else those of the offers.
+        place: in the deployment file.
+    """
+
+    user: Seat
+    demand: str
+    offers: tuple[Offer, ...]
+    of_any: bool
+    place: Place
+
+
+def bonds_of(file: FleetFile, seats: Sequence[Seat]) -> tuple[list[Bond], list[Problem]]:
+    """Return every bound demand, and what is wrong with the bindings (D011 to D013, D018)."""
+    binder = _Binder(file, seats)
+    for index, binding in enumerate(file.form.Bindings):
+        if not binder.add(index, binding):
+            break
+    return list(binder.bonds.values()), binder.problems
+
+
+@dataclass
+class _Binder:
+    file: FleetFile
+    seats: Sequence[Seat]
+    bonds: dict[tuple[str, int, str], Bond] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+    offers: int = 0
+
+    def __post_init__(self) -> None:
+        """Note which monitors each robot has."""
+        self._of: dict[FleetRobot, list[Seat]] = {}
+        for seat in self.seats:
+            self._of.setdefault(seat.robot, []).append(seat)
+
+    def add(self, index: int, binding: Binding) -> bool:
+        """Bind a demand of one robot, or of all that have it; return whether there may be more."""
+        unknown = list(self._unknown(index, binding))
+        if unknown:
+            self.problems += unknown
+            return True
+        users = [one for one in self._askers(binding) if binding.demand in one.demands]
+        if not users:
+            known = list(dict.fromkeys(d for one in self._askers(binding) for d in one.demands))
+            of = binding.robot or "any robot"
+            message = f"{binding.demand!r} is no demand of {of}"
+            hint = NearNames(known, "the demands are").hint(binding.demand)
+            self.problems.append(error("D011", message, self._place(index, "demand"), hint))
+        for user in users:
+            self._bind(index, binding, user)
+            if self.offers > _MOST_OFFERS:
+                message = f"more than {_MOST_OFFERS:,} guarantees of others may fulfil demands"
+                hint = "name fewer robots in `from`, or make deployments of a part of them each"
+                self.problems.append(error("D018", message, self._place(index, "from"), hint))
+                return False
+        return True
+
+    def _bind(self, index: int, binding: Binding, user: Seat) -> None:
+        place = self._place(index, "demand")
+        key = (user.robot.name, user.index, binding.demand)
+        if key in self.bonds:
+            line = self.bonds[key].place.line
+            message = f"{binding.demand!r} of {user.name} is bound already, in line {line}"
+            hint = "name all robots that may fulfil it in one list: `from: [FIRST, SECOND]`"
+            self.problems.append(error("D011", message, place, hint))
+            return
+        offers: list[Offer] = []
+        reasons: dict[str, None] = {}
+        for robot in self._providers(index, binding, user):
+            found, misses = _offers(user, binding, self._of[robot])
+            reasons.update(dict.fromkeys(misses))
+            offers += found
+            if not found and binding.from_ != "any":
+                self._refuse(index, binding, user, robot.name, misses)
+        if not offers and binding.from_ == "any" and user.robot.graph is not None:
+            self._refuse(index, binding, user, "any robot that it hears", list(reasons))
+        of_any = binding.from_ == "any"
+        self.bonds[key] = Bond(user, binding.demand, tuple(offers), of_any, place)
+        self.offers += len(offers)
+
+    def _providers(self, index: int, binding: Binding, user: Seat) -> Iterator[FleetRobot]:
+        """Yield the robots that may fulfil a demand and are heard by the one that has it (D013)."""
+        names = binding.from_
+        if user.robot.graph is None:
+            message = (
+                f"{user.robot.name} hears no other robot: it runs on {user.robot.platform.name}"
+            )
+            self.problems.append(error("D013", message, self._place(index, "demand")))
+            return
+        for robot in self._of:
+            if robot is user.robot or (names != "any" and robot.name not in names):
+                continue
+            if robot.graph == user.robot.graph:
+                yield robot
+            elif names != "any":
+                message = (
+                    f"{user.robot.name} does not hear {robot.name}: {_apart(user.robot, robot)}"
+                )
+                hint = "let both meet in one place, or relay the topic of the guarantees there"
+                self.problems.append(error("D013", message, self._place(index, "from"), hint))
+
+    def _refuse(
+        self, index: int, binding: Binding, user: Seat, who: str, reasons: Sequence[str]
+    ) -> None:
+        shown = "; ".join(reasons[:_MOST_REASONS]) or "there is no other ConSert"
+        message = f"no guarantee of {who} fulfils {binding.demand!r} of {user.name}: {shown}"
+        key = "demand" if binding.from_ == "any" else "from"
+        hint = _COMPOSE if reasons else None
+        self.problems.append(error("D012", message, self._place(index, key), hint))
+
+    def _unknown(self, index: int, binding: Binding) -> Iterator[Problem]:
+        """Report names that nothing has (D011)."""
+        robots = list(dict.fromkeys(one.robot.name for one in self.seats))
+        near = NearNames(robots, "the robots are")
+        if binding.robot is not None and binding.robot not in robots:
+            message = f"there is no robot {binding.robot!r}"
+            yield error("D011", message, self._place(index, "robot"), near.hint(binding.robot))
+            return
+        for name in binding.from_ if binding.from_ != "any" else ():
+            if name not in robots:
+                message = f"there is no robot {name!r}"
+                yield error("D011", message, self._place(index, "from"), near.hint(name))
+            elif name == binding.robot:
+                message = f"{name} cannot fulfil its own demand"
+                own = "wire it in the configuration: monitors of one robot share its topics"
+                yield error("D011", message, self._place(index, "from"), own)
+        monitors = [one.id for one in self.seats if binding.robot in (None, one.robot.name)]
+        if binding.monitor is not None and binding.monitor not in monitors:
+            message = f"there is no monitor {binding.monitor!r}"
+            place, near = self._place(index, "monitor"), NearNames(monitors, "the monitors are")
+            yield error("D011", message, place, near.hint(binding.monitor))
+        known = [name for one in self.seats for name in one.guarantees]
+        if binding.guarantee is not None and binding.guarantee not in known:
+            message = f"there is no guarantee {binding.guarantee!r}"
+            place, near = self._place(index, "guarantee"), NearNames(known, "the guarantees are")
+            yield error("D011", message, place, near.hint(binding.guarantee))
+
+    def _askers(self, binding: Binding) -> list[Seat]:
+        return [
+            one
+            for one in self.seats
+            if binding.robot in (None, one.robot.name) and binding.monitor in (None, one.id)
+        ]
+
+    def _place(self, index: int, key: str) -> Place:
+        return self.file.place(BINDINGS, index, key)
+
+
+def _offers(user: Seat, binding: Binding, seats: Sequence[Seat]) -> tuple[list[Offer], list[str]]:
+    """Return the guarantees of a robot that fulfil a demand, and why others do not."""
+    offers: list[Offer] = []
+    misses: list[str] = []
+    for seat in seats:
+        unfulfilled = seat.monitor.kind.functions.unfulfilled
+        if unfulfilled is None or seat.monitor.kind is not user.monitor.kind:
+            continue
+        for name in seat.guarantees:
+            if binding.guarantee in (None, name):
+                why = unfulfilled(seat.monitor.model, name, user.monitor.model, binding.demand)
+                if why is None:
+                    offers.append(Offer(seat, name))
+                else:
+                    misses.append(why)
+    return offers, misses
+
+
+def _apart(one: FleetRobot, other: FleetRobot) -> str:
+    here, there = one.graph, other.graph
+    if here is None or there is None or here.key != there.key:
+        return f"one runs on {one.platform.name}, the other on {other.platform.name}"
+    if here.name != there.name:
+        return f"they have different {here.key}s, {_shown(here.name)} and {_shown(there.name)}"
+    parts = f"{_shown(here.partition)} and {_shown(there.partition)}"
+    return f"they have different partitions, {parts}"
+
+
+def _shown(name: str) -> str:
+    return name or "the default one"

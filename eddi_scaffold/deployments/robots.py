@@ -1,0 +1,225 @@
+"""The robots of a deployment file, with their platforms, models and configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.identifiers import attribute, free_name, key_text, package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, StationSection
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
+from eddi_scaffold.kinds import Model, Reading
+from eddi_scaffold.monitors.loading import candidates, model_for
+from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
+
+Pair = tuple[Model, ConfigFile]
+
+
+@dataclass(frozen=True, eq=False)
+class FleetRobot:
+    """One robot.
+
+    Attributes:
+        form: its entry in the deployment file.
+        number: of that entry.
+        platform: where its monitors run.
+        graph: where it hears others; ``None`` where its platform has no such place.
+        pairs: model and configuration of each of its monitors.
+    """
+
+    form: Robot
+    number: int
+    platform: Platform
+    graph: MeetingPlace | None
+    pairs: tuple[Pair, ...]
+
+    @property
+    def name(self) -> str:
+        """Its name, for people and on the wire."""
+        return self.form.name
+
+
+def read_robots(
+    file: FleetFile, read: Callable[[Path], Reading]
+) -> tuple[list[FleetRobot], list[Problem]]:
+    """Return the robots of a deployment file; one that cannot be used whole is left out.
+
+    Args:
+        file: the deployment file.
+        read: reads a file of models; raises EddiError.
+    """
+    reader = _Reader(file, read)
+    robots = [reader.robot(number) for number in range(len(file.form.Robots))]
+    found = [one for one in robots if one is not None]
+    reader.station()
+    return found, [*reader.problems, *_check_namespaces(file, found)]
+
+
+@dataclass
+class _Reader:
+    file: FleetFile
+    read: Callable[[Path], Reading]
+    problems: list[Problem] = field(default_factory=list)
+    known: dict[Path, Reading] = field(default_factory=dict)
+
+    def station(self) -> None:
+        form = self.file.form.Station
+        try:
+            platform = chosen(form.platform) if form.platform is not None else None
+        except EddiError as failure:
+            self.problems += _at(failure, self.file.place("Station", "platform"))
+            return
+        if platform is not None:
+            self.problems += misplaced(self.file, form, platform, "Station")
+
+    def robot(self, number: int) -> FleetRobot | None:
+        form = self.file.form.Robots[number]
+        try:
+            platform = chosen(form.platform)
+        except EddiError as failure:
+            self.problems += _at(failure, self.file.place(ROBOTS, number, "platform"))
+            return None
+        self.problems += misplaced(self.file, form, platform, ROBOTS, number)
+        pairs = [self._pair(number, index) for index in range(len(form.monitors))]
+        whole = [pair for pair in pairs if pair is not None]
+        clashes = list(self._clashes(number, pairs))
+        self.problems += clashes
+        if len(whole) < len(pairs) or clashes:
+            return None
+        return FleetRobot(form, number, platform, graph_of(form, platform), tuple(whole))
+
+    def _pair(self, robot: int, monitor: int) -> Pair | None:
+        try:
+            config_file, model_file = self.file.files(robot, monitor)
+            override = self.file.overrides.get((robot, monitor))
+            config, found = read_config(read_source(config_file), override=override)
+            self.problems += found
+            if config is None:
+                return None
+            models = self._models(model_file).models if model_file is not None else ()
+            return model_for(config, candidates(config, models, self._models).models), config
+        except EddiError as failure:
+            self.problems += failure.problems
+            return None
+
+    def _clashes(self, robot: int, pairs: Sequence[Pair | None]) -> Iterator[Problem]:
+        """Report monitors of one package, before anything is made of them (G004)."""
+        first: dict[str, int] = {}
+        for index, pair in enumerate(pairs):
+            name = package_name(pair[1].config.Model.id) if pair is not None else ""
+            before = first.setdefault(name, index) if name else index
+            if before != index:
+                of = self.file.form.Robots[robot].name
+                line = self.file.place(ROBOTS, robot, "monitors", before).line
+                message = f"a monitor of {of} in line {line} gives the same package {name!r}"
+                hint = "give one of them another `Model: id:`, by its `override`"
+                place = self.file.place(ROBOTS, robot, "monitors", index)
+                yield error("G004", message, place, hint)
+
+    def _models(self, path: Path) -> Reading:
+        if path not in self.known:
+            self.known[path] = self.read(path)
+            self.problems += self.known[path].problems
+        return self.known[path]
+
+
+def graph_of(form: Robot | StationSection, platform: Platform) -> MeetingPlace | None:
+    """Return where a robot or station hears others."""
+    if platform.meeting is None:
+        return None
+    key, given = platform.meeting.key, getattr(form, platform.meeting.key)
+    name = platform.meeting.default if given is None else str(given)
+    return MeetingPlace(key, name, form.partition or "")
+
+
+def misplaced(
+    file: FleetFile, form: Robot | StationSection, platform: Platform, *path: str | int
+) -> Iterator[Problem]:
+    """Report a ``master``, ``domain`` or ``partition`` that the platform does not have (K005)."""
+    meeting = platform.meeting
+    own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
+    for key in ("master", "domain", "partition"):
+        if key not in own and getattr(form, key) is not None:
+            message = f"the platform {platform.name} has no `{key}`"
+            hint = f"name its `{own[0]}`" if own else "leave it out"
+            yield error("K005", message, file.place(*path, key), hint)
+
+
+def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
+    """Report robots that nobody could tell apart (D010)."""
+    first: dict[tuple[MeetingPlace, str], FleetRobot] = {}
+    for one in robots:
+        if one.graph is None:
+            continue
+        before = first.setdefault((one.graph, one.form.prefix), one)
+        if before is not one:
+            message = (
+                f"{before.name} and {one.name} have the same namespace {one.form.prefix or '/'}"
+            )
+            hint = "give each a namespace of its own; by default it is the name of the robot"
+            keys = (ROBOTS, one.number)
+            yield error("D010", message, file.place(*keys, "namespace"), hint)
+
+
+def _at(failure: EddiError, place: Place) -> list[Problem]:
+    return [replace(problem, place=place) for problem in failure.problems]
+
+
+@dataclass(frozen=True)
+class GuaranteeSource:
+    """One guarantee as one topic brings it.
+
+    Attributes:
+        output: the topic; its id is only a wish.
+        guarantee: id in the message.
+    """
+
+    output: SimulatorOutput
+    guarantee: str
+
+
+def fed(
+    config: ConfigFile,
+    demand: str,
+    sources: Sequence[GuaranteeSource],
+    max_age: float,
+    place: Place,
+) -> ConfigFile:
+    """Return a configuration whose demand is fulfilled while one of some guarantees is active.
+
+    Args:
+        config: of the monitor; what it says itself of where the demand comes from is replaced.
+        demand: id of the input.
+        sources: the guarantees.
+        max_age: of the input where the configuration has none.
+        place: where the deployment file says so.
+    """
+    form, places = config.config, dict(config.places)
+    outputs = list(form.SimulatorOutputs)
+    names: list[str] = []
+    for source in sources:
+        taken = {attribute(one.id) for one in (*outputs, *form.EDDIInputs)}
+        names.append(free_name(attribute(source.output.id), taken))
+        places["SimulatorOutputs", len(outputs)] = place
+        outputs.append(source.output.model_copy(update={"id": names[-1]}))
+    fields = [f"guarantees[{key_text(one.guarantee)}].active" for one in sources]
+    how: dict[str, object] = {"field": fields[0]}
+    if len(sources) > 1:
+        words = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
+        how = {"expression": " OR ".join(words)}
+    entries = list(form.EDDIInputs)
+    index = next((k for k, one in enumerate(entries) if one.id == demand), len(entries))
+    old = entries[index] if index < len(entries) else InputEntry(id=demand, type="bool")
+    computed = {"field": None, "expression": None, "expression_file": None, "states": None}
+    age = max_age if old.max_age is None else old.max_age
+    new = {**computed, **how, "requires": names, "max_age": age}
+    entries[index : index + 1] = [old.model_copy(update=new)]
+    places |= {("EDDIInputs", index, key): place for key in ("requires", *how)}
+    places.setdefault(("EDDIInputs", index), place)
+    update = {"SimulatorOutputs": outputs, "EDDIInputs": entries}
+    return replace(config, config=form.model_copy(update=update), places=places)

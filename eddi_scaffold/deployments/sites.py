@@ -1,0 +1,83 @@
+"""What is generated of a deployment file: a workspace for each robot and for the station."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors
+from eddi_scaffold.deployments.fleet import read_whole_fleet
+from eddi_scaffold.deployments.fleet_checks import problems_of
+from eddi_scaffold.deployments.fleet_topics import among_others, digests_of
+from eddi_scaffold.deployments.robots import FleetRobot
+from eddi_scaffold.deployments.station import is_closed, with_station
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.platforms import Platform
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """The workspace or folder of one robot.
+
+    Attributes:
+        robot: its name is that of the folder.
+        monitors: with the configurations that they have on it.
+    """
+
+    robot: FleetRobot
+    monitors: tuple[BoundMonitor, ...]
+
+    @property
+    def name(self) -> str:
+        """Name of the robot, and of the folder."""
+        return self.robot.name
+
+    @property
+    def platform(self) -> Platform:
+        """Where the monitors run."""
+        return self.robot.platform
+
+    def next_steps(self, place: Path) -> Sequence[str]:
+        """Return shell commands that build the workspace and start the monitors.
+
+        Args:
+            place: the workspace, or folder.
+        """
+        packages = [one.package for one in self.monitors]
+        meeting, robot = self.platform.meeting, self.robot
+        if meeting is None or robot.graph is None:
+            return self.platform.next_steps(place, packages)
+        return meeting.next_steps(robot.graph, place, robot.form.prefix, packages)
+
+
+def sites_of(source: Source, read: Callable[[Path], Reading]) -> tuple[list[Site], list[Problem]]:
+    """Return what is to be generated, and the warnings.
+
+    Args:
+        source: the deployment file.
+        read: reads a file of models; raises EddiError.
+
+    Raises:
+        EddiError: it, or what it names, has errors.
+    """
+    fleet, problems = read_whole_fleet(source, read)
+    if fleet is None:
+        raise EddiError(*problems)
+    problems = problems_of(fleet, problems)
+    if has_errors(problems):
+        raise EddiError(*problems)
+    closed = is_closed(fleet)
+    fleet = with_station(fleet)
+    digests = digests_of(fleet)
+    sites = []
+    for robot in fleet.robots:
+        monitors, found = fleet.monitors(
+            robot, lambda seat: among_others(fleet, seat, digests, closed=closed)
+        )
+        if has_errors(found):
+            raise EddiError(*found)
+        sites.append(Site(robot, tuple(monitors)))
+    return sites, problems

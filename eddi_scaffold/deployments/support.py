@@ -1,0 +1,292 @@
+"""What each claim rests on, and the rings in which claims rest on themselves.
+
+Two ConSerts that feed each other keep each other active for ever after their sources have died:
+the messages are fresh, and ages do not help. A ring is one of claims, not of topics: two ConSerts
+may well read different guarantees of each other.
+
+Works on what a package remembers of itself, so that a new monitor can be compared with those that
+a workspace has already.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from eddi_scaffold.common.claims import Acceptance
+from eddi_scaffold.common.graphs import cycles, reached, reversed_graph
+from eddi_scaffold.common.identifiers import attribute, full_topic
+from eddi_scaffold.common.problems import Place, Problem, error, warning
+from eddi_scaffold.conditions.uses import inputs_of
+from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
+from eddi_scaffold.monitors.expression_names import head_of, path_behind
+from eddi_scaffold.monitors.input_rules import of_input
+
+
+@dataclass(frozen=True)
+class Participant:
+    """A monitor, as far as rings are concerned.
+
+    Attributes:
+        name: for people.
+        package: its package, which private topics are below.
+        namespace: of its robot, empty for none.
+        kind: its kind.
+        config: its configuration, given or remembered.
+        document: content of its ``config/model.json``.
+        model_file: of its model, for places.
+        alone: topic with one value of its message -> that field, for people.
+    """
+
+    name: str
+    package: str
+    namespace: str
+    kind: Kind[Model]
+    config: ConfigFile
+    document: Mapping[str, Any]
+    model_file: str = ""
+    alone: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def frequency(self) -> float:
+        """Steps per second."""
+        return self.config.config.Model.frequency
+
+    @property
+    def outputs(self) -> Mapping[str, frozenset[str]]:
+        """Its claims -> the inputs that each rests on; the whole result where it names none."""
+        return self.kind.functions.support(self.document) or {
+            "": frozenset(spec["id"] for spec in self.document["inputs"])
+        }
+
+    @property
+    def by_words(self) -> Sequence[str]:
+        """Its claims that rest on words of other robots."""
+        words = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
+        fed = {spec["id"] for spec in self.document["inputs"] if words & set(spec["requires"])}
+        return [self.claim(output) for output, inputs in self.outputs.items() if fed & inputs]
+
+    def claim(self, output: str) -> str:
+        """Return the name of one of its claims among all: its own name, and the output's."""
+        return f"{self.name}.{output}" if output else self.name
+
+    def published(self) -> Sequence[str]:
+        """Return the full names of the topics that it publishes."""
+        return [topic for topic, _ in published(self)]
+
+    def topics(self, input_: str) -> Sequence[str]:
+        """Return the full names of the topics that an input reads."""
+        return list(dict.fromkeys(topic for topic, _ in reads_of(self).get(input_, ())))
+
+    def topic(self, name: str) -> str:
+        """Return the full name of a topic of this monitor's node."""
+        return full_topic(name, self.namespace, self.package)
+
+
+@dataclass(frozen=True)
+class Published:
+    """What a participant publishes on one topic: a part of its result, one value, or all."""
+
+    of: Participant
+    part: str | None
+    path: FieldPath
+
+
+def remembered(package: str, answers: Mapping[str, Any]) -> Participant | None:
+    """Return a monitor as the answers of its package have it; ``None`` for other packages."""
+    if not answers.get("model_json") or not answers.get("config_json"):
+        return None
+    try:
+        config = from_json(answers["config_json"], package)
+        document = json.loads(answers["model_json"])
+        kind, file = kinds()[answers["kind"]], str(answers["model_file"])
+        outputs = [one for one in answers.get("outputs") or () if "topic_text" in one]
+        bare = [one["topic_text"] for one in outputs if one["type_text"].startswith("std_msgs/")]
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
+        return None
+    alone = dict.fromkeys(bare, "the same field")
+    found = Participant(config.config.Model.id, package, "", kind, config, document, file, alone)
+    return found if _is_whole(found) else None
+
+
+def _is_whole(found: Participant) -> bool:
+    """Return whether what a package remembers can be followed; answers may be damaged."""
+    try:
+        supports([found])
+        assert found.by_words is not None
+    except (AttributeError, LookupError, TypeError, ValueError):
+        return False
+    return True
+
+
+def check_rings(participants: Sequence[Participant]) -> Iterator[Problem]:
+    """Report each ring of claims once (D003)."""
+    owners = {one.claim(output): one for one in participants for output in one.outputs}
+    for ring in cycles(supports(participants)):
+        first, *others = ring  # in the direction of support
+        chain = ", which needs ".join([*reversed(others), first])
+        hint = "they would keep each other active for ever: leave one of these inputs out"
+        message = f"a cycle of demands: {first} needs {chain}"
+        yield error("D003", message, owners[first].config.place("EDDIInputs"), hint)
+
+
+def supports(participants: Sequence[Participant]) -> Mapping[str, tuple[str, ...]]:
+    """Return for each claim the claims of other monitors that it rests on."""
+    by_topic: dict[str, list[Published]] = {}
+    for one in participants:
+        for topic, item in published(one):
+            by_topic.setdefault(topic, []).append(item)
+    graph: dict[str, tuple[str, ...]] = {}
+    for one in participants:
+        below = {name: _below(one, read, by_topic) for name, read in reads_of(one).items()}
+        for output, inputs in one.outputs.items():
+            rests = [claims for name, claims in below.items() if name in inputs]
+            graph[one.claim(output)] = tuple(dict.fromkeys(c for claims in rests for c in claims))
+    return graph
+
+
+def published(of: Participant) -> Iterator[tuple[str, Published]]:
+    """Yield the full names of the topics of a participant, with what is on them."""
+    for output in of.config.config.EDDIOutputs:
+        path = parse_field(output.field) if output.field is not None else ()
+        item = Published(of, output.event, path)
+        yield of.topic(output.topic), item
+        for name in ("status", "evidence"):
+            yield of.topic(f"{output.topic}/{name}"), item
+
+
+def reads_of(of: Participant) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
+    """Return for each input the topics that it reads, with the path into each message."""
+    topics = {one.id: of.topic(one.topic) for one in of.config.config.SimulatorOutputs}
+    entries = {one.id: one for one in of.config.config.EDDIInputs}
+    found: dict[str, list[tuple[str, FieldPath]]] = {}
+    for spec in of.document["inputs"]:
+        entry = entries.get(spec["id"])
+        reads = found[spec["id"]] = []
+        if entry is None:
+            continue
+        computed = spec.get("expression")
+        if computed is None:
+            path = parse_field(entry.field) if entry.field is not None else ()
+            reads += [(topics[name], path) for name in spec["requires"] if name in topics]
+            continue
+        named = {attribute(id_): topics[id_] for id_ in topics}
+        by_attribute = {attribute(id_): id_ for id_ in found}
+        for part in computed["parts"]:
+            for name in (n for v in part["form"]["variables"] for n in inputs_of(v)):
+                word = head_of(name)
+                if word in named:
+                    reads.append((named[word], path_behind(name)))
+                elif word in by_attribute:  # another input, which is read by the same expression
+                    reads += found[by_attribute[word]]
+    return found
+
+
+def _below(
+    user: Participant,
+    reads: Sequence[tuple[str, FieldPath]],
+    by_topic: Mapping[str, Sequence[Published]],
+) -> Sequence[str]:
+    return [
+        claim
+        for topic, path in reads
+        for item in by_topic.get(topic, ())
+        if item.of is not user  # which is refused in any case (K031)
+        for claim in _claims(item, path)
+    ]
+
+
+def _claims(item: Published, path: FieldPath) -> Sequence[str]:
+    """Return the claims that a field carries: the one that it names, else all of the monitor."""
+    outputs = item.of.outputs
+    keys = [str(step.wanted) for step in (item.path or path) if isinstance(step, ByKey)]
+    wanted = next(iter(keys), item.part)
+    names = [wanted] if wanted in outputs else list(outputs)
+    return [item.of.claim(str(name)) for name in names]
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """One acceptance in a deployment.
+
+    Attributes:
+        monitor: name of the participant.
+        what: the acceptance.
+        topics: what its input is read from.
+        claims: those that rest on it, of any participant.
+        place: its place.
+    """
+
+    monitor: str
+    what: Acceptance
+    topics: tuple[str, ...]
+    claims: tuple[str, ...]
+    place: Place
+
+    def as_json(self) -> dict[str, JsonValue]:
+        """Return a row of ``trace --json``."""
+        return {
+            "monitor": self.monitor,
+            "input": self.what.input,
+            "key": self.what.key,
+            "accepts": self.what.accepts,
+            "topics": list(self.topics),
+            "claims": list(self.claims),
+            "seconds": self.what.seconds,
+        }
+
+    def as_text(self) -> str:
+        """Return one sentence."""
+        who = f"input {self.what.input!r} of {self.monitor}" if self.what.input else self.monitor
+        rest = "rests" if len(self.claims) == 1 else "rest"
+        on = self.what.accepts + (f" of {', '.join(self.topics)}" if self.topics else "")
+        claims = ", ".join(self.claims)
+        return f"{who}, `{self.what.key}`: {claims} {rest} on {on} {self.what.lasts}"
+
+
+def acceptances(participants: Sequence[Participant]) -> list[Accepted]:
+    """Return every acceptance on which a claim rests; claims rest on no ring."""
+    users = reversed_graph(supports(participants))
+    found = []
+    for one in participants:
+        for what in _of(one):
+            above = reached(users, [one.claim(name) for name in _outputs(one, what)])
+            if above:
+                claims = tuple(claim for claim in users if claim in above)
+                topics = tuple(one.topics(what.input)) if what.input else ()
+                found.append(Accepted(one.name, what, topics, claims, _place(one, what)))
+    return found
+
+
+def check_acceptances(participants: Sequence[Participant]) -> Iterator[Problem]:
+    """Report each acceptance (D009)."""
+    for one in acceptances(participants):
+        yield warning("D009", one.as_text(), one.place)
+
+
+def _of(one: Participant) -> Iterator[Acceptance]:
+    yield from one.kind.functions.accepted(one.document, one.frequency)
+    specs = {spec["id"]: spec for spec in one.document["inputs"]}
+    for index, entry in enumerate(one.config.config.EDDIInputs):
+        if entry.id in specs:
+            yield from of_input(entry, specs[entry.id], index)
+
+
+def _outputs(of: Participant, one: Acceptance) -> Sequence[str]:
+    if one.outputs is not None:
+        return one.outputs
+    return [
+        output
+        for output, inputs in of.outputs.items()
+        if (one.input in inputs if one.input else inputs)
+    ]
+
+
+def _place(of: Participant, one: Acceptance) -> Place:
+    if one.at is not None:
+        return Place(of.model_file, *one.at)
+    return of.config.place(*one.path)

@@ -1,0 +1,171 @@
+"""Monitors that are wired to each other by topics, and whether what is wired may be relied on.
+
+A monitor by itself takes a missing or old message as unknown. Behind another monitor that is not
+enough: its messages go on when its own sources have died. So every field of a monitor's message
+that is read must have a meaning only where something is known, each demand must be fulfilled by the
+guarantee that it is wired to, and no claim may rest on itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from eddi_scaffold.common.graphs import reached
+from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.config.field_paths import ByKey
+from eddi_scaffold.config.schema import InputQos, OutputEntry
+from eddi_scaffold.deployments.meanings import FieldReading, check_meanings, readings
+from eddi_scaffold.deployments.support import Participant, check_acceptances, check_rings, supports
+from eddi_scaffold.deployments.topics import (
+    Deployment,
+    Member,
+    Publisher,
+    check_alone,
+    check_spellings,
+    check_topics,
+    check_types,
+    deployment,
+)
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.publications import STATUS
+
+
+def check_composition(deployment: Deployment) -> Iterator[Problem]:
+    """Report demands that are wired to a guarantee which does not fulfil them (D004)."""
+    for member in deployment.members:
+        user = member.monitor
+        seen: set[tuple[str, str]] = set()
+        for reading in readings(user).fields:
+            publisher = deployment.publisher(member, reading.source)
+            output = None if publisher is None else _output(publisher, reading)
+            if publisher is None or output is None or (reading.input, output) in seen:
+                continue
+            seen.add((reading.input, output))
+            provider = publisher.member.monitor
+            if provider.kind is not user.kind or user.kind.functions.unfulfilled is None:
+                continue
+            reason = user.kind.functions.unfulfilled(
+                provider.model, output, user.model, reading.input
+            )
+            if reason is not None:
+                message = f"demand {reading.input!r} is not fulfilled: {reason}"
+                hint = "`eddi-scaffold compose` shows which guarantees would"
+                yield error("D004", message, reading.place, hint)
+
+
+def _output(publisher: Publisher, reading: FieldReading) -> str | None:
+    """Return the id of the output that a field names."""
+    path = publisher.publication.path or reading.path
+    return next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
+
+
+def check_hidden(participants: Sequence[Participant]) -> Iterator[Problem]:
+    """Report what is told to other robots and rests by topics on a word of one (D017).
+
+    Args:
+        participants: the monitors that read each other's topics.
+    """
+    telling = [one for one in participants if _tells(one)]
+    relying = {claim: one for one in participants for claim in one.by_words}
+    if not telling or not relying:
+        return
+    graph = supports(participants)
+    for one in telling:
+        for output in one.outputs:
+            claim = one.claim(output)
+            behind = reached(graph, [claim])
+            hidden = next((c for c, of in relying.items() if c in behind and of is not one), None)
+            if hidden is not None:
+                yield _hidden(one, claim, hidden)
+                break
+
+
+def _tells(one: Participant) -> bool:
+    """Return whether other robots may rely on a monitor, among which nobody looked for circles."""
+    fleet = one.config.config.Fleet
+    return fleet is not None and not fleet.closed
+
+
+def _hidden(one: Participant, claim: str, hidden: str) -> Problem:
+    message = (
+        f"{claim} is told to other robots and rests on a topic of {hidden}, which rests on the word"
+        " of another robot: if that one relies on this robot, no word shows the circle"
+    )
+    hint = (
+        "let one monitor have both, or name each robot in a deployment file; where no robot relies"
+        f" on {one.name}, it needs no `Fleet`"
+    )
+    return error("D017", message, one.config.place("Fleet"), hint)
+
+
+_LESS_THAN = {
+    ("reliability", "reliable"): "best_effort",
+    ("durability", "transient_local"): "volatile",
+}
+"""What a reader may ask for -> what does not fulfil it."""
+
+
+def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
+    """Report topics of which a monitor asks for more than another one offers (D016)."""
+    written = [
+        (topic, one, output)
+        for one in participants
+        for output in one.config.config.EDDIOutputs
+        for topic in _topics(one, output)
+    ]
+    for reader in participants:
+        for index, source in enumerate(reader.config.config.SimulatorOutputs):
+            topic = reader.topic(source.topic)
+            for at, writer, output in written:
+                for name, asked in _lacking(source.qos, output.qos) if at == topic else ():
+                    message = f"{reader.name} asks for {name} {asked} of {topic}, which"
+                    given = f"{writer.name} publishes {getattr(output.qos, name)}"
+                    place = reader.config.place("SimulatorOutputs", index, "qos")
+                    nothing = f"on ROS 2 it would get nothing: without `{name}`"
+                    hint = f"{nothing} {writer.name} publishes {asked}"
+                    yield error("D016", f"{message} {given}", place, hint)
+
+
+def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
+    """Yield the full names of the topics that have the quality of an output."""
+    topic = one.topic(output.topic)
+    yield topic
+    if output.field is None:
+        yield f"{topic}/{STATUS}"
+
+
+def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
+    """Yield what is asked for in vain; nodes read reliably what was kept."""
+    if asked.durability == "transient_local" and asked.reliability is None:
+        asked = asked.model_copy(update={"reliability": "reliable"})
+    for (name, wanted), less in _LESS_THAN.items():
+        if getattr(asked, name) == wanted and getattr(offered, name) == less:
+            yield name, wanted
+
+
+def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D017, D019).
+
+    Args:
+        members: the monitors that are at hand.
+        others: those that run with them.
+    """
+    together = deployment(members, others)
+    rings = list(check_rings(together.participants))
+    return [
+        *check_meanings(together),
+        *check_alone(together.participants),
+        *check_composition(together),
+        *check_topics(together),
+        *check_types(together),
+        *check_spellings(together),
+        *check_qualities(together.participants),
+        *rings,
+        *([] if rings else check_hidden(together.participants)),
+        *([] if rings else check_acceptances([member.participant for member in members])),
+    ]
+
+
+def members_of(monitors: Sequence[BoundMonitor]) -> list[Member]:
+    """Return the monitors that are wired at all: those with a configuration."""
+    return [Member(monitor) for monitor in monitors if monitor.config is not None]

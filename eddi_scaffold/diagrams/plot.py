@@ -1,0 +1,275 @@
+"""Plots of a run over time as SVG, without a plotting library."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from eddi_scaffold.common.escaping import xml_text
+
+Value = bool | int | float | str | None
+"""``None`` is unknown."""
+
+Form = Literal["truth", "number", "text"]
+
+
+@dataclass(frozen=True)
+class Track:
+    """One value over time.
+
+    Attributes:
+        name: for people.
+        group: heading under which it is shown (``inputs``, ``outputs``).
+        times: seconds, ascending.
+        values: one per time.
+    """
+
+    name: str
+    group: str
+    times: tuple[float, ...]
+    values: tuple[Value, ...]
+
+    @property
+    def form(self) -> Form:
+        """How it is drawn: by the first value that is known."""
+        first = next((value for value in self.values if value is not None), True)
+        if isinstance(first, bool):
+            return "truth"
+        return "text" if isinstance(first, str) else "number"
+
+
+def plain(value: object) -> Value:
+    """Return a value as it can be drawn: NaN and what is not a single value are unknown."""
+    if isinstance(value, float) and math.isnan(value):
+        return None
+    return value if isinstance(value, bool | int | float | str) else None
+
+
+def tracks_of(group: str, samples: Iterable[tuple[float, Mapping[str, object]]]) -> Sequence[Track]:
+    """Turn time-stamped values into one track per name, in the order of their first sample."""
+    times: dict[str, list[float]] = {}
+    values: dict[str, list[Value]] = {}
+    for t, named in samples:
+        for name, value in named.items():
+            times.setdefault(name, []).append(t)
+            values.setdefault(name, []).append(plain(value))
+    return [Track(name, group, tuple(times[name]), tuple(values[name])) for name in times]
+
+
+def shown_time(tracks: Iterable[Track]) -> tuple[float, float]:
+    """Return from when to when tracks are shown: their last values can be seen as well."""
+    times = [track.times for track in tracks if track.times]
+    if not times:
+        return 0.0, 1.0
+    start, end = min(one[0] for one in times), max(one[-1] for one in times)
+    if not end > start:
+        return start, start + 1.0
+    step = max((one[-1] - one[-2] for one in times if len(one) > 1), default=0.0)
+    return start, end + max(step, (end - start) / 100)
+
+
+def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
+    """Return (from, to, value) of each stretch of equal values; the last one ends at ``end``."""
+    found: list[tuple[float, float, Value]] = []
+    for k, (t, value) in enumerate(zip(track.times, track.values, strict=True)):
+        until = track.times[k + 1] if k + 1 < len(track.times) else end
+        if found and found[-1][2] == value and type(found[-1][2]) is type(value):
+            found[-1] = (found[-1][0], until, value)
+        else:
+            found.append((t, until, value))
+    return found
+
+
+def ticks(low: float, high: float) -> list[float]:
+    """Return round numbers between two bounds, both included where they are round."""
+    if not high > low:
+        return [low]
+    rough = (high - low) / 8
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough)
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
+    return [round(k * step, 12) for k in range(first, last + 1)]
+
+
+_LEFT, _RIGHT, _WIDTH = 230, 70, 1000
+_TOP, _BAND, _GRAPH, _GAP, _HEADING = 46, 18, 64, 8, 24
+_COLOURS = {True: "#1f5f99", False: "#c9ced6", None: "url(#unknown)"}
+_WORDS = {True: "active or true", False: "inactive or false", None: "unknown"}
+_STYLE = (
+    "text{font:12px sans-serif;fill:#1f2933}.small{font-size:10px;fill:#52606d}"
+    ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
+    ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
+)
+_DECADES, _LEAST = 1e3, 1e-15
+"""How far probabilities span before their axis is logarithmic, and the least of the highest."""
+_MAX_COLUMNS = 2000
+"""Steps of a line that are drawn; of more, the lowest and highest of each column are kept."""
+
+
+def plot(title: str, tracks: Sequence[Track]) -> str:
+    """Return the SVG of some tracks over their common time.
+
+    Args:
+        title: one line above.
+        tracks: from top to bottom; a heading is shown where the group changes.
+    """
+    start, end = shown_time(tracks)
+    body: list[str] = []
+    y = _TOP
+    group = None
+    for track in tracks:
+        if track.group != group:
+            group = track.group
+            body.append(_text(12, y + 14, group, "group"))
+            y += _HEADING
+        height = _GRAPH if track.form == "number" else _BAND
+        body += _track(track, y, height, start, end)
+        y += height + _GAP
+    bottom = y
+    grid = list(_grid(start, end, bottom))
+    return _document(title, bottom + 56, [*grid, *body, *_legend(bottom + 40)])
+
+
+def _document(title: str, height: int, parts: Iterable[str]) -> str:
+    hatch = (
+        '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
+        'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
+        '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
+    )
+    root = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{height}" '
+        f'viewBox="0 0 {_WIDTH} {height}" role="img" aria-label="{xml_text(title)}">'
+    )
+    lines = [
+        root,
+        f"<title>{xml_text(title)}</title>",
+        f"<style>{_STYLE}</style>{hatch}",
+        f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
+        _text(12, 24, title, "title"),
+        *parts,
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _track(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
+    parts = [_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28)]
+    if track.form == "number":
+        return parts + _line(track, y, height, start, end)
+    for begin, until, value in stretches(track, end):
+        x, wide = _x(begin, start, end), max(_x(until, start, end) - _x(begin, start, end), 1.0)
+        truth = None if value is None else bool(value)
+        colour = "#d6e4f5" if isinstance(value, str) else _COLOURS[truth]
+        shown = value if isinstance(value, str) else _WORDS[truth]
+        parts.append(
+            f'<rect x="{_number(x)}" y="{y}" width="{_number(wide)}" height="{height}" '
+            f'fill="{colour}"><title>{xml_text(shown)}: {begin:g} s to {until:g} s'
+            f"</title></rect>"
+        )
+        if isinstance(value, str) and wide > 7 * len(value):
+            parts.append(_text(x + 4, y + 13, value, "small"))
+    return parts
+
+
+def _line(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
+    known = [v for v in track.values if isinstance(v, int | float) and math.isfinite(v)]
+    low, high = (min(known), max(known)) if known else (0.0, 1.0)
+    least = min((v for v in known if v > 0), default=high)
+    decades = low >= 0 and high <= 1 and 0 < least * _DECADES <= high
+    if decades:
+        low = max(least, high * _LEAST)  # 0 is at the foot as well
+    scale: Callable[[float], float] = math.log10 if decades else float
+    span = scale(high) - scale(low) or 1.0
+
+    def at(value: float) -> float:
+        share = (scale(min(max(value, low), high)) - scale(low)) / span
+        return y + height - 4 - share * (height - 8)
+
+    frame = f'x="{_LEFT}" y="{y}" width="{_WIDTH - _LEFT - _RIGHT}" height="{height}"'
+    parts = [
+        f'<rect {frame} fill="none" stroke="#e4e7eb"/>',
+        _text(_WIDTH - _RIGHT + 6, y + 12, f"{high:.4g}", "small"),
+        _text(_WIDTH - _RIGHT + 6, y + height - 2, f"{low:.4g}", "small"),
+    ]
+    if decades:
+        parts.append(_text(_WIDTH - _RIGHT + 6, y + height // 2 + 4, "log", "small"))
+        levels = [at(10.0**k) for k in range(math.ceil(scale(low)), math.floor(scale(high)) + 1)]
+        parts += [_rule(_LEFT, level, _WIDTH - _RIGHT, level) for level in levels]
+    path: list[str] = []
+    pen_down = False
+    for begin, until, value in _thinned(stretches(track, end), start, end):
+        left, right = _number(_x(begin, start, end)), _number(_x(until, start, end))
+        if value is None:
+            wide = _number(float(right) - float(left))
+            parts.append(
+                f'<rect x="{left}" y="{y}" width="{wide}" height="{height}" '
+                'fill="url(#unknown)" opacity="0.6"><title>unknown</title></rect>'
+            )
+            pen_down = False
+            continue
+        level = _number(at(float(value)))
+        path.append(f"{'L' if pen_down else 'M'}{left} {level}L{right} {level}")
+        pen_down = True
+    return [*parts, f'<path class="line" d="{"".join(path)}"/>'] if path else parts
+
+
+def _thinned(
+    parts: Sequence[tuple[float, float, object]], start: float, end: float
+) -> list[tuple[float, float, float | None]]:
+    """Keep at most the lowest and the highest value of each column, and every unknown one."""
+    values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v in parts]
+    if len(values) <= _MAX_COLUMNS:
+        return values
+    columns: dict[int, list[tuple[float, float, float | None]]] = {}
+    for part in values:
+        number = int((part[0] - start) / (end - start) * _MAX_COLUMNS / 2)
+        columns.setdefault(number, []).append(part)
+    kept: list[tuple[float, float, float | None]] = []
+    for column in columns.values():
+        unknown = [part for part in column if part[2] is None]
+        known = sorted((p for p in column if p[2] is not None), key=lambda p: (p[2] or 0.0, p[0]))
+        chosen = {id(p): p for p in (*unknown[:1], *known[:1], *known[-1:])}
+        kept += sorted(chosen.values(), key=lambda part: part[0])
+    ends = [*(part[0] for part in kept[1:]), end]
+    return [(a, until, v) for (a, _, v), until in zip(kept, ends, strict=True)]
+
+
+def _grid(start: float, end: float, bottom: int) -> Iterable[str]:
+    for t in ticks(start, end):
+        x = _number(_x(t, start, end))
+        yield _rule(float(x), _TOP - 6, float(x), bottom)
+        yield _text(float(x), bottom + 14, f"{t:g}", "small", anchor="middle")
+    yield _text(_WIDTH - _RIGHT + 18, bottom + 14, "s", "small")
+
+
+def _legend(y: int) -> Iterable[str]:
+    x = _LEFT
+    for value, word in _WORDS.items():
+        yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
+        yield _text(x + 20, y, word, "small")
+        x += 140
+
+
+def _rule(left: float, top: float, right: float, bottom: float) -> str:
+    ends = f'x1="{_number(left)}" y1="{_number(top)}" x2="{_number(right)}" y2="{_number(bottom)}"'
+    return f'<line class="grid" {ends}/>'
+
+
+def _x(t: float, start: float, end: float) -> float:
+    return _LEFT + (t - start) / (end - start) * (_WIDTH - _LEFT - _RIGHT)
+
+
+def _number(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".")
+
+
+def _text(
+    x: float, y: float, text: str, kind: str = "", *, anchor: str = "start", width: int = 200
+) -> str:
+    shown = text if len(text) <= width else f"{text[: width - 1]}…"
+    kind = f' class="{kind}"' if kind else ""
+    place = f'x="{_number(x)}" y="{_number(y)}"'
+    return f'<text {place}{kind} text-anchor="{anchor}">{xml_text(shown)}</text>'

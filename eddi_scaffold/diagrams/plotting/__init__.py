@@ -1,1 +1,0 @@
-"""Plots of a run over time as SVG, without a plotting library."""

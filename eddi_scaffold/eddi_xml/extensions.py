@@ -1,0 +1,134 @@
+"""What this project adds to an EDDI: ``keyValueMaps`` whose key begins with ``eddi.``.
+
+Every tool that is made of the metamodel keeps such maps when it reads and writes a file; elements,
+attributes and comments of ours it would refuse or drop. ``docs/reference/eddi.md`` describes the
+keys.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.eddi_xml.parsing import select
+from eddi_scaffold.eddi_xml.vocabulary import Spelling
+
+if TYPE_CHECKING:
+    from eddi_scaffold.eddi_xml.document import EddiDocument
+    from eddi_scaffold.eddi_xml.parsing import Element
+
+PREFIX = "eddi."
+EVENTS, SAFEML, MONITORED_BY = "eddi.events", "eddi.safeml", "eddi.monitored_by"
+KEYS = (EVENTS, SAFEML, MONITORED_BY)
+MODEL = "model"
+_QUERY = 'descendant-or-self::*[local-name()="keyValueMaps"][starts-with(@key, "eddi.")]'
+_VALUES = Spelling("values")
+_MOST_VALUES = 1000
+_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_-]|\.(?!\.)){0,99}")
+
+
+@dataclass(frozen=True)
+class Value:
+    """One entry of a map: a tag, a text, and where it stands."""
+
+    tag: str
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class ExtensionMap:
+    """One map of ours.
+
+    Attributes:
+        key: one of ``KEYS``, or an unknown one.
+        element: the map itself.
+        owner: the element that it stands on.
+        place: of the map.
+        values: in the order of the file.
+    """
+
+    key: str
+    element: Element
+    owner: Element
+    place: Place
+    values: tuple[Value, ...]
+
+    @cached_property
+    def model(self) -> str | None:
+        """The name of the model that the map describes, ``None`` where it is not usable."""
+        named = self.of(MODEL)
+        return named[0].text if len(named) == 1 and _NAME.fullmatch(named[0].text) else None
+
+    def of(self, *tags: str) -> list[Value]:
+        """Return the values with one of some tags."""
+        return [one for one in self.values if one.tag in tags]
+
+
+def extension_maps(document: EddiDocument, *keys: str) -> Iterator[ExtensionMap]:
+    """Yield the maps of ours, in document order; of some keys only."""
+    for root in document.roots:
+        for element in select(root, _QUERY):
+            key, owner = str(element.get("key")), element.getparent()
+            if owner is not None and (not keys or key in keys):
+                values = document.children(element, _VALUES)[: _MOST_VALUES + 1]
+                found = tuple(
+                    Value(one.get("tag") or "", one.get("value") or "", document.place(one))
+                    for one in values
+                )
+                yield ExtensionMap(key, element, owner, document.place(element), found)
+
+
+def check_maps(document: EddiDocument) -> list[Problem]:
+    """Check what does not depend on the kind of a model: keys, names and sizes (X030, X031)."""
+    problems: list[Problem] = []
+    first: dict[str, Place] = {}
+    for one in extension_maps(document):
+        if one.key not in KEYS:
+            hint = did_you_mean(one.key, KEYS) or f"keys: {', '.join(KEYS)}"
+            problems.append(error("X031", f"the key {one.key!r} is not known", one.place, hint))
+            continue
+        if len(one.values) > _MOST_VALUES:
+            message = f"{one.key} has more than {_MOST_VALUES} values"
+            problems.append(error("X003", message, one.place, "split it"))
+        if one.key != MONITORED_BY:
+            problems += _check_name(one, first)
+    return problems
+
+
+def _check_name(one: ExtensionMap, first: dict[str, Place]) -> Iterator[Problem]:
+    named = one.of(MODEL)
+    if one.model is None:
+        message = f"{one.key} needs one `model`, a name of letters, digits, '_', '-' and '.'"
+        place = named[-1].place if named else one.place
+        hint = 'add <values tag="model" value="motor_watch"/>: it names the monitor'
+        yield error("X030", message, place, hint)
+    elif one.model in first:
+        before = first[one.model].line
+        message = f"there are two models {one.model!r}, the first in line {before}"
+        yield error("X030", message, named[0].place, "give each a name of its own")
+    else:
+        first[one.model] = named[0].place
+
+
+def unknown_tags(one: ExtensionMap, known: Sequence[str], once: Sequence[str]) -> Iterator[Problem]:
+    """Yield an error (X031) for each tag that a map may not have, or has once too often.
+
+    Args:
+        one: the map.
+        known: tags that it may have.
+        once: those of them that may stand once.
+    """
+    seen: set[str] = set()
+    for value in one.values:
+        if value.tag not in known:
+            hint = did_you_mean(value.tag, known) or f"tags: {', '.join(known)}"
+            message = f"{one.key} has no tag {value.tag!r}"
+            yield error("X031", message, value.place, hint)
+        elif value.tag in once and value.tag in seen and value.tag != MODEL:
+            yield error("X031", f"{value.tag!r} stands twice", value.place, "remove one of them")
+        seen.add(value.tag)

@@ -1,0 +1,177 @@
+"""The Bayesian network as data: nodes with states, parents and conditional probability tables.
+
+One order everywhere: a table is flat, in C order of shape (states of the first parent, ..., states
+of the last parent, own states): the first parent varies slowest, the node's own state fastest.
+Source: SESAME D7.2 section 3.2; Pearl, "Probabilistic Reasoning in Intelligent Systems" (1988).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
+
+from eddi_scaffold.common.identifiers import free_name
+from eddi_scaffold.common.problems import Place
+
+
+@dataclass(frozen=True)
+class Node:
+    """One random variable.
+
+    Attributes:
+        id: its name, unique in the network.
+        title: what people call it (GeNIe's name); the id where there is none.
+        states: names, in order; a node of one state is certain.
+        parents: ids, in the order of the table.
+        table: P(own state | states of the parents), each row sums to 1.
+        target: the file marks it as a node of interest.
+    """
+
+    id: str
+    title: str
+    states: tuple[str, ...]
+    parents: tuple[str, ...]
+    table: tuple[float, ...]
+    target: bool = False
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Network:
+    """A checked network: acyclic, complete, every row sums to 1.
+
+    Attributes:
+        nodes: in the order of the file.
+        known: nodes that the file expects to be known, each with the event that tells, or None.
+    """
+
+    name: str
+    nodes: tuple[Node, ...]
+    known: tuple[tuple[str, str | None], ...] = field(default=(), kw_only=True)
+    place: Place = field(default=Place(), compare=False)
+
+    def node(self, name: str) -> Node:
+        """Return a node by id."""
+        return next(node for node in self.nodes if node.id == name)
+
+    def names(self) -> list[str]:
+        """Return the ids in the order of the file."""
+        return [node.id for node in self.nodes]
+
+    def children(self) -> dict[str, list[str]]:
+        """Return node -> nodes that it is a parent of."""
+        found: dict[str, list[str]] = {node.id: [] for node in self.nodes}
+        for node in self.nodes:
+            for parent in node.parents:
+                found[parent].append(node.id)
+        return found
+
+    def ancestors(self, names: Iterable[str]) -> set[str]:
+        """Return the nodes with everything above them."""
+        parents = {node.id: node.parents for node in self.nodes}
+        found: set[str] = set()
+        waiting = list(names)
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                waiting += parents[name]
+        return found
+
+    def in_order(self) -> list[Node]:
+        """Return the nodes, parents first; the order of the file wherever it allows that."""
+        at = {node.id: k for k, node in enumerate(self.nodes)}
+        missing = [len(node.parents) for node in self.nodes]
+        ready = [k for k, count in enumerate(missing) if not count]
+        children = self.children()
+        found: list[Node] = []
+        while ready:
+            found.append(self.nodes[heappop(ready)])
+            for child in children[found[-1].id]:
+                missing[at[child]] -= 1
+                if not missing[at[child]]:
+                    heappush(ready, at[child])
+        return found
+
+
+@dataclass(frozen=True)
+class Named:
+    """A name and its place."""
+
+    text: str
+    place: Place
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A node as a reader found it, before any check.
+
+    Attributes:
+        id: empty when the file gives none.
+        values: texts of the numbers in the order of the table; ``None``: there are none.
+        rows: place of each row, if the reader knows it; else that of the values.
+        broken: the reader has reported what is wrong with the table.
+    """
+
+    id: str
+    title: str
+    states: tuple[Named, ...]
+    parents: tuple[Named, ...]
+    values: tuple[str, ...] | None
+    place: Place
+    values_place: Place
+    rows: tuple[Place, ...] = ()
+    target: bool = False
+    broken: bool = False
+
+
+def in_digits(number: int) -> str:
+    """Return a count for people; beyond 15 digits its order of magnitude."""
+    if number < 10**15:
+        return str(number)
+    return f"about 10^{math.floor(math.log10(number))}"
+
+
+_ASCII_ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def identifiers(names: Iterable[str]) -> list[str]:
+    """Return the part behind ``node_`` or ``outcome_`` for each name, unique, in order.
+
+    Letters of any script stay, as in SESAME D7.2; what is not allowed in an identifier becomes an
+    underscore, and who comes later to a taken name gets a number.
+    """
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        text = unicodedata.normalize("NFKC", name)
+        word = "".join(char if f"_{char}".isidentifier() else "_" for char in text) or "_"
+        found.append(free_name(word, taken))
+        taken.add(found[-1])
+    return found
+
+
+def node_attributes(network: Network) -> dict[str, str]:
+    """Return node -> the part of its method's name behind ``node_``."""
+    names = network.names()
+    return dict(zip(names, identifiers(names), strict=True))
+
+
+def xdsl_ids(names: Iterable[str]) -> dict[str, str]:
+    """Return name -> id of XDSL: ASCII letters, digits and underscores, no digit in front."""
+    taken: set[str] = set()
+    found: dict[str, str] = {}
+    for name in names:
+        if _ASCII_ID.fullmatch(name) and name not in taken:
+            found[name] = name
+            taken.add(name)
+    for name in names:
+        if name not in found:
+            word = re.sub(r"[^A-Za-z0-9_]", "_", unicodedata.normalize("NFKC", name)) or "_"
+            found[name] = free_name(f"n_{word}" if word[0].isdigit() else word, taken)
+            taken.add(found[name])
+    return found

@@ -1,1 +1,0 @@
-"""Checks of ConSerts: what is wrong with a model by itself."""

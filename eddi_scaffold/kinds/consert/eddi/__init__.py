@@ -1,1 +1,0 @@
-"""ConSerts from EDDI XML."""

@@ -1,0 +1,328 @@
+"""Dimensions of ConSerts in EDDI XML: the forms of SESAME, and English in the older dialect."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.kinds.consert.english_dimensions import read_english
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    Dimension,
+    NumericDimension,
+    Range,
+    Subset,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from eddi_scaffold.eddi_xml.findings import EddiFindings
+    from eddi_scaffold.eddi_xml.parsing import Element
+    from eddi_scaffold.eddi_xml.vocabulary import Spelling
+
+
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
+_SUBSETS: dict[str, Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
+_RELATION_TYPES: dict[str, Subset] = {
+    "DinG": "Demand",
+    "GinD": "Guarantee",
+    "Equals": "Equals",
+    "IntersectionNotEmpty": "Intersection",
+}
+_BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+
+
+def sesame_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
+    """Read the dimensions of a guarantee, demand or evidence, those of all its properties."""
+    document = findings.document
+    dimensions: dict[Element, Dimension | None] = {}
+    for part in document.children(element, names.PROPERTY):
+        findings.targets(part, names.PROPERTY_TYPE, names.PROPERTY_TYPES)
+        for child in document.children(part, names.DIMENSION):
+            dimensions[child] = _dimension(child, findings)
+    related = _relations(element, dimensions, findings)
+    is_demand = names.DEMANDS.accepts(document.feature(element))
+    return tuple(
+        _with_relation(child, dimension, related.get(child), findings) if is_demand else dimension
+        for child, dimension in dimensions.items()
+        if dimension is not None
+    )
+
+
+def english_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimension, ...]:
+    """Read the refinements of the safety properties of a guarantee or demand."""
+    document = findings.document
+    dimensions = []
+    for part in document.children(element, names.SAFETY_PROPERTIES):
+        for refinement in document.children(part, names.REFINEMENT):
+            text = document.attribute(refinement, names.NAME)
+            if text is None or not text.strip():
+                findings.error(
+                    "X010", "a refinement has no name to read a property from", refinement
+                )
+            else:
+                dimensions.append(english_dimension(text, refinement, findings))
+    return tuple(dimensions)
+
+
+def english_dimension(text: str, element: Element, findings: EddiFindings) -> Dimension:
+    """Read one English text."""
+    read = read_english(text)
+    if read.remark is not None:
+        message = f'the bound in "{_shortened(text)}" cannot be read: {read.remark}'
+        hint = f'it is taken as the binary property "{read.dimension.type}"'
+        findings.warning("X014", message, element, hint)
+    return read.dimension
+
+
+def read_boolean(value: str, what: str, element: Element, findings: EddiFindings) -> bool | None:
+    """Read ``true`` or ``false``; ``None`` and X011 for anything else."""
+    found = _BOOLEANS.get(value.strip().casefold())
+    if found is None:
+        findings.error("X011", f'{what} is "{_shortened(value)}", allowed: true, false', element)
+    return found
+
+
+def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
+    document = findings.document
+    stated = document.class_of(element)
+    allowed = "BinaryDimension, CategoricalDimension, NumericDimension, NumericRangeDimension"
+    if not stated.name:
+        findings.error("X010", f"a dimension has no xsi:type; allowed: {allowed}", element)
+        return None
+    shape = stated.name.removesuffix("dimension").removesuffix("range")
+    if shape not in ("binary", "categorical", "numeric"):
+        findings.error("X011", f'xsi:type is "{stated.printed}", allowed: {allowed}', element)
+        return None
+    kind = _dimension_type(element, findings)
+    if kind is None:
+        return None
+    place = document.place(element)
+    if shape == "binary":
+        return BinaryDimension(kind, place, _binary_value(element, kind, findings))
+    parts = document.children(element, names.COVERED)
+    is_public = _is_public(element, findings)
+    subset = _subset(element, findings, is_public=is_public)
+    if shape == "categorical":
+        category = names.NAME if is_public else names.VALUE
+        values = [_mandatory(part, category, findings) for part in parts]
+        return CategoricalDimension(kind, tuple(v for v in values if v is not None), subset, place)
+    if is_public:
+        ranges = [_public_range(element, findings)]
+    else:
+        ranges = [_range(part, findings) for part in parts]
+    covered = tuple(r for r in ranges if r is not None)
+    unit = _unit(element, kind, findings, is_public=is_public)
+    return NumericDimension(kind, covered, subset, unit, place)
+
+
+def _is_public(element: Element, findings: EddiFindings) -> bool:
+    """Tell whether a dimension is written with names of the public metamodel of SESAME.
+
+    X011 where one thing is written in both ways.
+    """
+    document = findings.document
+    covered = document.children(element, names.COVERED)
+    ends = [*document.children(element, names.START), *document.children(element, names.END)]
+    for part in covered:
+        if document.attribute_name(part, names.NAME) and document.attribute_name(part, names.VALUE):
+            message = '"name" and "value" say the same thing; write one of them'
+            findings.error("X011", message, part)
+    if ends and covered:
+        findings.error("X011", '"start" or "end" stand beside "covered"; write one form', element)
+    if not covered:
+        return bool(ends) or document.class_of(element).name.endswith("rangedimension")
+    return bool(ends) or any(document.attribute_name(one, names.NAME) for one in covered)
+
+
+def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
+    document = findings.document
+    child = findings.only(element, names.DIMENSION_TYPE)
+    public = findings.only(element, names.PUBLIC_TYPE)
+    if child is not None and public is not None:
+        message = '"type" and "dimensionType" say the same thing; write one of them'
+        findings.error("X011", message, element)
+    child = public if child is None else child
+    kind = document.attribute(child, names.NAME) if child is not None else None
+    kind = kind or document.attribute(element, names.PUBLIC_TYPE)
+    if not kind:
+        message = "a dimension has no type: a child type with a name is missing"
+        findings.error("X010", message, element)
+    return kind or None
+
+
+def _binary_value(element: Element, kind: str, findings: EddiFindings) -> bool:
+    text = findings.document.attribute(element, names.VALUE)
+    if text is not None:
+        return read_boolean(text, "value", element, findings) is not False
+    if not findings.document.children(element, names.PUBLIC_TYPE):
+        return True
+    message = f'value of "{kind}" is absent, taken as false (or it was never set)'
+    findings.warning("X014", message, element, 'write value="true" if it is good when it holds')
+    return False
+
+
+def _subset(element: Element, findings: EddiFindings, *, is_public: bool) -> Subset | None:
+    document = findings.document
+    text = document.attribute(element, names.SUBSET)
+    if text is not None:
+        subset = _SUBSETS.get(text.strip().casefold())
+        if subset is None:
+            message = f'subset is "{_shortened(text)}", allowed: Guarantee, Demand'
+            findings.error("X011", message, element)
+        return subset or "Guarantee"
+    if document.children(element, names.PUBLIC_TYPE) or is_public:
+        return None  # the demand says it, by a relation
+    message = "subset is absent, taken as Guarantee (a demand asks at most)"
+    findings.warning("X014", message, element, 'write subset="Guarantee" or subset="Demand"')
+    return "Guarantee"
+
+
+def _relations(
+    owner: Element, dimensions: Mapping[Element, Dimension | None], findings: EddiFindings
+) -> dict[Element, Subset]:
+    """Return what the relation elements of a demand say of its dimensions."""
+    document = findings.document
+    related: dict[Element, Subset] = {}
+    for part in document.children(owner, names.RELATIONS):
+        text = document.attribute(part, names.RELATION_TYPE)
+        allowed = ", ".join(_RELATION_TYPES)
+        # EMF omits the first literal of an enumeration.
+        relation = _RELATION_TYPES.get("DinG" if text is None else text.strip())
+        if relation is None:
+            message = f'dimensionRelationType is "{_shortened(text or "")}", allowed: {allowed}'
+            findings.error("X011", message, part)
+            continue
+        ends, problems, present = document.targets(part, names.DIMENSION)
+        findings.add(*problems)
+        if not present and len(dimensions) == 1:
+            ends = list(dimensions)
+        elif not present:
+            findings.error("X010", 'the attribute "dimension" of a relation is missing', part)
+        for end in ends:
+            if end in dimensions:
+                related[end] = relation
+            else:
+                message = f"dimension points at {document.describe(end)}, expected one of "
+                message += "the same demand"
+                findings.error("X009", message, part)
+    return related
+
+
+def _with_relation(
+    element: Element, dimension: Dimension, relation: Subset | None, findings: EddiFindings
+) -> Dimension:
+    """Return a dimension of a demand with its relation to what fulfils it."""
+    if isinstance(dimension, BinaryDimension):
+        return dimension
+    if dimension.subset is not None and relation is not None:
+        message = '"subset" and a relation say the same thing; write one of them'
+        findings.error("X011", message, element)
+    if dimension.subset is not None:
+        return dimension
+    if relation is None:
+        message = f'no relation is given for "{dimension.type}", taken as Equals'
+        hint = "write demandGuaranteeDimensionRelations with a dimensionRelationType"
+        findings.warning("X014", message, element, hint)
+    return replace(dimension, subset=relation or "Equals")
+
+
+def _unit(element: Element, kind: str, findings: EddiFindings, *, is_public: bool) -> str | None:
+    document = findings.document
+    text = document.attribute(element, names.PUBLIC_UNIT)
+    text = document.attribute(element, names.UNIT) if text is None else text
+    if text is None and is_public:
+        message = f'unitOfMeasurement of "{kind}" is absent, taken as m/s (or it was never set)'
+        hint = f"set it; known are {', '.join(names.PUBLIC_UNITS)}"
+        findings.warning("X014", message, element, hint)
+        return names.PUBLIC_UNITS["MPS"]
+    return None if text is None else names.PUBLIC_UNITS.get(text.strip(), text)
+
+
+def _public_range(element: Element, findings: EddiFindings) -> Range | None:
+    errors = findings.errors
+    start, is_start_inside = _boundary(element, names.START, "-inf", findings)
+    end, is_end_inside = _boundary(element, names.END, "inf", findings)
+    if findings.errors > errors:
+        return None
+    place = findings.document.place(element)
+    return Range(start, end, is_end_inside, place, is_start_inside)
+
+
+def _boundary(
+    element: Element, spelling: Spelling, unbounded: str, findings: EddiFindings
+) -> tuple[Bound, bool]:
+    """Return one end of a range and whether it lies inside; absent, there is no bound."""
+    document = findings.document
+    nothing = Bound(unbounded, float(unbounded)), True
+    part = findings.only(element, spelling)
+    if part is None:
+        return nothing
+    value = findings.only(part, names.VALUE)
+    text = document.attribute(part, names.INCLUSIVE)
+    is_inside = text is not None and read_boolean(text, "inclusive", part, findings)
+    if value is None:
+        message = f"a child value of {spelling.name} is missing: nothing was said"
+        findings.error("X010", message, part)
+        return nothing
+    epsilon = document.attribute(value, names.EPSILON)
+    if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
+        message = f'epsilon "{_shortened(epsilon)}" is not used: bounds are exact'
+        findings.count("warning", "X014", message, value)
+    if document.attribute(value, names.NUMBER_TYPE) is not None:
+        findings.count("info", "X014", "numberType is not used", value)
+    number = document.attribute(value, names.NUMBER)
+    bound = Bound("0", 0.0) if number is None else _number(number, names.NUMBER, value, findings)
+    return bound or nothing[0], bool(is_inside)
+
+
+def _range(part: Element, findings: EddiFindings) -> Range | None:
+    start = _bound(part, names.START, findings)
+    end = _bound(part, names.END, findings)
+    text = findings.document.attribute(part, names.INCLUSIVE)
+    inclusive: bool | None = True
+    if text is not None:
+        inclusive = read_boolean(text, "inclusive", part, findings)
+    else:
+        message = "inclusive is absent, taken as true (the end lies inside)"
+        findings.warning("X014", message, part, 'write inclusive="true" or inclusive="false"')
+    if start is None or end is None or inclusive is None:
+        return None
+    return Range(start, end, inclusive, findings.document.place(part))
+
+
+def _bound(part: Element, spelling: Spelling, findings: EddiFindings) -> Bound | None:
+    text = _mandatory(part, spelling, findings)
+    return None if text is None else _number(text, spelling, part, findings)
+
+
+def _number(text: str, spelling: Spelling, part: Element, findings: EddiFindings) -> Bound | None:
+    text = text.strip()
+    infinite = _INFINITE.fullmatch(text)
+    if infinite:
+        sign = infinite.group(1).replace("+", "")
+        return Bound(f"{sign}inf", float(f"{sign}inf"))
+    if _NUMBER.fullmatch(text) and not math.isinf(float(text)):
+        return Bound(text, float(text))
+    message = f'{spelling.name} is "{_shortened(text)}", allowed: a decimal number, inf, -inf'
+    findings.error("X011", message, part)
+    return None
+
+
+def _mandatory(element: Element, spelling: Spelling, findings: EddiFindings) -> str | None:
+    value = findings.document.attribute(element, spelling)
+    if value is None:
+        owner = findings.document.describe(element)
+        findings.error("X010", f'the attribute "{spelling.name}" of {owner} is missing', element)
+    return value
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 60 else f"{text[:57]}..."

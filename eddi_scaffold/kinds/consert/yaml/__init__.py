@@ -1,1 +1,0 @@
-"""ConSerts from and to YAML."""

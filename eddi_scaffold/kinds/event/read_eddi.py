@@ -1,0 +1,137 @@
+"""Events in an EDDI, read and written: one declaration for each value of a map ``eddi.events``.
+
+The declarations become the lines of one text, which is read like a file of events; what is wrong
+in it is reported at the value, with the column in its text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.problems import EddiError, Problem, error, has_errors
+from eddi_scaffold.conditions.findings import TextFindings, in_text
+from eddi_scaffold.conditions.tokens import comments_of, tokens_of
+from eddi_scaffold.eddi_xml.extensions import (
+    EVENTS,
+    MODEL,
+    ExtensionMap,
+    extension_maps,
+    unknown_tags,
+)
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds.event.events import DEFAULT_RATE, NAME, EventModel, Placed, read_text
+
+if TYPE_CHECKING:
+    from eddi_scaffold.eddi_xml.document import EddiDocument
+
+
+DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
+COMMENT, FREQUENCY = "comment", "frequency"
+_LIMIT = 64 * 1024
+_WORD = re.compile(r"(?:ENUM|VAR|CONST|EVENT)\b", re.IGNORECASE)
+_TEXT = re.compile(r'"[^"]*"')
+
+
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+    """Read the events of an EDDI."""
+    models: list[EventModel] = []
+    problems: list[Problem] = []
+    for one in extension_maps(document, EVENTS):
+        found = [*unknown_tags(one, (MODEL, FREQUENCY, *DECLARATIONS, COMMENT), (FREQUENCY,))]
+        found += _wrong_values(one)
+        if one.model is None or has_errors(found):  # a missing name is told once for all kinds
+            problems += found
+            continue
+        model, more = _model(one, one.model, source)
+        problems += [*found, *more]
+        models += [model] if model is not None else []
+    return Reading(tuple(models), tuple(problems))
+
+
+def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
+    """Yield what is wrong with values before they are one text (X032)."""
+    for value in one.of(*DECLARATIONS, COMMENT):
+        if re.search(r"[\r\n]", value.text):
+            message, hint = f"{value.tag}: a line end in a value", "write one line for each value"
+            yield error("X032", message, value.place, hint)
+        elif value.tag == COMMENT:
+            continue
+        elif "//" in _TEXT.sub("", value.text):
+            hint = f'put it into <values tag="{COMMENT}" .../>'
+            yield error("X032", f"{value.tag}: a comment in a declaration", value.place, hint)
+        elif _WORD.match(value.text):
+            message = f"{value.tag}: the declaration begins with {value.text.split()[0]}"
+            hint = "leave out that word: it is the tag"
+            yield error("X032", message, value.place, hint)
+    for value in one.of(FREQUENCY):
+        if _rate(value.text) is None:
+            message = f"frequency: {value.text!r} is not a number of steps per second"
+            yield error("X031", message, value.place, "from 1e-6 to 1e9")
+    if sum(len(value.text) for value in one.values) > _LIMIT:
+        yield error("X003", f"{EVENTS} has more than {_LIMIT} characters", one.place, "split it")
+
+
+def _model(one: ExtensionMap, name: str, source: Source) -> tuple[EventModel | None, list[Problem]]:
+    lines = one.of(*DECLARATIONS, COMMENT)
+    text = "".join(
+        f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
+        for value in lines
+    )
+    rate = next((_rate(value.text) for value in one.of(FREQUENCY)), None)
+    places = tuple((value.tag, value.place) for value in lines)
+    part = PartSource(source, text.encode())
+    data, problems = read_text(text, source.name, Placed(places, one.place), rate)
+    if data is None:
+        return None, problems
+    return EventModel(NAME, name, data, part, one.place), problems
+
+
+def _rate(text: str) -> float | None:
+    try:
+        rate = float(text)
+    except ValueError:
+        return None
+    return rate if 1e-6 <= rate <= 1e9 else None
+
+
+def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
+    """Return the map that holds the events of a file.
+
+    Raises:
+        EddiError: a comment is not on a line of its own, or there is a bare expression (X032).
+    """
+    text = model.data.text
+    tokens = [one for one in tokens_of(text, TextFindings(text, in_text(text))) if one.text != ";"]
+    begins = [
+        k
+        for k, one in enumerate(tokens)
+        if one.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
+    ]
+    if not begins or begins[0] != 0:
+        hint = "write EVENT Name (EVIDENCE) := the condition"
+        raise EddiError(error("X032", "an EDDI holds declarations only", model.place, hint))
+    found: list[tuple[int, str, str]] = []
+    for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
+        start, end = tokens[first].end, tokens[last - 1].end
+        words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
+        found.append((tokens[first].start, tokens[first].word, words))
+        _refuse_comments(model, text, tokens[first].start, end)
+    for start, end in comments_of(text):
+        found.append((start, COMMENT, text[start + 2 : end].strip()))
+    rate = [(FREQUENCY, f"{model.data.rate:g}")] if model.data.rate != DEFAULT_RATE else []
+    declared = [(tag, value) for _, tag, value in sorted(found)]
+    return EVENTS, [(MODEL, model.name), *rate, *declared]
+
+
+def _refuse_comments(model: EventModel, text: str, start: int, end: int) -> None:
+    """Refuse a comment inside of a declaration, or behind it on its line."""
+    line = text.find("\n", end)
+    for at, _ in comments_of(text):
+        if start < at < (line if line >= 0 else len(text)):
+            place = in_text(text, model.source.name)(at)
+            hint = "put it on a line of its own"
+            message = "a comment behind a declaration has no place in an EDDI"
+            raise EddiError(error("X032", message, place, hint))

@@ -1,0 +1,233 @@
+"""A fault tree as an Open-PSA file, as far as that format has what the tree consists of."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from eddi_scaffold.common.escaping import xml_text
+from eddi_scaffold.common.identifiers import free_name
+from eddi_scaffold.kinds.reliability.system import (
+    DYNAMIC,
+    BasicEvent,
+    Chain,
+    ComponentModel,
+    FaultTree,
+    Gate,
+    Law,
+    ReliabilitySystem,
+    order,
+)
+from eddi_scaffold.yaml_text.nodes import dump_plain
+
+_UNITS = {"exponential": "hours-1", "weibull": "hours"}
+"""Law -> unit of its first number, which is a parameter because only these have units."""
+
+
+def to_mef(system: ReliabilitySystem) -> str | None:
+    """Return the text; ``None`` for what the format does not have.
+
+    That is everything but a tree of gates without an order, of events with a rate, a Weibull
+    distribution or a probability that are new at the start.
+    """
+    tree = system.components[system.top].content
+    if not isinstance(tree, FaultTree) or not _fits(tree):
+        return None
+    return "".join(f"{line}\n" for line in _lines(system.top, tree))
+
+
+def _fits(tree: FaultTree) -> bool:
+    laws = [event.law for event in tree.events.values()]
+    ages = [tree.age, *(event.age for event in tree.events.values())]
+    return (
+        all(law is not None and not law.model for law in laws)
+        and not any(ages)
+        and all(_is_static(gate) for gate in tree.gates.values())
+    )
+
+
+def _is_static(gate: Gate) -> bool:
+    repeated = len(set(gate.of)) < len(gate.of) and gate.type not in ("AND", "OR")
+    return gate.type not in DYNAMIC and not repeated
+
+
+def _lines(name: str, tree: FaultTree) -> Iterator[str]:
+    names: dict[str, str] = {}
+    taken: set[str] = set()
+    for key in order(tree.top, {key: gate.of for key, gate in tree.gates.items()})[0][::-1]:
+        names[key] = _name(key, taken)
+        taken.add(names[key])
+    yield '<?xml version="1.0" encoding="UTF-8"?>'
+    yield "<opsa-mef>"
+    yield f'  <define-fault-tree name="{_name(name, set())}">'
+    for key, own in names.items():
+        gate, event = tree.gates.get(key), tree.events.get(key)
+        if gate is not None:
+            yield f'    <define-gate name="{own}">'
+            yield from _label(gate.name, own)
+            yield f"      {_formula(gate, tree, names)}"
+            yield "    </define-gate>"
+        elif event is not None and event.law is not None:
+            yield f'    <define-basic-event name="{own}">'
+            yield from _label(event.name, own)
+            yield f"      {_law(event.law, own)}"
+            yield "    </define-basic-event>"
+    for key, own in names.items():
+        event = tree.events.get(key)
+        if event is not None and event.law is not None and event.law.kind in _UNITS:
+            yield f'    <define-parameter name="{own}" unit="{_UNITS[event.law.kind]}">'
+            yield f'      <float value="{event.law.values[0]!r}"/>'
+            yield "    </define-parameter>"
+    yield "  </define-fault-tree>"
+    yield "</opsa-mef>"
+
+
+def _name(text: str, taken: set[str]) -> str:
+    """Return an identifier of the format: ASCII letters, digits, underscores, a letter first."""
+    word = re.sub(r"[^A-Za-z0-9_]", "_", text).strip("_")
+    return free_name(word if word[:1].isalpha() else f"n{word}", taken)
+
+
+def _label(text: str, name: str) -> Iterator[str]:
+    if text != name:
+        yield f"      <label>{xml_text(text)}</label>"
+
+
+def _formula(gate: Gate, tree: FaultTree, names: dict[str, str]) -> str:
+    """Return the formula of a gate; of one input, it is that input."""
+    inputs = [
+        f'<{"gate" if key in tree.gates else "basic-event"} name="{names[key]}"/>'
+        for key in dict.fromkeys(gate.of)
+    ]
+    kind, count = gate.type.lower(), len(inputs)
+    if gate.type == "VOTE":
+        kind = {1: "or", count: "and"}.get(gate.k or 0, f'atleast min="{gate.k}"')
+    if not inputs:
+        return '<constant value="false"/>'
+    if count == 1 and kind != "not":
+        return inputs[0]
+    while kind == "xor" and len(inputs) > 2:
+        inputs[:2] = [f"<xor>{inputs[0]}{inputs[1]}</xor>"]
+    return f"<{kind}>{''.join(inputs)}</{kind.split()[0]}>"
+
+
+def _law(law: Law, name: str) -> str:
+    if law.kind == "fixed":
+        return f'<float value="{law.values[0]!r}"/>'
+    if law.kind == "exponential":
+        return f'<exponential><parameter name="{name}"/><system-mission-time/></exponential>'
+    values = f'<parameter name="{name}"/><float value="{law.values[1]!r}"/><float value="0"/>'
+    return f"<Weibull>{values}<system-mission-time/></Weibull>"
+
+
+def to_yaml(system: ReliabilitySystem) -> str:
+    """Return the text of a file that reads back as the same system."""
+    data: dict[str, Any] = {}
+    if system.mission_end:
+        data["horizon"] = "mission_end"
+        data["mission_time"] = _hours(system.horizon)
+    else:
+        data["horizon"] = _hours(system.horizon)
+    data["top"] = system.top
+    data["models"] = {name: _component(one) for name, one in system.components.items()}
+    if system.thresholds:
+        data["thresholds"] = [
+            {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
+            | ({"topic": t.topic} if t.topic else {})
+            for t in system.thresholds
+        ]
+    data["on_unknown"] = "worst_case" if system.worst_case else "inactive"
+    if system.max_gap is not None:
+        data["max_gap"] = f"{system.max_gap!r} s"
+    return dump_plain(data)
+
+
+def _hours(value: float) -> str:
+    return f"{value!r} h"
+
+
+def _per_hour(value: float) -> str:
+    return f"{value!r} 1/h"
+
+
+def _component(component: ComponentModel) -> dict[str, Any]:
+    content = component.content
+    if isinstance(content, Chain):
+        return {"type": "markov", **_chain(content)}
+    if isinstance(content, FaultTree):
+        return {"type": "fault_tree", **_tree(content)}
+    if component.type == "series":
+        return {"type": "series", "of": list(component.uses)}
+    found: dict[str, Any] = {"type": component.type}
+    for key, value in component.values.items():
+        if value is not None:
+            found[key] = _value(key, value)
+    return found
+
+
+def _value(key: str, value: Any) -> Any:
+    if key == "rates":
+        return [_per_hour(one) for one in value]
+    if key in ("rate", "failure_rate", "alpha", "beta", "degradation"):
+        return _per_hour(value)
+    if key in ("mttf_ref", "age"):
+        return _hours(value)
+    if key in ("t_ref", "t_max"):
+        return f"{value!r} degC"
+    return value
+
+
+def _chain(chain: Chain) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "states": list(chain.states),
+        "initial": list(chain.initial),
+        "fail": list(chain.fail),
+        "arcs": [{"from": a.source, "to": a.target, "rate": _per_hour(a.rate)} for a in chain.arcs],
+    }
+    if chain.observe:
+        found["observe"] = {
+            o.state: f"not {o.input}" if o.negated else o.input for o in chain.observe
+        }
+    if chain.repair:
+        found["repair"] = True
+    if chain.age:
+        found["age"] = _hours(chain.age)
+    return found
+
+
+def _tree(tree: FaultTree) -> dict[str, Any]:
+    gates: dict[str, Any] = {}
+    for name, gate in tree.gates.items():
+        gates[name] = {"type": gate.type, "of": list(gate.of)}
+        if gate.k is not None:
+            gates[name]["k"] = gate.k
+    found: dict[str, Any] = {"top": tree.top, "gates": gates}
+    found["events"] = {name: _event(event) for name, event in tree.events.items()}
+    if tree.repair:
+        found["repair"] = True
+    if tree.node_limit:
+        found["node_limit"] = tree.node_limit
+    if tree.approximate:
+        found["approximation"] = "cut_sets"
+    if tree.age:
+        found["age"] = _hours(tree.age)
+    return found
+
+
+def _event(event: BasicEvent) -> dict[str, Any]:
+    law = event.law
+    found: dict[str, Any] = {}
+    if law is not None:
+        if law.kind == "exponential":
+            found["rate"] = _per_hour(law.values[0])
+        elif law.kind == "weibull":
+            found["scale"], found["shape"] = _hours(law.values[0]), law.values[1]
+        elif law.kind == "fixed":
+            found["p"] = law.values[0]
+        else:
+            found["model"] = law.model
+    found["observed"] = event.observed
+    if event.age is not None:
+        found["age"] = _hours(event.age)
+    return found

@@ -1,0 +1,115 @@
+"""SafeML settings in an EDDI: a map ``eddi.safeml`` with the keys of a SafeML configuration.
+
+The values become the lines of such a configuration, which is read as one.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.eddi_xml.extensions import (
+    MODEL,
+    SAFEML,
+    ExtensionMap,
+    extension_maps,
+    unknown_tags,
+)
+from eddi_scaffold.eddi_xml.parsing import select
+from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds.safeml.reference import read_named
+from eddi_scaffold.kinds.safeml.runtime_model import export
+from eddi_scaffold.kinds.safeml.scope import NAME, SafeMLFile, SafeMLModel, SafeMLSettings
+from eddi_scaffold.kinds.safeml.settings import KEYS, read_settings
+
+if TYPE_CHECKING:
+    from eddi_scaffold.eddi_xml.document import EddiDocument
+
+
+DIGEST, ARTIFACT = "reference_sample_sha256", "artifact"
+_REFERENCE = "reference_sample_file"
+_PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
+
+
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+    """Read the SafeML monitors of an EDDI, and the references that they name."""
+    models: list[SafeMLModel] = []
+    problems: list[Problem] = []
+    for one in extension_maps(document, SAFEML):
+        known = (MODEL, *KEYS, DIGEST, ARTIFACT)
+        found = [*unknown_tags(one, known, known), *_artifacts(one, document)]
+        if one.model is None or has_errors(found):
+            problems += found
+            continue
+        text, settings, more = _settings(one, source.name)
+        found += more
+        if settings is not None:
+            reference, more = read_named(source.name, settings)
+            found += [_at(problem, settings) for problem in more]
+            if reference is not None:
+                found += _digest(one, reference.source)
+                if not has_errors(found):
+                    part = PartSource(source, text.encode())
+                    file = SafeMLFile(settings, reference)
+                    models.append(SafeMLModel(NAME, one.model, file, part, one.place))
+        problems += found
+    return Reading(tuple(models), tuple(problems))
+
+
+def in_map(model: SafeMLModel) -> tuple[str, Sequence[tuple[str, str]]]:
+    """Return the map that holds the settings, with the digest of their reference."""
+    file = model.data
+    (text, _) = export(file, model.name, file.settings.reference_sample_file).values()
+    pairs = [line.partition(": ")[::2] for line in text.splitlines()]
+    values = [(key, value) for key, value in pairs if value != "null"]
+    return SAFEML, [(MODEL, model.name), *values, (DIGEST, file.reference.source.sha256)]
+
+
+def _settings(one: ExtensionMap, name: str) -> tuple[str, SafeMLSettings | None, list[Problem]]:
+    """Read the values as a configuration whose lines they are."""
+    values = one.of(*KEYS)
+    text = "".join(f"{value.tag}: {_scalar(value.text)}\n" for value in values)
+    settings, problems = read_settings(Source(name, (text or "{}").encode()))
+
+    def placed(place: Place) -> Place:
+        inside = 0 < (place.line or 0) <= len(values) and place != Place(name, 1, 1)
+        return values[(place.line or 1) - 1].place if inside else one.place
+
+    found = [replace(problem, place=placed(problem.place), excerpt=None) for problem in problems]
+    if settings is not None:
+        places = {value.tag: value.place for value in values}
+        settings = replace(settings, places={"": one.place, **places})
+    return text, settings, found
+
+
+def _scalar(text: str) -> str:
+    """Return a value as YAML: a number or a word as it is, all else in quotes."""
+    return text if _PLAIN.fullmatch(text) else json.dumps(text)
+
+
+def _at(problem: Problem, settings: SafeMLSettings) -> Problem:
+    """Report a path that leads out of the folder, or to nothing, at the value (X034)."""
+    if problem.code != "L004" or problem.place != settings.place(_REFERENCE):
+        return problem
+    return replace(problem, code="X034")
+
+
+def _digest(one: ExtensionMap, reference: Source) -> Iterator[Problem]:
+    for value in one.of(DIGEST):
+        if value.text.lower() != reference.sha256:
+            message = f"the reference has sha256 {reference.sha256}, not {value.text!r}"
+            hint = "it was changed since; correct the digest if that is right"
+            yield error("X034", message, value.place, hint)
+
+
+def _artifacts(one: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
+    for value in one.of(ARTIFACT):
+        gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
+        if value.text not in gids:
+            message = f"no element has gid {value.text!r}"
+            yield warning("X035", message, value.place, did_you_mean(value.text, gids))

@@ -1,0 +1,126 @@
+"""Write models that are no part of the metamodel into an EDDI."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import free_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.compiling.compilation import program_of
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.eddi_xml.insertion import with_map
+from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.loading import checked_models, read_models, select_models, unfit
+from eddi_scaffold.targets import Target, printed
+from eddi_scaffold.targets.monitor_model import named
+
+
+def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
+    """Return the bytes of an EDDI with models on one of its elements.
+
+    Args:
+        source: the EDDI.
+        at: fragment path of the element.
+        models: events, or SafeML settings.
+
+    Raises:
+        EddiError: a model is of another kind (X036), there is no such element (X008), or the EDDI
+            has errors, now or with the models.
+    """
+    data = source.data
+    for model in models:
+        in_map = kinds()[model.kind].functions.in_map
+        if in_map is None:
+            title = kinds()[model.kind].title
+            message = f"a model of this kind ({title}) is not written into an EDDI"
+            hint = "events and SafeML settings are; a ConSert has elements of its own"
+            raise EddiError(error("X036", message, model.place, hint))
+        document, problems = read_document(Source(source.name, data))
+        if document is None:
+            raise EddiError(*problems)
+        element = document.at(at)
+        if element is None:
+            message = f"--at {at!r} points at nothing"
+            hint = "`show --json` has the paths of packages and models"
+            raise EddiError(error("X008", message, Place(source.name), hint))
+        key, values = in_map(model)
+        data = with_map(data, document, element, key, values)
+    reading = read_models(Source(source.name, data))
+    if has_errors(reading.problems):
+        raise EddiError(*reading.problems)
+    return data
+
+
+def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, str]:
+    """Return file name -> text of a standalone monitor of a ConSert in C99.
+
+    Args:
+        monitor: what is monitored.
+        target: the language.
+        name: what files and functions begin with; any text.
+
+    Raises:
+        EddiError: there is none of this kind, or not in this language (E026).
+    """
+    model, kind = monitor.model, monitor.kind
+    program = program_of(parse_model(monitor.model_json)) if target == "c" else None
+    if program is None:
+        message = f"there is no standalone monitor in {target} of the {kind.title} {model.name!r}"
+        hint = "--target c takes ConSerts and files of events; generate makes packages of all kinds"
+        raise EddiError(error("E026", message, model.place, hint))
+    source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
+    return printed(named(program, name, source, kind=kind.name), target)
+
+
+def without_limits(monitor: BoundMonitor) -> list[Problem]:
+    """Report the inputs of a model without a configuration: no value of theirs gets old (K017)."""
+    names = [binding.model.id for binding in monitor.inputs if binding.max_age is None]
+    if monitor.config is not None or not names:
+        return []
+    message = f"{', '.join(names)}: no max_age, so a value stays as it was if its source dies"
+    hint = "give the configuration with the `max_age` of each input: -c CONFIG"
+    return [warning("K017", message, monitor.model.place, hint)]
+
+
+def pictures(
+    path: Path, name: str | None, default_guarantees: Sequence[str], *, single: bool
+) -> tuple[dict[str, str], list[Problem]]:
+    """Return file name -> SVG of each model, and why no monitor can be made of one as it is.
+
+    Args:
+        path: the file.
+        name: which model, ``None`` for all.
+        default_guarantees: marks of the command line.
+        single: only one picture is asked for.
+
+    Raises:
+        EddiError: the file cannot be used, no model in it can be drawn (G018), or one picture is
+            asked for and there are several models (G019).
+    """
+    every = checked_models(path, default_guarantees).models
+    models = select_models(every, name) if name is not None else every
+    found: dict[str, str] = {}
+    stems: set[str] = set()
+    for model in models:
+        draw = kinds()[model.kind].functions.diagram
+        if draw is not None:
+            plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
+            stem = free_name(plain, stems)
+            stems.add(stem)
+            found[f"{stem}.svg"] = drawn(draw(model))
+    if not found:
+        names = ", ".join(kinds()[model.kind].title for model in models)
+        message = f"there is no picture of this kind of model ({names})"
+        raise EddiError(error("G018", message, Place(str(path))))
+    if single and len(found) > 1:
+        names = ", ".join(model.name for model in models)
+        hint = "choose one with --name, or name a folder: -o FOLDER"
+        message = f"there are several models in the file: {names}"
+        raise EddiError(error("G019", message, Place(str(path)), hint))
+    return found, unfit(models)

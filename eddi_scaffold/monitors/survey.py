@@ -1,0 +1,190 @@
+"""The survey of ``show --json``: every model of a file, also of kinds without a monitor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.config.deployment_file import is_fleet
+from eddi_scaffold.config.file import ConfigFile, named_model_path
+from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.reading import sniff as is_xml
+from eddi_scaffold.eddi_xml.survey import survey
+from eddi_scaffold.eddi_xml.unread import foreign, unread
+from eddi_scaffold.kinds import JsonValue, Model, kinds
+from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
+from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
+from eddi_scaffold.mros.directory import problem_of
+from eddi_scaffold.mros.interface_definitions import noticed
+from eddi_scaffold.mros.show import failure_json, model_json, model_tree, system_json, system_tree
+from eddi_scaffold.yaml_text.nodes import read_map
+
+
+def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
+    """Return models, elements and references of a file, and what makes it unreadable."""
+    if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
+        document, problems = read_document(source)
+        if document is None:
+            return {"models": []}, problems
+        left_out = [one.as_json() for one in unread(document)]
+        return {**survey(document).as_json(), "unread": left_out}, problems
+    reading = read_models(source)
+    models = [
+        {
+            "kind": model.kind,
+            "name": model.name,
+            "path": model.place.path,
+            "line": model.place.line,
+            "counts": dict(kinds()[model.kind].functions.counts(model)),
+        }
+        for model in reading.models
+    ]
+    return {"models": models}, []
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A ``.rossystem`` or ``.ros*`` file, as both forms of ``show`` print it.
+
+    Attributes:
+        document: the JSON object.
+        tree: lines; none where the file cannot be read.
+    """
+
+    document: dict[str, JsonValue]
+    tree: tuple[str, ...]
+    problems: tuple[Problem, ...]
+
+
+def mros_of(source: Source) -> Shown | None:
+    """Return what is in a file of the MROS family; ``None`` for another file."""
+    if not is_mros(source):
+        return None
+    try:
+        if source.name.endswith(SYSTEM_SUFFIX):
+            system = read_rossystem(source.data, source.name)
+            document, tree, notices = system_json(system), system_tree(system), system.notices
+        else:
+            model = read_ros_models(source.data, source.name)
+            document, tree, notices = model_json(model), model_tree(model), model.notices
+    except MrosSyntaxError as failed:
+        problem = replace(problem_of(failed), level="error")
+        return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
+    return Shown(document, tuple(tree), tuple(noticed(notices, source.name)))
+
+
+@dataclass(frozen=True)
+class Configured:
+    """The model file to show, and the configurations that are shown with it.
+
+    Attributes:
+        source: of the models.
+        configs: those that could be read.
+        problems: of the configurations.
+    """
+
+    source: Source
+    configs: tuple[ConfigFile, ...]
+    problems: tuple[Problem, ...]
+
+
+def configured(source: Source, more: Sequence[Source]) -> Configured:
+    """Read the configurations; one that is shown by itself names its model.
+
+    Args:
+        source: what is to be shown; a configuration that names no model is returned as it is.
+        more: configurations that are given with it.
+
+    Raises:
+        EddiError: a configuration has errors, or names a file that is not there.
+    """
+    alone = is_config(source)
+    configs: list[ConfigFile] = []
+    problems: list[Problem] = []
+    for one in (source, *more) if alone else more:
+        config, found = read_config(one)
+        if config is None:
+            raise EddiError(*found)
+        configs.append(config)
+        problems += found
+    path = named_model_path(configs[0]) if alone else None
+    source = source if path is None else read_source(path)
+    return Configured(source, tuple(configs), tuple(problems))
+
+
+def only(survey: Mapping[str, Any], chosen: Sequence[Model]) -> dict[str, Any]:
+    """Return a survey with no more than the chosen models; the facts of the file stay."""
+    return {**survey, "models": [one for one in survey["models"] if is_one_of(one, chosen)]}
+
+
+def is_one_of(found: Mapping[str, Any], models: Sequence[Model]) -> bool:
+    """Is this model of a survey among ``models``?
+
+    In XML its place shows this: a fault tree becomes a model for each of its top events.
+    """
+    path: str | None = found["path"]
+    if path is None:
+        return (found["kind"], found["name"]) in {(model.kind, model.name) for model in models}
+    inside = path.rstrip("/") + "/"
+    places = [model.place.path or "" for model in models]
+    return any(place == path or place.startswith(inside) for place in places)
+
+
+def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
+    """Return the files of a folder that can be checked, and its other ones; not those below it.
+
+    Raises:
+        EddiError: there is none that can be checked (F003).
+    """
+    ours: list[Path] = []
+    others: list[Path] = []
+    for path in sorted(folder.iterdir()):
+        if path.is_file() and not path.name.startswith("."):
+            (ours if _is_ours(path) else others).append(path)
+    if not ours:
+        message = "no file in this folder is a model, a configuration or a model of a robot"
+        raise EddiError(error("F003", message, Place(str(folder))))
+    return ours, others
+
+
+def inputs_beside(configs: Sequence[Path]) -> dict[str, str]:
+    """Return the inputs of other configurations in the folders of some: id -> how to run both."""
+    found: dict[str, str] = {}
+    for folder in dict.fromkeys(one.parent for one in configs):
+        for path in sorted(folder.iterdir()):
+            if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
+                continue
+            try:
+                config, _ = read_config(read_source(path))
+            except EddiError:
+                continue
+            if config is None:
+                continue
+            advice = f"it is an input of {config.config.Model.id}: run both, with -c {path}"
+            found |= {one.id: advice for one in config.config.EDDIInputs if one.id not in found}
+    return found
+
+
+def _is_ours(path: Path) -> bool:
+    try:
+        source = read_source(path)
+    except EddiError:
+        return False
+    return (
+        is_mros(source) or any(kind.sniff(source) for kind in kinds().values()) or _may_be(source)
+    )
+
+
+def _may_be(source: Source) -> bool:
+    """Return whether a file is an EDDI, a configuration or a deployment, or too damaged to tell."""
+    if is_xml(source):
+        document, _ = read_document(source)
+        return document is None or foreign(document) is None
+    if source.name.lower().endswith(YAML_SUFFIXES):
+        return is_config(source) or is_fleet(source) or read_map(source, "K001")[0] is None
+    return False

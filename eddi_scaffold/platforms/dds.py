@@ -1,0 +1,205 @@
+"""DDS: a pip-installable package for each monitor, which joins a ROS 2 graph without ROS."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from shlex import quote
+
+from eddi_scaffold.common.escaping import toml_text
+from eddi_scaffold.common.identifiers import taken_by_python
+from eddi_scaffold.common.problems import Place, Problem, error
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.parts import PEERS, needed_by
+from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
+from eddi_scaffold.monitors.nodes import MonitorNode, node_of
+from eddi_scaffold.platforms import (
+    RUNTIME,
+    VENDORED,
+    Meeting,
+    MeetingPlace,
+    PackageAnswers,
+    Platform,
+    Templates,
+)
+from eddi_scaffold.ros_packages.messages import types_of
+
+_IDS = {
+    "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
+    "uint64": 9, "float32": 10, "float64": 11, "bool": 15, "byte": 16, "string": 17,
+}  # fmt: skip
+_NESTED, _ARRAY, _SEQUENCE = 1, 48, 144
+_EMPTY = {"structure_needs_at_least_one_member": "uint8"}
+_TYPE = re.compile(r"([\w/]+)(\[(\d*)\])?")
+_Description = dict[str, object]
+
+
+def type_hash(name: str, known: MessageFields) -> str:
+    """Return the hash of a message type.
+
+    Args:
+        name: ``package/Name``.
+        known: the fields of it and of all that it is made of.
+    """
+    parts = sorted(_parts(name, known) - {name})
+    document = {
+        "type_description": _described(name, known[name]),
+        "referenced_type_descriptions": [_described(one, known[one]) for one in parts],
+    }
+    return f"RIHS01_{hashlib.sha256(json.dumps(document).encode()).hexdigest()}"
+
+
+def _parts(name: str, known: MessageFields) -> set[str]:
+    inner = {_item(of) for of in known[name].values()} - _IDS.keys()
+    return {name}.union(*(_parts(one, known) for one in inner))
+
+
+def _item(of: str) -> str:
+    return of.partition("[")[0]
+
+
+def _described(name: str, fields: Fields) -> _Description:
+    rows = [{"name": field, "type": _type(of)} for field, of in (fields or _EMPTY).items()]
+    return {"type_name": _full(name), "fields": rows}
+
+
+def _type(of: str) -> _Description:
+    match = _TYPE.fullmatch(of)
+    assert match is not None, of
+    item, array, length = match.groups()
+    kind = 0 if array is None else _ARRAY if length else _SEQUENCE
+    return {
+        "type_id": _IDS.get(item, _NESTED) + kind,
+        "capacity": int(length or 0),
+        "string_capacity": 0,
+        "nested_type_name": "" if item in _IDS else _full(item),
+    }
+
+
+def _full(name: str) -> str:
+    return name.replace("/", "/msg/")
+
+
+def definitions_of(
+    node: MonitorNode, known: MessageFields
+) -> tuple[list[JsonValue], list[Problem]]:
+    """Return the types of a node, each after those that it is made of, and those that lack (K070).
+
+    Args:
+        node: of the monitor.
+        known: type -> its fields.
+    """
+    problems: list[Problem] = []
+    found: dict[str, Fields] = {}
+    places = {
+        one.type: node.config.place("SimulatorOutputs", index, "type")
+        for index, one in enumerate(node.config.config.SimulatorOutputs)
+    }
+    for type_ in _wanted(node):
+        for name in with_parts(type_, known):
+            if name in known:
+                found.setdefault(name, known[name])
+                continue
+            message = f"{name} is not known in ROS 2"
+            if name != type_:
+                message += f", and {type_} is made of it"
+            hint = "write its fields under MessageTypes, as the graph has them"
+            problems.append(error("K070", message, places.get(type_, Place()), hint))
+    written = [
+        {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
+        for name, fields in found.items()
+    ]
+    return [*written], problems
+
+
+def hashes_of(node: MonitorNode, known: MessageFields) -> list[JsonValue]:
+    """Return the types of the node's topics with their hashes; the unknown are refused anyway."""
+    whole = [one for one in sorted(_wanted(node)) if known.keys() >= set(with_parts(one, known))]
+    return [{"name": one, "hash": type_hash(one, known)} for one in whole]
+
+
+def _wanted(node: MonitorNode) -> dict[str, None]:
+    """Return the types of the node's topics, each once."""
+    types = [one.type for one in node.heard] + [one.type for one in node.found]
+    return dict.fromkeys([*types, *node.between_robots.values()])
+
+
+def with_parts(type_: str, known: MessageFields, above: tuple[str, ...] = ()) -> Iterator[str]:
+    """Yield the types that a type is made of, then itself; a type inside itself is not known."""
+    for of in known.get(type_, {}).values():
+        name = element(of) or of
+        if name in above:
+            yield f"{name} in itself"
+        elif not is_primitive(name):
+            yield from with_parts(name, known, (*above, type_))
+    yield type_
+
+
+_TEMPLATES = Templates("dds_monitor")
+
+
+def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
+    known = types_of(monitor)
+    monitor, errors = bound_to(monitor, known)
+    node = node_of(monitor)
+    definitions, unknown = definitions_of(node, known)
+    answers = shared_answers(monitor, _TEMPLATES.monitor)
+    answers["description_literal"] = toml_text(str(answers["description"]))
+    needs = list(monitor.kind.requirements)
+    answers["requirements"] = needs
+    answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
+    files = dict(monitor.kind.functions.data_files(monitor.model))
+    answers["package_data"] = ["model.json", *sorted(files)]
+    answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
+    answers["definitions"] = definitions
+    answers["hashes"] = hashes_of(node, known)
+    answers[RUNTIME] = VENDORED
+    needed = needed_by(compile_model(parse_model(monitor.model_json)))
+    answers["parts"] = [*needed, PEERS] if answers["fleet"] else [*needed]
+    return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
+
+
+def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
+    return []
+
+
+def _taken_names(_root: Path | None) -> Mapping[str, str]:
+    used = {name: f"it would hide {name}" for name in ("numpy", "cyclonedds", "rich_click")}
+    return {**taken_by_python(), **used}
+
+
+def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
+    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}", *monitors]
+
+
+def _steps_of_robot(
+    at: MeetingPlace, place: Path, namespace: str, monitors: Sequence[str]
+) -> Sequence[str]:
+    packages = " ".join(quote(str(place / name)) for name in monitors)
+    given = [f"-r __ns:={namespace}"] if namespace else []
+    given += [f"-p partition:={at.partition}"] if at.partition else []
+    below = " ".join([" --ros-args", *given]) if given else ""
+    return [
+        f"pip install {packages}",
+        *(f"ROS_DOMAIN_ID={at.name} {name}{below}" for name in monitors),
+    ]
+
+
+PLATFORM = Platform(
+    name="dds",
+    templates=_TEMPLATES,
+    workspace=None,
+    needs_config=True,
+    monitor=_monitor,
+    support=_support,
+    taken_names=_taken_names,
+    next_steps=_next_steps,
+    meeting=Meeting("domain", "0", _steps_of_robot, has_partitions=True),
+)

@@ -1,0 +1,64 @@
+"""Plain Python: one pip-installable package per monitor, with the runtime inside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from shlex import quote
+
+from eddi_scaffold.common.escaping import python_literal, toml_text
+from eddi_scaffold.common.identifiers import taken_by_python
+from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.compiling.compilation import compile_model
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
+from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
+
+_TEMPLATES = Templates("plain_monitor")
+
+
+def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
+    answers = shared_answers(monitor, _TEMPLATES.monitor)
+    answers["description_literal"] = toml_text(str(answers["description"]))
+    needs = list(monitor.kind.requirements)
+    answers["requirements"] = needs
+    answers["requirements_text"] = ", ".join(needs) or "no other packages"
+    answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
+    files = dict(monitor.kind.functions.data_files(monitor.model))
+    answers["package_data"] = ["model.json", *sorted(files)]
+    answers[RUNTIME] = VENDORED
+    answers["parts"] = list(needed_by(compile_model(parse_model(monitor.model_json))))
+    return PackageAnswers(monitor.package, answers, files), []
+
+
+def _sample(binding: InputBinding) -> str:
+    """Return an input with a value as the README's example sets it; None is unknown."""
+    value = binding.model.sample if binding.factor is None else None
+    return f"{binding.attribute}={python_literal(value)}"
+
+
+def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
+    return []
+
+
+def _taken_names(_root: Path | None) -> Mapping[str, str]:
+    return {**taken_by_python(), "numpy": "it would hide numpy"}
+
+
+def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
+    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}"]
+
+
+PLATFORM = Platform(
+    name="plain",
+    templates=_TEMPLATES,
+    workspace=None,
+    needs_config=False,
+    monitor=_monitor,
+    support=_support,
+    taken_names=_taken_names,
+    next_steps=_next_steps,
+)

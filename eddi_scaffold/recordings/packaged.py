@@ -1,0 +1,242 @@
+"""A generated package made ready to be played, with the lines that people wrote in it.
+
+Loading one **executes its code**, as its node does: only for a folder that a person names for it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from eddi_runtime.history import EDDIInputBase
+from eddi_runtime.plain_values import one_line
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import is_package_name
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.message_types import known_messages, python_type
+from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.kinds import Model, ModelInput, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
+from eddi_scaffold.packages.handwritten import written
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
+from eddi_scaffold.recordings.messages import Message, blank
+from eddi_scaffold.recordings.node import Frame, Received, ReplayedNode
+from eddi_scaffold.recordings.playing import Play
+
+if TYPE_CHECKING:
+    from eddi_runtime import Monitor as RuntimeMonitor
+
+_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
+"""A line of a traceback."""
+
+
+@dataclass(frozen=True)
+class Packaged:
+    """A package whose code has been loaded.
+
+    Attributes:
+        monitor: as far as the package remembers it.
+        by_hand: ids of the inputs that hand-written lines make of their messages.
+        new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
+        folder: as it was named.
+    """
+
+    monitor: BoundMonitor
+    by_hand: frozenset[str]
+    new: Callable[[], tuple[Any, Any]]
+    folder: Path
+
+    def from_messages(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
+        """Return its monitor, and a node that is given messages."""
+        eddi_monitor, eddi_input = self.new()
+        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
+
+    def from_values(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
+        """Return its monitor, and a node whose inputs are given values.
+
+        Hand-written lines get a message with the value where one has room for nothing else.
+        """
+        eddi_monitor, eddi_input = self.new()
+        if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
+            eddi_input = EDDIInputBase()
+        updates = [
+            (one.model, self._process(one, eddi_input), [one.model.id])
+            for one in self.monitor.inputs
+        ]
+
+        def processing(values: Mapping[str, Any]) -> None:
+            for model, process, requires in updates:
+                update = eddi_input.update_each if model.every_message else eddi_input.update
+                update(model.id, process, values, requires)
+            eddi_input.processed(values)
+
+        eddi_input.processing = processing
+        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
+
+    def without_lines(self) -> list[Problem]:
+        """Warn of hand-written lines that a CSV file cannot reach (I021)."""
+        left = [
+            one.model.id
+            for one in self.monitor.inputs
+            if one.model.id in self.by_hand and _message_for(one) is None
+        ]
+        if not left:
+            return []
+        message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
+        hint = "use --bag, or test them: docs/how-to/test-a-body.md"
+        return [warning("I021", f"{message}: they are not used", hint=hint)]
+
+    def raising(self, play: Play, report: Callable[[Problem], None]) -> Play:
+        """Warn of the first exception of each hand-written method when it was raised (I023)."""
+        said: set[str] = set()
+        for part, frame in play:
+            for name in sorted(part.node.raised.keys() - said):
+                said.add(name)
+                report(self._raised(name, *part.node.raised[name], frame.t))
+            yield part, frame
+
+    def _raised(self, name: str, reason: str, traceback: str, t: float) -> Problem:
+        called = [(Path(path), int(line)) for path, line in _CALL.findall(traceback)]
+        root = self.folder.resolve()
+        own = [(path, line) for path, line in called if path.is_relative_to(root)]
+        place = Place(str(self.folder))
+        if own:
+            path, line = own[-1]
+            place = Place(str(self.folder / path.relative_to(root)), line)
+        message = f"the hand-written lines of {name} raise, first at {t:.3f} s: {reason}"
+        return warning("I023", message, place, "the input is unknown then, on the robot as well")
+
+    def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
+        name = binding.attribute
+        message_for = _message_for(binding)
+        process = getattr(eddi_input, f"process_{name}", None)  # none in a class of the D7.2 tools
+        if binding.model.id not in self.by_hand or message_for is None or process is None:
+            return lambda value: setattr(eddi_input, name, value)
+        return lambda value: process(message_for(value))
+
+
+class _HandwrittenNode(ReplayedNode):
+    """A node of hand-written code, which may print: data are ours alone."""
+
+    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
+        with redirect_stdout(sys.stderr):
+            return super().step(t, messages, clock)
+
+
+def _node(eddi_monitor: Any, eddi_input: Any) -> ReplayedNode:
+    return _HandwrittenNode(eddi_input, eddi_monitor.monitor, eddi_monitor.execute_step)
+
+
+def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
+    """Return what makes the one message of a value, ``None`` where that cannot be done."""
+    if len(binding.requires) != 1:
+        return None
+    of = binding.requires[0].type
+    if not of:  # a plain package: the value itself
+        return lambda value: value
+    fields = known_messages().get(of, {})
+    if len(fields) != 1:
+        return None
+    ((field, type_),) = fields.items()
+    if not fits(python_type(type_), binding.model.type):
+        return None
+    return lambda value: Message(**{**vars(blank(of)), field: value})
+
+
+def load(folder: Path) -> Packaged:
+    """Load the code of a package.
+
+    Raises:
+        EddiError: it is not a package of a monitor, or its code cannot be loaded (I020).
+    """
+    place = Place(str(folder))
+    answers = read_answers(folder) or {}
+    try:
+        name = answers["package"]
+        config = from_json(answers["config_json"], str(folder)) if answers["config_json"] else None
+        edited = set(written(folder))
+        inputs = json.loads(answers["model_json"])["inputs"]
+        by_hand = frozenset(i["id"] for i in inputs if f"process_{i['attribute']}" in edited)
+        monitor = _remembered(folder, answers, config, by_hand)
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
+        hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"
+        message = "this is not a package of a monitor"
+        raise EddiError(error("I020", message, place, hint)) from None
+    if not isinstance(name, str) or not is_package_name(name):
+        raise EddiError(error("I020", f"{name!r} cannot be the name of a package", place))
+    try:
+        new = _loaded(folder.resolve(), name)
+        new()
+    except Exception as problem:  # noqa: BLE001 - whatever hand-written code raises
+        message = f"its code cannot be loaded: {one_line(problem)}"
+        raise EddiError(error("I020", message, place)) from None
+    return Packaged(monitor, by_hand, new, folder)
+
+
+def _loaded(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
+    """Import the package as its node or a program would, and leave no file behind."""
+    around = (one for one in (folder / "src", folder) if (one / name / "EDDIMonitor.py").is_file())
+    inside = next(around, None)  # else the folder is the Python package itself
+    package = folder.name if inside is None else name
+    with _importing(inside or folder.parent, package):
+        monitor_class = importlib.import_module(f"{package}.EDDIMonitor").EDDIMonitor
+        input_class = importlib.import_module(f"{package}.EDDIInput").EDDIInput
+    return lambda: (monitor_class(), input_class())
+
+
+@contextmanager
+def _importing(place: Path, package: str) -> Iterator[None]:
+    for loaded in [key for key in sys.modules if key.partition(".")[0] == package]:
+        del sys.modules[loaded]
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    sys.path.insert(0, str(place))
+    try:
+        with redirect_stdout(sys.stderr):
+            yield
+    finally:
+        sys.path.remove(str(place))
+        sys.dont_write_bytecode = before
+
+
+def _remembered(
+    folder: Path, answers: Mapping[str, Any], config: ConfigFile | None, by_hand: frozenset[str]
+) -> BoundMonitor:
+    """Return a monitor as its package remembers it: without the elements of its model."""
+    document = json.loads(answers["model_json"])
+    types = {one["attribute"]: one["type"] for one in answers["inputs"]}
+    sources = {} if config is None else {one.id: one for one in config.config.SimulatorOutputs}
+    place = Place(str(folder))
+    kind = kinds()[answers["kind"]]
+    model = Model(kind.name, document["id"], None, Source(str(folder / ANSWERS_FILE), b""), place)
+    inputs = [
+        _binding(one, types[one["attribute"]], sources, by_hand) for one in document["inputs"]
+    ]
+    return BoundMonitor(
+        answers["package"], model, kind, config, tuple(inputs), answers["model_json"]
+    )
+
+
+def _binding(
+    document: Mapping[str, Any],
+    type_: Any,
+    sources: Mapping[str, SimulatorOutput],
+    by_hand: frozenset[str],
+) -> InputBinding:
+    own = SimulatorOutput.model_construct(id=document["id"], type="", topic="", max_age=None)
+    return InputBinding(
+        ModelInput(document["id"], type_, every_message=document.get("every_message", False)),
+        document["attribute"],
+        tuple(sources[name] for name in document["requires"]) if sources else (own,),
+        expression=None if document["id"] in by_hand else "",
+        max_age=document["max_age"],
+        computed=None if document["id"] in by_hand else document.get("expression"),
+    )

@@ -1,0 +1,190 @@
+"""Monitors made ready to be played: the same model text and the same runtime as in a package."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.compiling.document import parse_model
+from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
+from eddi_scaffold.recordings.csv_recording import Tape
+from eddi_scaffold.recordings.messages import Publications
+from eddi_scaffold.recordings.node import SECOND, GivenInput, ReplayedNode
+from eddi_scaffold.recordings.playing import ROWS, Part, Rhythm, rhythm_of
+
+if TYPE_CHECKING:
+    from eddi_runtime import Monitor as RuntimeMonitor
+
+    from eddi_scaffold.kinds import InputType
+
+
+def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
+    """Return the monitor as its package would load it; hand-written code is not in it."""
+    files = monitor.kind.functions.data_files(monitor.model)
+    made: RuntimeMonitor[Any] = build(parse_model(monitor.model_json, monitor.model.name, files))
+    return made
+
+
+def rhythm(monitor: BoundMonitor) -> Rhythm:
+    """Return how the node of a monitor steps; without a configuration, for each row."""
+    if monitor.config is None:
+        return ROWS
+    section = monitor.config.config.Model
+    return rhythm_of(section.frequency, section.mode)
+
+
+def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
+    """Return the topics that monitors publish which are played together; of one alone, none."""
+    if len(monitors) < 2:
+        return frozenset()
+    return frozenset(topic for one in monitors for topic in Publications(one, one.topic).topics)
+
+
+Made = tuple["RuntimeMonitor[Any]", ReplayedNode]
+"""A monitor that runs, and a node of it."""
+
+
+def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
+    """Return input -> type of those whose values a recording has: what no other monitor publishes.
+
+    Raises:
+        EddiError: inputs of one name are not the same in two monitors (G020).
+    """
+    shared = published(monitors)
+    owners: dict[str, tuple[str, object]] = {}
+    found: dict[str, InputType] = {}
+    for monitor in monitors:
+        for one in monitor.inputs:
+            if _is_received(one, monitor, shared):
+                continue
+            id_ = one.model.id
+            topics = [monitor.topic(source.topic) for source in one.requires]
+            meaning = (one.model.type, one.unit, one.expression, one.computed_text, topics)
+            first, same = owners.setdefault(id_, (monitor.id, meaning))
+            if same != meaning:
+                message = f"{id_!r} of {first} and of {monitor.id} would be one column"
+                hint = "run one configuration alone, or use --bag, which knows topics"
+                raise EddiError(error("G020", message, hint=hint))
+            found[id_] = one.model.type
+    return found
+
+
+_WHOLE = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
+"""Unit -> what all of something is in it; a ratio without a name may be more."""
+
+
+def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Iterator[Problem]:
+    """Warn of inputs that are more than all of what they are a part of (I024)."""
+    units = {one.model.id: one.unit for monitor in monitors for one in monitor.inputs}
+    told = set()
+    for sample in tape.samples:
+        unit = units.get(sample.topic)
+        most = _WHOLE.get(unit or "", math.inf)
+        if sample.topic in told or not isinstance(sample.message, int | float):
+            continue
+        if sample.message > most:
+            told.add(sample.topic)
+            message = f"{sample.topic!r} is {sample.message:g} {unit} at {sample.t / SECOND:.3f} s"
+            hint = f"all is {most:g} {unit}: is the recording in another unit?"
+            yield warning("I024", f"{message}, which is more than all", Place(file), hint)
+
+
+def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:
+    topics = [monitor.topic(source.topic) for source in binding.requires]
+    return bool(topics) and binding.is_given and all(topic in shared for topic in topics)
+
+
+def of_values(
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
+) -> list[Part]:
+    """Return monitors that are given their ``columns``, and listen to each other.
+
+    Args:
+        monitors: what to run; several have configurations.
+        rhythms: how each steps.
+        made: by the package of the only one; without, what the package would be without
+            hand-written lines.
+    """
+    shared = published(monitors)
+    inputs = [
+        [one if _is_received(one, monitor, shared) else by_value(one) for one in monitor.inputs]
+        for monitor in monitors
+    ]
+    return _joined(monitors, inputs, rhythms, made)
+
+
+def of_messages(
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
+) -> list[Part]:
+    """Return monitors that listen to topics, also to those of each other, in the order of steps.
+
+    Args:
+        monitors: what to run; they have configurations.
+        rhythms: how each steps.
+        made: by the package of the only one.
+    """
+    return _joined(monitors, [one.inputs for one in monitors], rhythms, made)
+
+
+def _joined(
+    monitors: Sequence[BoundMonitor],
+    inputs: Sequence[Sequence[InputBinding]],
+    rhythms: Sequence[Rhythm],
+    made: Made | None,
+) -> list[Part]:
+    several = len(monitors) > 1
+    parts = []
+    for monitor, bindings, rhythm in zip(monitors, inputs, rhythms, strict=True):
+        topics: dict[str, list[str]] = {}
+        for source in {source.id: source for b in bindings for source in b.requires}.values():
+            # a column has no message
+            name = monitor.topic(source.topic) if source.type else source.id
+            topics.setdefault(name, []).append(source.id)
+        name = monitor.config.config.Model.id if several and monitor.config is not None else ""
+        publisher = Publications(monitor, monitor.topic) if several else None
+        running = made or _made(monitor, bindings)
+        parts.append(_part(name, bindings, rhythm, topics, running, publisher))
+    return _in_order(parts)
+
+
+def _made(monitor: BoundMonitor, bindings: Sequence[InputBinding]) -> Made:
+    running = compiled(monitor)
+    return running, ReplayedNode(GivenInput(bindings), running)
+
+
+def _part(
+    name: str,
+    bindings: Sequence[InputBinding],
+    rhythm: Rhythm,
+    topics: Mapping[str, Sequence[str]],
+    made: Made,
+    publisher: Publications | None = None,
+) -> Part:
+    limits: dict[str, set[int]] = {}
+    for binding in bindings:
+        if isinstance(binding.max_age, int | float):
+            for source in binding.requires:
+                limits.setdefault(source.id, set()).add(round(binding.max_age * SECOND))
+    return Part(name, *made, rhythm, topics, limits, publisher)
+
+
+def _in_order(parts: Sequence[Part]) -> list[Part]:
+    """Return publishers before those who listen to them, as far as no two listen to each other."""
+    ordered: list[Part] = []
+    begun: set[str] = set()
+
+    def visit(part: Part) -> None:
+        if part.name in begun:
+            return
+        begun.add(part.name)
+        for other in parts:
+            if other.publisher is not None and other.publisher.topics & part.sources.keys():
+                visit(other)
+        ordered.append(part)
+
+    for part in parts:
+        visit(part)
+    return ordered

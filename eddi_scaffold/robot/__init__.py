@@ -1,1 +1,0 @@
-"""Models of a robot, and what they add to a configuration."""

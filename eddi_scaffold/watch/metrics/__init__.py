@@ -1,1 +1,0 @@
-"""The view as numbers for other tools (OpenMetrics)."""

@@ -1,0 +1,153 @@
+"""Reference = engine in this process = generated Python = generated C, on random events."""
+
+from __future__ import annotations
+
+import math
+import random
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.conditions.findings import TextFindings, in_text
+from eddi_scaffold.conditions.parser import parse
+from eddi_scaffold.conditions.standalone import monitor_model
+from eddi_scaffold.targets.python import python_module
+from tests.conditions import c_program
+from tests.conditions.formulas import DECLARATIONS, INPUTS, PERIOD, RATE, Formulas, Step, recording
+from tests.conditions.reference import NearTie, Reference
+
+BATCH, STEPS = 50, 80
+NAMES = {True: "T", False: "F", None: "U"}
+IN_NUMBERS = {True: 2, False: 0, None: 1}
+
+
+def batches() -> int:
+    """Return how many batches of formulas are tried: 1,500 formulas in the long profile."""
+    return 30 if settings.default.max_examples > 1000 else 2
+
+
+def text_of(seed: int, *, monotone: bool = False, count: int = BATCH) -> str:
+    rng = random.Random(seed)
+    formulas = Formulas(rng, monotone)
+    events = [
+        f"EVENT e{k} (EVIDENCE) := {formulas.boolean(rng.randint(1, 3))}" for k in range(count)
+    ]
+    return DECLARATIONS + "\n".join(events)
+
+
+def analysis_of(text: str) -> Analysis:
+    found = analyse(text, rate=RATE)
+    assert [problem for problem in found.problems if problem.level == "error"] == []
+    assert found.form is not None
+    return found
+
+
+def reference_of(text: str) -> Reference:
+    findings = TextFindings(text, in_text(text))
+    return Reference(parse(text, findings), INPUTS, PERIOD)
+
+
+def python_engine(analysis: Analysis) -> object:
+    """Return the engine of the generated module."""
+    ((name, text),) = python_module(monitor_model(analysis, "batch")).items()
+    names: dict[str, object] = {"__name__": "batch_event"}
+    exec(compile(text, name, "exec", dont_inherit=True), names)
+    return names["Engine"]()
+
+
+def compare(text: str, steps: list[Step], c_lines: list[list[int]] | None) -> tuple[int, int]:
+    """Compare all ways on one recording; return (verdicts compared, verdicts left out as ties)."""
+    analysis = analysis_of(text)
+    form = read_form(analysis.form)
+    engine, python = build_engine(analysis.form), python_engine(analysis)
+    reference = reference_of(text)
+    expressions = {event.id: event.canonical for event in analysis.events}
+    compared = ties = 0
+    for number, step in enumerate(steps):
+        wanted = reference.step(step.t, step.values, step.stamps)
+        values = [step.values[variable.name] for variable in form.reads]
+        stamps = [step.stamps.get(variable.name) for variable in form.reads]
+        found = engine.step(step.t, values, stamps)
+        generated = python.evaluate(step.t, *c_program.clean(form, step))
+        assert generated == found, number
+        if c_lines is not None:
+            assert list(found) == c_lines[number], number
+        for k, output in enumerate(form.results):
+            expected = wanted[output.id]
+            if expected is NearTie:
+                ties += 1
+                continue
+            compared += 1
+            assert found[k] == IN_NUMBERS[expected], (
+                f"step {number} at {step.t}: {expressions[output.id]}"
+            )
+    return compared, ties
+
+
+def test_random_events_agree(tmp_path: Path) -> None:
+    compared = ties = 0
+    for seed in range(batches()):
+        text = text_of(seed)
+        analysis = analysis_of(text)
+        form = read_form(analysis.form)
+        program = c_program.build(monitor_model(analysis, f"batch{seed}"), tmp_path / str(seed))
+        steps = recording(random.Random(1000 + seed), STEPS)
+        lines = [
+            [int(cell) for cell in line.split()] for line in c_program.run(program, form, steps)
+        ]
+        more = compare(text, steps, lines)
+        compared, ties = compared + more[0], ties + more[1]
+    assert compared >= 0.97 * (compared + ties)
+
+
+def test_many_recordings_agree_without_c() -> None:
+    for seed in range(batches() * 3):
+        steps = recording(random.Random(5000 + seed), STEPS)
+        compare(text_of(2000 + seed, count=20), steps, None)
+
+
+def test_known_verdicts_survive_more_knowledge() -> None:
+    """A verdict that is known stays, whatever UNKNOWN inputs had been (section 2)."""
+    known = 0
+    for seed in range(batches() * 4):
+        text = text_of(9000 + seed, monotone=True, count=30)
+        analysis = analysis_of(text)
+        rng = random.Random(seed)
+        steps = recording(rng, STEPS)
+        less, more = build_engine(analysis.form), build_engine(analysis.form)
+        for step in steps:
+            hidden = {n: None if rng.random() < 0.2 else v for n, v in step.values.items()}
+            names = [variable.name for variable in analysis.variables]
+            stamps = [step.stamps.get(name) for name in names]
+            one = less.step(step.t, [hidden[name] for name in names], stamps)
+            other = more.step(step.t, [step.values[name] for name in names], stamps)
+            for output, a, b in zip(analysis.events, one, other, strict=True):
+                if a != 1:
+                    known += 1
+                    assert a == b, output.canonical
+    assert known > 1000
+
+
+@pytest.mark.parametrize("function", ["AVERAGE", "SUM", "MAX", "MIN", "MEDIAN", "STDDEV", "RATE"])
+@pytest.mark.parametrize("coverage", ["", ", COVERAGE 0.5"])
+def test_numbers_of_windows_agree(function: str, coverage: str, tmp_path: Path) -> None:
+    text = f"{DECLARATIONS}{function}(x, 1.3s{coverage})"
+    analysis = analysis_of(text)
+    form = read_form(analysis.form)
+    program = c_program.build(monitor_model(analysis, "number"), tmp_path, "-O1")
+    engine, reference = build_engine(analysis.form), reference_of(text)
+    steps = [step for seed in range(5) for step in recording(random.Random(seed), STEPS)]
+    for step, line in zip(steps, c_program.run(program, form, steps), strict=True):
+        wanted = reference.step(step.t, step.values, step.stamps)["event"]
+        (found,) = engine.step(step.t, [step.values["x"]], [None])
+        in_c = c_program.as_number(line)
+        assert (found == in_c) or (math.isnan(found) and math.isnan(in_c))
+        if wanted is None:
+            assert math.isnan(found)
+        else:
+            assert math.isclose(found, wanted, rel_tol=1e-9, abs_tol=1e-12)

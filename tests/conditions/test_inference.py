@@ -1,0 +1,43 @@
+"""Types of variables that nobody declares: from how they are used, wherever that is."""
+
+from __future__ import annotations
+
+import pytest
+
+from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.scope import BOOL, NUMBER
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("x > 5", {"x": NUMBER}),
+        ("NOT a", {"a": BOOL}),
+        ("x == 5", {"x": NUMBER}),
+        ("TRUE != a", {"a": BOOL}),
+        ("x + 1 == y", {"x": NUMBER, "y": NUMBER}),
+        ("(x > 1) == a", {"x": NUMBER, "a": BOOL}),
+        ("x == y AND y > 3", {"x": NUMBER, "y": NUMBER}),
+        ("y > 3 AND x == y", {"x": NUMBER, "y": NUMBER}),
+        ("x == y AND y == z AND NOT x", {"x": BOOL, "y": BOOL, "z": BOOL}),
+        ("x == y AND z == w AND y == w AND z < 1", dict.fromkeys("xyzw", NUMBER)),
+        ("x == x AND x > 1", {"x": NUMBER}),
+        ("KNOWN(x) AND AGE(x) < 1 AND x > 2", {"x": NUMBER}),
+    ],
+)
+def test_one_side_has_the_type_of_the_other(text: str, expected: dict[str, object]) -> None:
+    found = analyse(text, rate=10)
+    assert [one.message for one in found.problems] == []
+    assert {one.name: one.type for one in found.variables} == expected
+
+
+@pytest.mark.parametrize("text", ["x == y", "KNOWN(x)", "x == y AND y == z AND z == x"])
+def test_what_no_use_decides_is_asked_for(text: str) -> None:
+    found = analyse(text, rate=10)
+    assert found.form is None
+    assert {one.code for one in found.problems} == {"E008"}
+
+
+def test_the_first_use_decides_and_the_others_are_checked() -> None:
+    found = analyse("x == y AND x > 1 AND NOT y", rate=10)
+    assert [one.code for one in found.problems] == ["E008"]

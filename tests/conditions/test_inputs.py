@@ -1,0 +1,101 @@
+"""Expressions of inputs: checked with places in the configuration, evaluated over messages."""
+
+from __future__ import annotations
+
+import json
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from eddi_runtime.expressions.expression import Expression
+
+from eddi_scaffold.common.problems import Place
+from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
+from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
+from runtime_lib.tests.event.event_documents import expression as expression_of
+
+VARIABLES = {
+    "battery.percentage": Variable("battery.percentage", NUMBER, timeout=10**9),
+    "motor.temps[1]": Variable("motor.temps[1]", NUMBER),
+    "link.up": Variable("link.up", BOOL),
+    "load": Variable("load", NUMBER),
+}
+
+
+def text(expression: str, state: str | None = None) -> ExpressionText:
+    """An expression that stands in line 7 of a configuration from column 18 on."""
+    return ExpressionText(
+        expression, lambda offset: Place("eddi_config.yml", 7, 18 + offset), state
+    )
+
+
+def compiled(kind: Any, *texts: ExpressionText, **more: Any) -> Any:
+    return compile_input(texts, kind, rate=10, variables=VARIABLES, **more)
+
+
+def made(kind: Any, *texts: ExpressionText, **more: Any) -> Expression:
+    found, problems = compiled(kind, *texts, **more)
+    assert problems == []
+    return expression_of(json.loads(json.dumps(found.document)))
+
+
+def battery(percentage: object) -> dict[str, object]:
+    return {"battery": SimpleNamespace(percentage=percentage)}
+
+
+def test_evidence_over_a_message() -> None:
+    found, _ = compiled("bool", text("battery.percentage > 0.3 AND motor.temps[1] < 80"))
+    assert found.requires == ("battery", "motor")
+    one = expression_of(found.document)
+    assert tuple(one.names) == ("battery", "motor")
+    motor = {"motor": SimpleNamespace(temps=[20.0, 30.0])}
+    assert one.value(0, {**battery(0.5), **motor}) is True
+    assert one.value(1, {**battery(0.1), **motor}) is False
+    assert one.value(2, battery(0.5)) is None
+    assert one.value(3, {**battery(0.5), **motor}, {"battery": 1.5, "motor": 0.0}) is None
+
+
+def test_windows_stand_in_the_expression_not_in_the_region() -> None:
+    one = made("bool", text("TIME(battery.percentage > 0.3, 300ms)"))
+    found = [one.value(k * 10**8, battery(0.5)) for k in range(4)]
+    assert found == [None, None, True, True]
+    one.reset()
+    assert one.value(10**9, battery(0.5)) is None
+
+
+def test_hazard_numbers_and_states() -> None:
+    assert made("bool", text("NOT link.up"), polarity="HAZARD").value(0, {}) is True
+    assert made("float", text("load * 2")).value(0, {"load": 1.25}) == 2.5
+    assert made("int", text("load * 2")).value(0, {"load": 1.25}) == 2
+    state = made("state", text("load > 60", "High"), text("load <= 60", "Normal"))
+    assert [state.value(k, {"load": x}) for k, x in enumerate((70, 50, None))] == [
+        "High",
+        "Normal",
+        None,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "expression", "code", "column"),
+    [
+        ("bool", "battery.percentage > ", "E002", 18 + 20),
+        ("bool", "battery.percent > 1", "E008", 18),
+        ("bool", "load * 2", "E007", 18),
+        ("float", "load > 2", "E007", 18),
+        ("bool", "EVENT a (HAZARD) := link.up EVENT b (HAZARD) := link.up", "E003", 18),
+    ],
+)
+def test_places_are_those_of_the_configuration(
+    kind: Any, expression: str, code: str, column: int
+) -> None:
+    found, problems = compiled(kind, text(expression))
+    assert found is None
+    assert [(p.code, p.place.file, p.place.line, p.place.col) for p in problems] == [
+        (code, "eddi_config.yml", 7, column)
+    ]
+
+
+def test_declarations_stand_beside_the_inputs() -> None:
+    declared = "CONST limit = 60 ENUM Mode { AUTO, MANUAL } VAR mode : Mode TIMEOUT 1s"
+    one = made("bool", text("load > limit AND mode == AUTO"), declarations=declared)
+    assert one.value(0, {"load": 61, "mode": "AUTO"}) is True

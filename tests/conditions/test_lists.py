@@ -1,0 +1,300 @@
+"""Reductions of lists: definition = in this process = generated Python; and what they refuse."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.findings import TextFindings, in_text
+from eddi_scaffold.conditions.parser import parse
+from eddi_scaffold.conditions.standalone import generate
+from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
+from tests.conditions.reference import NearTie, aggregate, combine
+
+DECLARATIONS = """\
+VAR m.x[*] : NUMBER RANGE -50 .. 50 TIMEOUT 1000h
+VAR m.y[*] : NUMBER ALLOW INF TIMEOUT 1000h
+VAR m.b[*] : BOOL TIMEOUT 1000h
+VAR m.low : NUMBER TIMEOUT 1000h
+"""
+SECOND = 10**9
+
+
+def reference(file: File, root: int, values: Mapping[str, Any]) -> Any:
+    """Return the value of a reduction by its definition, None for UNKNOWN."""
+    node = file.nodes[root]
+    assert node.options is not None
+    names = {n.text for n in subtree(file, root) if n.op == "name" and is_list_path(n.text)}
+    lists = [values[name] for name in names]
+    if any(one is None for one in lists) or len({len(one) for one in lists}) != 1:
+        return None
+    count = len(lists[0])
+    if node.options.length is not None:
+        least, most = node.options.length
+        if not least <= count <= most:
+            return None
+    if count == 0:
+        return None
+    found = [
+        element(file, node.args[0], values, k, limits(file, node, values)) for k in range(count)
+    ]
+    known = [x for x in found if x is not None]
+    if node.op in ("list_any", "list_all") and (node.op == "list_any") in known:
+        return node.op == "list_any"
+    if len(known) / count < (node.options.coverage or 1.0):
+        return None
+    if node.op in ("list_any", "list_all"):
+        return node.op == "list_all"
+    infinite = any(isinstance(x, float) and math.isinf(x) for x in known)
+    if infinite and node.op in ("list_sum", "list_average", "list_stddev"):
+        return None
+    if infinite and node.op == "list_median":
+        ordered = sorted(known)
+        low, high = ordered[(len(ordered) - 1) // 2], ordered[len(ordered) // 2]
+        if low != high and math.isinf(low + high):
+            return None if math.isinf(low) and math.isinf(high) else low + high
+        return low if low == high else low / 2 + high / 2
+    return aggregate(node.op.removeprefix("list_"), [(0, x) for x in known])
+
+
+def subtree(file: File, root: int) -> list[SyntaxNode]:
+    node = file.nodes[root]
+    return [node, *(one for arg in node.args for one in subtree(file, arg))]
+
+
+def limits(file: File, node: SyntaxNode, values: Mapping[str, Any]) -> tuple[Any, Any] | None:
+    if not (node.options and node.options.within):
+        return None
+    low, high = (element(file, arg, values, 0, None) for arg in node.args[1:])
+    return low, high
+
+
+def element(
+    file: File, root: int, values: Mapping[str, Any], k: int, within: tuple[Any, Any] | None
+) -> Any:
+    node = file.nodes[root]
+    if node.op == "number":
+        return float(node.text)
+    if node.op == "name":
+        raw = values[node.text][k] if is_list_path(node.text) else values[node.text]
+        return valid(node.text, raw, within)
+    return combine(node.op, [element(file, arg, values, k, within) for arg in node.args])
+
+
+def valid(name: str, raw: Any, within: tuple[Any, Any] | None) -> Any:
+    if name == "m.b[*]":
+        return raw if isinstance(raw, bool) else None
+    if not isinstance(raw, float) or math.isnan(raw):
+        return None
+    if within is not None and is_list_path(name) and None in within:
+        return None
+    if math.isinf(raw):
+        return raw if name == "m.y[*]" else None
+    if name == "m.x[*]" and not -50 <= raw <= 50:
+        return None
+    if within is not None and is_list_path(name):
+        return raw if within[0] <= raw <= within[1] else None
+    return raw
+
+
+def formula(rng: random.Random) -> str:
+    kind = rng.choice(["number", "number", "bool"])
+    coverage = rng.choice(["", "", ", COVERAGE 0.5", ", COVERAGE 0.9"])
+    length = rng.choice(["", "", ", LENGTH 4", ", LENGTH 1 .. 5"])
+    if kind == "number":
+        inner = rng.choice(
+            (
+                *("m.x[*]", "m.y[*]", "ABS(m.x[*])", "m.x[*] + m.y[*]", "m.y[*] - m.low"),
+                *("SQRT(m.x[*])", "LEAST(m.x[*], m.low)", "m.x[*] / m.y[*]", "HYPOT(m.x[*], 3)"),
+            )
+        )
+        within = (
+            ", WITHIN m.low .. 5" if inner in ("m.x[*]", "m.y[*]") and rng.random() < 0.4 else ""
+        )
+        function = rng.choice(["MIN", "MAX", "AVERAGE", "SUM", "MEDIAN", "STDDEV"])
+        return f"{function}({inner}{length}{within}{coverage})"
+    inner = rng.choice(
+        (
+            *("m.b[*]", "m.x[*] > 1", "m.x[*] > m.y[*] OR m.b[*]", "NOT m.b[*]", "KNOWN(m.y[*])"),
+            *("m.b[*] IMPLIES m.x[*] > m.low", "m.b[*] XOR m.x[*] > 0"),
+        )
+    )
+    return f"{rng.choice(['ANY', 'ALL', 'COUNT'])}({inner}{length}{coverage})"
+
+
+def sample(rng: random.Random) -> dict[str, Any]:
+    count = rng.choice([0, 1, 2, 4, 4, 5, 9])
+    trouble = rng.choice([0.0, 0.0, 0.05, 0.4])
+
+    def number(*, infinite: bool) -> Any:
+        if rng.random() < trouble:
+            return rng.choice([math.nan, None, "3", 1e9, *([math.inf, -math.inf] * infinite)])
+        return rng.choice([rng.uniform(-8, 8), float(rng.randint(-3, 3))])
+
+    found: dict[str, Any] = {
+        "m.x[*]": [number(infinite=True) for _ in range(count)],
+        "m.y[*]": tuple(number(infinite=True) for _ in range(count)),
+        "m.b[*]": [rng.choice([True, False] * 5 + [None] * (trouble > 0)) for _ in range(count)],
+        "m.low": rng.choice([-1.0, 0.5, None]),
+    }
+    if rng.random() < 0.05:
+        found[rng.choice(list(found))] = None
+    return found
+
+
+def generated(text: str) -> Any:
+    """Return the monitor of the generated module."""
+    ((name, module),) = generate(analyse(text, rate=10), "python", "lists").items()
+    names: dict[str, Any] = {"__name__": "lists_event"}
+    exec(compile(module, name, "exec", dont_inherit=True), names)
+    monitor = names["Monitor"]()
+    monitor.module = names
+    return monitor
+
+
+def test_definition_engine_and_module_agree_on_random_lists() -> None:
+    compared = 0
+    for seed in range(60):
+        rng = random.Random(seed)
+        text = DECLARATIONS + formula(rng)
+        findings = TextFindings(text, in_text(text))
+        file = parse(text, findings)
+        analysis = analyse(text, rate=10)
+        assert analysis.form is not None, [p.message for p in analysis.problems]
+        engine = build_engine(analysis.form)
+        sampling = engine.sampling
+        monitor = generated(text)
+        for t in range(40):
+            values = sample(rng)
+            used = {one.name for one in sampling.inputs}
+            lists = {name for name in used if is_list_path(name)}
+            if any(values[name] is None for name in lists):
+                wanted = None
+            else:
+                try:
+                    wanted = reference(file, file.events[0].root, values)
+                except NearTie:
+                    continue
+            (found,) = engine.step(t * SECOND, [values[one.name] for one in sampling.inputs])
+            assert same(found, wanted, analysis), (text, values, found, wanted)
+            for one in sampling.inputs:
+                word = one.name.replace("[*]", "").replace(".", "_")
+                setattr(monitor, f"read_{word}", lambda v=values[one.name]: v)
+            told = monitor.step(t * SECOND)
+            truth = told["event"].truth if isinstance(told, dict) else told
+            assert truth == found or (math.isnan(truth) and math.isnan(found))
+            compared += wanted is not None
+    assert compared > 500
+
+
+def same(found: float, wanted: Any, analysis: Any) -> bool:
+    if analysis.events[0].type == "bool":
+        return found == {True: 2, False: 0, None: 1}[wanted]
+    if wanted is None:
+        return math.isnan(found)
+    return found == wanted or math.isclose(found, wanted, rel_tol=1e-9, abs_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "message"),
+    [
+        ("scan.ranges[*] > 1", 1, "scan.ranges[*] is a list, no single value"),
+        ("MIN(scan.ranges[*], 5s) > 1", 21, "a list takes no duration"),
+        ("MIN(a.x[*] + b.y[*]) > 1", 1, "a reduction is of one message, these are two: a and b"),
+        ("MIN(a.x[*] + a.b.y[*]) > 1", 1, "a.x[*] and a.b.y[*] are different lists"),
+        ("MIN(a.x[*] + a.y[1..2]) > 1", 1, "a.x[*] and a.y[1..2] are different lists"),
+        ("MIN(a[*].x + a[*].y[*]) > 1", 1, "a[*].x and a[*].y[*] are different lists"),
+        ("ANY(RISE(a.x[*] > 1))", 5, "RISE remembers earlier steps, a list is of one message"),
+        (
+            "MIN(AGE(a.x[*]) + a.x[*]) > 1",
+            5,
+            "AGE remembers earlier steps, a list is of one message",
+        ),
+        ("ANY(x > 1)", 1, "ANY needs a list"),
+        ("RATE(a.x[*]) > 1", 1, "RATE takes no list"),
+        (
+            "MIN(MIN(a.x[*]) + a.x[*]) > 1",
+            5,
+            "a reduction inside of a reduction: lists of lists are one list",
+        ),
+        ("MIN(a.x[*], LENGTH 5 .. 2) > 1", 26, "the LENGTH is empty: its ends are swapped"),
+        ("MIN(a.x[*], COVERAGE 0) > 1", 22, "the coverage must be above 0 and at most 1"),
+        ("MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1", 25, "COVERAGE is repeated"),
+        (
+            "MIN(a.x[*], SOME 1) > 1",
+            13,
+            "COVERAGE or SECTOR or LENGTH or WITHIN is expected, found 'SOME'",
+        ),
+        ("MIN(a.x[*], SECTOR 0 .. 1) > 1", 20, "SECTOR needs angles"),
+        ("MIN(a.x[*], SECTOR -1 .. 1 rad) > 1", 20, "SECTOR needs angles"),
+        (
+            "MIN(a.x[*], SECTOR -1 rad, 1 rad) > 1",
+            26,
+            "'..' as in SECTOR -30 deg .. 30 deg is expected, found ','",
+        ),
+        ("MIN(a.x[*], SECTOR 1 rad .. 0 rad) > 1", 13, "the SECTOR is empty: its ends are swapped"),
+        (
+            "MIN(a.x[*].y, SECTOR 0 rad .. 1 rad) > 1",
+            15,
+            "SECTOR needs the list of a scan, such as scan.ranges[*]",
+        ),
+        ("MIN(a.x[2..1]) > 1", 9, "an index behind 2 is expected, found '1'"),
+        ("LEAST(x) > 1", 1, "LEAST takes 2 arguments or more, here are 1"),
+        ("CLAMP(x, 2, 1) > 1", 1, "the lower bound of CLAMP must be below the upper one"),
+        ("NUMBER(x + 1) > 1", 8, "NUMBER needs a text, this is a number"),
+    ],
+)
+def test_what_lists_cannot_be(text: str, column: int, message: str) -> None:
+    problems = analyse(text, rate=10).problems
+    assert [(one.place.col, one.message) for one in problems if one.level == "error"] == [
+        (column, message)
+    ]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(MIN(scan.ranges[*], SECTOR -30 deg .. 30 deg, COVERAGE 0.9) > 0.8)",
+        "(MIN(b.cells[*], LENGTH 6, WITHIN b.low .. 5) > 3.3)",
+        "(MAX(m.x[2..5], LENGTH 1 .. 9) > 1)",
+        "(COUNT((d.results[*].score > 0.5)) > 0)",
+        "(MIN(MIN(s.r[*]), 2000ms) > LEAST(LEAST(a, b), 3))",
+        '(NUMBER(d.status["/Power: b"].values[V].value) > SQRT(HYPOT(a, CLAMP(b, 0, 1))))',
+    ],
+)
+def test_the_canonical_form_is_read_again(text: str) -> None:
+    file = parse(text, TextFindings(text, in_text(text)))
+    assert canonical(file, file.events[0].root) == text
+
+
+def test_units_go_through_lists_and_functions() -> None:
+    declared = "VAR s.r[*] : NUMBER UNIT m VAR c : NUMBER UNIT m "
+    for expression, fits in (
+        ("MIN(s.r[*]) > 80 cm", True),
+        ("MIN(s.r[*], WITHIN 5 cm .. 3 km) > 1 m", True),
+        ("MIN(s.r[*]) > 1 s", False),
+        ("COUNT(s.r[*] > 1 kg) > 1", False),
+        ("HYPOT(c, 30 cm) > 1 m", True),
+        ("GREATEST(c, MAX(s.r[*])) > 1 m", True),
+    ):
+        found = analyse(f"{declared}{expression}", rate=10)
+        assert (found.form is not None) is fits, expression
+    covariance = "VAR v : NUMBER UNIT m VAR k : NUMBER UNIT m SQRT(v) > 1 m"
+    assert [one.code for one in analyse(covariance).problems if one.level == "error"] == ["E009"]
+
+
+def test_c_says_that_it_has_no_lists_yet() -> None:
+    with pytest.raises(EddiError) as failure:
+        generate(analyse("MIN(scan.ranges[*]) > 1", rate=10), "c", "scan")
+    (problem,) = failure.value.problems
+    assert (problem.code, problem.message) == (
+        "E026",
+        "the target c takes neither lists nor texts yet: scan.ranges[*]",
+    )

@@ -1,0 +1,152 @@
+"""The oracle file: every entry, for the runtime types, the engine, the Python and the C target."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.conditions import Variable, analyse
+from eddi_scaffold.conditions.findings import TextFindings, in_text
+from eddi_scaffold.conditions.parser import parse
+from eddi_scaffold.conditions.scope import BOOL, NUMBER
+from eddi_scaffold.conditions.standalone import monitor_model
+from eddi_scaffold.conditions.syntax import canonical
+from eddi_scaffold.targets.python import python_module
+from eddi_scaffold.targets.values import BoolVal, NumVal
+from tests.conditions import c_program
+from tests.conditions.formulas import Step
+from tests.data_files import data_file
+
+TYPES = {"num": NUMBER, "bool": BOOL}
+TRUTH = {"F": 0, "U": 1, "T": 2}
+WORDS = {"and": "AND", "or": "OR", "xor": "XOR", "equal": "==", "implies": "IMPLIES"}
+
+
+@cache
+def load(path: Path) -> Any:
+    return yaml.safe_load(path.read_text("utf-8"))
+
+
+@pytest.fixture
+def oracle() -> Any:
+    return load(data_file("monitors/oracle_events.yml"))
+
+
+def variables(types: dict[str, str]) -> dict[str, Variable]:
+    return {name: Variable(name, TYPES[kind]) for name, kind in types.items() if kind in TYPES}
+
+
+@pytest.mark.parametrize("word", [*WORDS, "not"])
+def test_truth_tables(oracle: Any, word: str) -> None:
+    text = "NOT a" if word == "not" else f"a {WORDS[word]} b"
+    analysis = analyse(text, variables=variables({"a": "bool", "b": "bool"}))
+    engine = build_engine(analysis.form)
+    raw = {"F": False, "U": None, "T": True}
+    for case, result in oracle["truth_tables"][word].items():
+        assert engine.step(0, [raw[c] for c in case]) == (TRUTH[result],)
+        engine.reset()
+        a, *rest = (BoolVal(raw[c]) for c in case)
+        b = rest[0] if rest else BoolVal()
+        table = {
+            "and": lambda a, b: a & b,
+            "or": lambda a, b: a | b,
+            "xor": lambda a, b: a ^ b,
+            "equal": lambda a, b: a.equals(b),
+            "implies": lambda a, b: a.implies(b),
+            "not": lambda a, _: ~a,
+        }
+        assert table[word](a, b).truth == TRUTH[result]
+
+
+def by_types(op: str, one: NumVal, other: NumVal) -> NumVal | BoolVal:
+    return {
+        "input": lambda: one,
+        "+": lambda: one + other,
+        "-": lambda: one - other,
+        "*": lambda: one * other,
+        "/": lambda: one / other,
+        ">": lambda: one > other,
+        "==": lambda: one.equals(other),
+    }[op]()
+
+
+def test_arithmetic(oracle: Any) -> None:
+    for case in oracle["arithmetic"]:
+        a, b, op = case["a"], case.get("b"), case["op"]
+        text = "x" if op == "input" else f"x {op} y"
+        analysis = analyse(text, variables=variables({"x": "num", "y": "num"}))
+        names = {"x": a, "y": b}
+        (found,) = build_engine(analysis.form).step(0, [names[v.name] for v in analysis.variables])
+        value = by_types(op, NumVal(a), NumVal(b))
+        if isinstance(value, BoolVal):
+            assert found == value.truth == TRUTH[case["result"]]
+        elif case["result"] is None:
+            assert math.isnan(found)
+            assert not value.known
+        else:
+            assert found == value.value == case["result"]
+
+
+def test_precedence_and_canonical_form(oracle: Any) -> None:
+    for case in oracle["precedence"]:
+        findings = TextFindings(case["text"], in_text(case["text"]))
+        file = parse(case["text"], findings)
+        found = canonical(file, file.events[0].root)
+        assert found == case["parsed"]
+        assert len(findings.problems) == case["warnings"]
+        again = parse(found, TextFindings(found, in_text(found)))
+        assert canonical(again, again.events[0].root) == found
+
+
+def test_errors(oracle: Any) -> None:
+    known = variables({"x": "num", "y": "num", "a": "bool", "b": "bool"})
+    for case in oracle["errors"]:
+        analysis = analyse(case["text"], rate=10, variables=known)
+        problems = [problem for problem in analysis.problems if problem.level == "error"]
+        assert [problem.place.col for problem in problems] == [case["column"]], case["text"]
+        assert analysis.form is None
+
+
+def traces() -> list[str]:
+    return [trace["name"] for trace in load(data_file("monitors/oracle_events.yml"))["traces"]]
+
+
+@pytest.mark.parametrize("name", traces())
+def test_traces(oracle: Any, name: str, tmp_path: Path) -> None:
+    trace = next(one for one in oracle["traces"] if one["name"] == name)
+    analysis = analyse(
+        trace["text"],
+        rate=trace["rate"],
+        variables=variables(trace["vars"]),
+        declarations=trace.get("declare", ""),
+    )
+    form = read_form(analysis.form)
+    model = monitor_model(analysis, name)
+    ((_, text),) = python_module(model).items()
+    names: dict[str, Any] = {"__name__": "trace"}
+    exec(compile(text, name, "exec", dont_inherit=True), names)
+    engine, generated = build_engine(analysis.form), names["Engine"]()
+    steps = [
+        Step(t, dict(zip(trace["vars"], values, strict=True)), {})
+        for t, *values, _ in trace["steps"]
+    ]
+    lines = c_program.run(c_program.build(model, tmp_path), form, steps)
+    for step, line, (*_, wanted) in zip(steps, lines, trace["steps"], strict=True):
+        (found,) = engine.step(step.t, [step.values[v.name] for v in form.reads])
+        (printed,) = generated.evaluate(step.t, *c_program.clean(form, step))
+        if trace["type"] == "bool":
+            assert found == printed == int(line) == TRUTH[wanted], step
+        elif wanted is None:
+            assert math.isnan(found), step
+            assert math.isnan(printed)
+            assert "nan" in line
+        else:
+            assert found == printed == c_program.as_number(line)
+            assert math.isclose(found, wanted, rel_tol=1e-9), step

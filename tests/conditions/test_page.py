@@ -1,0 +1,251 @@
+"""The page over HTTP: what it answers and what it refuses."""
+
+from __future__ import annotations
+
+import http.client
+import io
+import json
+import re
+import socket
+import subprocess
+import sys
+import threading
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from urllib.parse import urlencode
+
+import pytest
+
+from eddi_scaffold.cli.event import _read_signal
+from eddi_scaffold.common.local_server import MAX_BODY
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.conditions.event_server import open_server
+from tests.diagnosed import assert_example
+
+D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
+
+
+@pytest.fixture
+def port() -> Iterator[int]:
+    with serving() as found:
+        yield found
+
+
+@contextmanager
+def serving(seconds: float = 20.0, connections: int = 32) -> Iterator[int]:
+    with open_server(0, _read_signal, seconds=seconds, connections=connections) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,), daemon=True)
+        thread.start()
+        yield server.server_port
+        server.shutdown()
+        thread.join()
+
+
+def ask(
+    port: int, method: str, path: str, body: bytes | str | None = None, **headers: str
+) -> tuple[int, dict[str, str], str]:
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    named = {name.replace("_", "-"): value for name, value in headers.items()}
+    connection.request(method, path, body, named)
+    response = connection.getresponse()
+    data = response.read()
+    connection.close()
+    return response.status, dict(response.getheaders()), data.decode("utf-8", "replace")
+
+
+def send(port: int, path: str, **form: str) -> tuple[int, dict[str, str], str]:
+    kind = "application/x-www-form-urlencoded"
+    return ask(port, "POST", path, urlencode(form), Content_Type=kind)
+
+
+def test_the_page_and_its_files(port: int) -> None:
+    status, headers, text = ask(port, "GET", "/")
+    assert status == 200
+    assert "<form" in text
+    assert headers["Content-Security-Policy"].startswith("default-src 'none'")
+    assert "http" not in text.replace("/check", "")  # nothing from outside
+    for path in ("/style.css", "/page.js"):
+        assert ask(port, "GET", path)[0] == 200
+    assert ask(port, "GET", "/../server.py")[0] == 404
+    assert ask(port, "POST", "/other", "x")[0] == 404
+
+
+def test_check_shows_the_place_of_an_error(port: int) -> None:
+    status, _, text = send(port, "/check", text="x > \ny", rate="10")
+    assert status == 200
+    assert "No errors." in text
+    _, _, text = send(port, "/check", text="x > 1 > 2", rate="10")
+    assert "1:7 comparisons do not chain [E004]" in text
+    assert "<pre>x &gt; 1 <mark>&gt;</mark> 2\n      ^</pre>" in text
+    assert 'data-at="6"' in text
+    _, _, text = send(port, "/check", text="x > 1", rate="often")
+    assert "the rate &#x27;often&#x27; is not a number" in text
+
+
+def test_generate_shows_the_code(port: int) -> None:
+    _, _, text = send(port, "/generate", text=D72, rate="10", target="python", name="demo")
+    assert "demo_event.py" in text
+    assert "class Monitor(Variables):" in text
+    _, _, text = send(port, "/generate", text=D72, rate="10", target="c", name="demo")
+    assert "demo_event.h" in text
+    _, _, text = send(port, "/generate", text="x >", target="c")
+    assert "#include" not in text
+
+
+def test_download(port: int) -> None:
+    form = {"text": D72, "rate": "10", "name": "demo", "download": "1"}
+    _, headers, text = send(port, "/generate", **form)
+    assert headers["Content-Disposition"] == 'attachment; filename="demo_event.py"'
+    assert text.startswith('"""Monitor of events')
+    connection = http.client.HTTPConnection("127.0.0.1", port)
+    body = urlencode({**form, "target": "c"})
+    kind = {"Content-Type": "application/x-www-form-urlencoded"}
+    connection.request("POST", "/generate", body, kind)
+    response = connection.getresponse()
+    names = zipfile.ZipFile(io.BytesIO(response.read())).namelist()
+    connection.close()
+    assert names == ["demo_event.h", "demo_event.c", "demo_main.c"]
+
+
+def test_a_signal_is_drawn(port: int) -> None:
+    _, _, text = send(port, "/check", text="x > 5", signal="t,x\n0,1\n1,9\n2,nan\n")
+    assert 'src="data:image/svg+xml;base64,' in text
+    _, _, text = send(port, "/check", text=D72, rate="10", example="1")
+    assert 'src="data:image/svg+xml;base64,' in text
+    assert "t,temp,warning\n0," in text
+    _, _, text = send(port, "/check", text="x > 5", signal="t,y\n0,1\n")
+    assert "no input has the id &#x27;y&#x27; [I003]" in text
+
+
+def test_json(port: int) -> None:
+    body = json.dumps({"text": D72, "rate": 10, "target": "c"})
+    _, headers, text = ask(port, "POST", "/generate", body, Content_Type="application/json")
+    found = json.loads(text)
+    assert headers["Content-Type"] == "application/json"
+    assert (found["ok"], len(found["files"])) == (True, 3)
+    for wrong in ("[]", "{", "[" * 9000):
+        assert ask(port, "POST", "/check", wrong, Content_Type="application/json")[0] == 400
+
+
+def test_what_was_typed_is_never_markup(port: int) -> None:
+    attack = "</textarea><script>alert(1)</script>\"'<img src=x onerror=alert(1)>"
+    for path in ("/check", "/generate"):
+        for text in (attack, f"x > 5 // {attack}"):
+            answer = send(port, path, text=text, name=attack, rate=attack, signal=attack)[2]
+            assert "<script>" not in answer
+            assert "<img src=x" not in answer
+
+
+def test_others_are_refused(port: int) -> None:
+    assert ask(port, "GET", "/", Host="evil.example")[0] == 403
+    assert ask(port, "GET", "/", Host=f"localhost:{port}")[0] == 200
+    form = {"Content_Type": "application/x-www-form-urlencoded"}
+    for origin in ("http://evil.example", "null"):
+        assert ask(port, "POST", "/check", "text=x", Origin=origin, **form)[0] == 403
+    own = f"http://127.0.0.1:{port}"
+    assert ask(port, "POST", "/check", "text=x", Origin=own, **form)[0] == 200
+    assert ask(port, "POST", "/check", "text=x", Content_Type="text/plain")[0] == 415
+
+
+@pytest.mark.parametrize("host", ["localhost", "localhost:1", "127.0.0.1", "LOCALHOST:{}", "x:{}"])
+def test_the_host_is_compared_exactly(port: int, host: str) -> None:
+    assert ask(port, "GET", "/", Host=host.format(port))[0] == 403
+    assert ask(port, "GET", "/", Host=f"127.0.0.1:{port}")[0] == 200
+
+
+def raw(port: int, head: str, body: bytes = b"") -> bytes:
+    """Send lines as they are, and no more; return the first line of the answer."""
+    with socket.create_connection(("127.0.0.1", port), timeout=10) as connection:
+        start = f"POST /check HTTP/1.0\r\nHost: 127.0.0.1:{port}\r\n{head}\r\n"
+        connection.sendall(start.encode("latin-1") + body)
+        connection.shutdown(socket.SHUT_WR)
+        with connection.makefile("rb") as answer:
+            return answer.readline()
+
+
+@pytest.mark.parametrize("length", ["x", "-1", "+3", "1_0", "\xb2", " ", "3, 3", "1" * 5000])
+def test_a_bad_content_length_is_a_bad_request(port: int, length: str) -> None:
+    kind = "Content-Type: application/x-www-form-urlencoded\r\n"
+    assert b" 400 " in raw(port, f"{kind}Content-Length: {length}\r\n", b"a=b")
+
+
+def test_lengths_that_do_not_fit(port: int) -> None:
+    kind = "Content-Type: application/x-www-form-urlencoded\r\n"
+    assert b" 200 " in raw(port, f"{kind}Content-Length: 3\r\n", b"a=b")
+    assert b" 400 " in raw(port, f"{kind}Content-Length: 4\r\n", b"a=b")
+    assert b" 400 " in raw(port, f"{kind}Content-Length: 3\r\nContent-Length: 2\r\n", b"a=b")
+    assert b" 411 " in raw(port, kind, b"a=b")
+    chunked = "Transfer-Encoding: chunked\r\nContent-Length: 3\r\n"
+    assert b" 411 " in raw(port, f"{kind}{chunked}", b"a=b")
+
+
+def test_a_request_that_drips_is_ended() -> None:
+    with serving(seconds=0.5) as port, socket.create_connection(("127.0.0.1", port)) as drip:
+        drip.settimeout(0.05)
+        # 20 seconds: each byte comes well within the limit
+        assert any(ended_after_a_byte(drip) for _ in range(400)), "the server still listens"
+
+
+def ended_after_a_byte(connection: socket.socket) -> bool:
+    try:
+        connection.send(b"G")
+        return connection.recv(1) == b""
+    except TimeoutError:
+        return False
+    except ConnectionError:
+        return True
+
+
+def test_connections_have_an_end() -> None:
+    with serving(connections=2) as port:
+        waiting = [socket.create_connection(("127.0.0.1", port)) for _ in range(2)]
+        assert ask(port, "GET", "/")[0] == 503
+        waiting.pop().close()
+        for _ in range(1000):  # until the server has seen that it closed
+            if ask(port, "GET", "/")[0] == 200:
+                break
+        else:
+            raise AssertionError("no room is made")
+        waiting.pop().close()
+
+
+def test_long_texts_are_refused(port: int) -> None:
+    form = {"Content_Type": "application/x-www-form-urlencoded"}
+    assert ask(port, "POST", "/check", "text=" + "x" * 100_000, **form)[0] == 413
+    assert ask(port, "POST", "/check", "text=" + "a+AND+" * 10_000 + "a", **form)[0] == 200
+    assert MAX_BODY == 64 * 1024
+
+
+def test_it_listens_on_the_loopback_interface_only(port: int) -> None:
+    with open_server(0, _read_signal) as server:
+        assert server.server_address[0] == "127.0.0.1"
+    with pytest.raises(EddiError) as caught:
+        open_server(port, _read_signal)
+    (problem,) = caught.value.problems
+    said = problem.message.replace(str(port), "8765")
+    assert_example("E024", [replace(problem, message=said)])
+
+
+def test_two_tabs_at_once(port: int) -> None:
+    waiting = socket.create_connection(("127.0.0.1", port))  # a tab that says nothing
+    assert send(port, "/check", text="x > 5")[0] == 200
+    waiting.close()
+
+
+def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
+    (tmp_path / "hot.events").write_text("EVENT Hot := temp > 81.5\n")
+    words = ["event", "hot.events", "--rate", "4", "--serve", "--port", "0"]
+    command = [sys.executable, "-m", "eddi_scaffold", *words]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as page:
+        assert page.stderr is not None
+        found = re.search(r"127\.0\.0\.1:(\d+)/", page.stderr.readline())
+        try:
+            assert found is not None
+            _, _, text = ask(int(found[1]), "GET", "/")
+        finally:
+            page.terminate()
+    assert "EVENT Hot := temp &gt; 81.5" in text
+    assert 'value="4"' in text

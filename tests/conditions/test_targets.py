@@ -1,0 +1,300 @@
+"""Generated monitors: what they are made of, hand-written bodies, names, sanitizers, callbacks."""
+
+from __future__ import annotations
+
+import ast
+import math
+import random
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import settings
+
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.compiling.expressions.engine import build_engine
+from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.conditions import analyse
+from eddi_scaffold.conditions.standalone import generate, monitor_model
+from eddi_scaffold.targets.kept_bodies import keep_in_folder
+from eddi_scaffold.targets.names import module_name, unique_names
+from tests.conditions import c_program
+from tests.conditions.formulas import DECLARATIONS, recording
+from tests.interpreters import old_python
+
+TEXT = """\
+ENUM Mode { AUTO, MANUAL }
+VAR mode : Mode TIMEOUT 1s
+VAR motor.temps[1] : NUMBER UNIT degC RANGE -10 .. 200 TIMEOUT 500ms
+VAR motor_temps_1 : NUMBER TIMEOUT 1s
+VAR class : BOOL TIMEOUT 1s
+EVENT hot (EVIDENCE) := AVERAGE(motor.temps[1], 2s) > 80 degC AND mode == AUTO // "quoted" */ ??/
+EVENT odd (HAZARD) := class AND motor_temps_1 > 5
+"""
+EACH = (
+    *(
+        "AVERAGE(x,2s) > 0.1",
+        "SUM(x,1s) > y",
+        "MAX(x,300ms) > MIN(y,200ms) + 3",
+        "MEDIAN(x,2s) < 1",
+    ),
+    *("STDDEV(x,2s) > 2.37", "RATE(x,1s) > 0.13", "COUNT(a,2s) > 7", "TIME(a,300ms)"),
+    *("ONCE(a,300ms)", "RISE(a)", "FALL(b)", "EDGE(a)", "LATCH(a,b)", "HYSTERESIS(x,-1,1)"),
+    *("ELAPSED(a) > 1", "KNOWN(w)", "AGE(w) > 0.2", "ABS(-x) >= y/2", "a IMPLIES b", "a XOR b"),
+    *("AVERAGE(x,2s,COVERAGE 0.5) > 0.1", "SUM(w,1s,COVERAGE 0.8) > 1", "NOT (a == b)", "a != b"),
+    *(
+        "MEDIAN(w,4s,COVERAGE 0.25) < y",
+        "STDDEV(w,2s,COVERAGE 0.5) > 2.37",
+        "m == AUTO",
+        "m != OFF",
+    ),
+    *("COUNT(b,3s,COVERAGE 0.5) > 7", "MAX(z.range[0],1s) <= 5", "MIN(z.range[0],1s) >= -5"),
+    *(
+        "AVERAGE(z.range[0],500ms) > 0.1",
+        "z.range[0] * 2 + x > 1",
+        "x / y > 0.3",
+        "m != OFF",
+        "KNOWN(m)",
+    ),
+)
+EVERYTHING = "".join(f"EVENT e{k} (HAZARD) := {text}\n" for k, text in enumerate(EACH))
+
+
+def analysis_of(text: str, rate: float = 10) -> Any:
+    found = analyse(text, rate=rate)
+    assert found.form is not None, found.problems
+    return found
+
+
+def module_of(text: str) -> dict[str, Any]:
+    ((name, source),) = generate(analysis_of(text), "python", "demo").items()
+    names: dict[str, Any] = {"__name__": "demo_event"}
+    exec(compile(source, name, "exec", dont_inherit=True), names)
+    return names
+
+
+def test_python_needs_nothing_but_the_standard_library_of_3_8(tmp_path: Path) -> None:
+    ((name, source),) = generate(analysis_of(TEXT), "python", "Over Heat").items()
+    assert name == "over_heat_event.py"
+    tree = ast.parse(source, feature_version=(3, 8))
+    imported = {
+        node.module if isinstance(node, ast.ImportFrom) else node.names[0].name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    assert imported <= {"__future__", "math", "time", "bisect", "collections", "typing"}
+    titles = [
+        line.split(" ", 2)[2].strip("- ") for line in source.split("\n") if line[:5] == "# ---"
+    ]
+    assert titles == ["1. Variables", "2. Functions", "3. Types", "4. Main"]
+    (tmp_path / name).write_text(source)
+    program = (
+        "import over_heat_event as m\n"
+        "class M(m.Monitor):\n"
+        "    read_mode = lambda self: 'AUTO'\n"
+        "    read_motor_temps_1 = lambda self: m.NumVal(90)\n"
+        "    read_motor_temps_1_2 = lambda self: 6\n"
+        "    read_class = lambda self: m.BoolVal.true()\n"
+        "found = [M().step(k) for k in range(3)][-1]\n"
+        "assert repr(found) == \"{'hot': BoolVal.unknown(), 'odd': BoolVal.true()}\", found\n"
+    )
+    for python in (sys.executable, old_python()):
+        done = subprocess.run(
+            [python, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+
+
+def test_a_monitor_calls_what_is_raised_and_cleared() -> None:
+    names = module_of("VAR x : NUMBER TIMEOUT 250ms EVENT hot (HAZARD) := x > 5")
+    calls, samples = [], iter([1, 6, 7, (8, 100), (9, 200), None, 1, "6", True, 10**400])
+
+    class Monitor(names["Monitor"]):
+        def read_x(self) -> object:
+            return next(samples)
+
+        def on_raised_hot(self, t_ns: int) -> None:
+            calls.append(("raised", t_ns))
+
+        def on_cleared_hot(self, t_ns: int) -> None:
+            calls.append(("cleared", t_ns))
+
+    monitor = Monitor()
+    found = [monitor.step(k * 10**8)["hot"].truth for k in range(10)]
+    assert found == [0, 2, 2, 1, 1, 1, 0, 1, 1, 1]
+    assert calls == [("raised", 10**8), ("cleared", 3 * 10**8)]
+    with pytest.raises(TypeError):
+        bool(names["BoolVal"].true())
+
+
+def test_a_stub_that_nobody_wrote_says_its_name() -> None:
+    with pytest.raises(NotImplementedError, match=r"pose\.x"):
+        module_of("pose.x > 5")["Monitor"]().step(0)
+
+
+def test_two_monitors_share_nothing() -> None:
+    engine = module_of(DECLARATIONS + "MAX(x, 1s)")["Engine"]
+    one, other = engine(), engine()
+    one.evaluate(0, 5.0, 0)
+    assert other.last is None
+
+
+@pytest.mark.parametrize("target", ["python", "c"])
+def test_output_is_the_same_every_time(target: Any) -> None:
+    first = generate(analysis_of(TEXT), target, "demo")
+    assert generate(analysis_of(TEXT), target, "demo") == first
+    assert all(text.isascii() for text in first.values())
+
+
+def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
+    for name, text in generate(analysis_of(TEXT), "c", "demo").items():
+        (tmp_path / name).write_text(text)
+    sources = [str(tmp_path / name) for name in ("demo_event.c", "demo_main.c")]
+    for level in ("-O0", "-O2"):
+        c_program.compile_c([level, *sources, "-o", str(tmp_path / "demo"), "-lm"])
+    done = subprocess.run([str(tmp_path / "demo")], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:2] == ["hot 1", "odd 1"]
+
+
+def test_a_body_need_not_use_the_stamp(tmp_path: Path) -> None:
+    text = "VAR x : NUMBER TIMEOUT 500ms\nEVENT e := x > 5"
+    files = generate(analysis_of(text), "c", "demo")
+    region = r"(?s)(Manual edit begin[^\n]*variable:x[^\n]*\n).*?(\n *//[^\n]*Manual edit end)"
+    main, found = re.subn(region, r"\1    return 7.0;\2", files["demo_main.c"])
+    assert found == 1, main
+    for name, written in {**files, "demo_main.c": main}.items():
+        (tmp_path / name).write_text(written)
+    c_program.compile_c(["-c", str(tmp_path / "demo_main.c"), "-o", str(tmp_path / "demo.o")])
+
+
+def test_fast_math_is_refused(tmp_path: Path) -> None:
+    for name, text in generate(analysis_of("x > 5"), "c", "demo").items():
+        (tmp_path / name).write_text(text)
+    with pytest.raises(AssertionError, match="has no NaN"):
+        c_program.compile_c(["-ffast-math", "-c", str(tmp_path / "demo_event.c")])
+
+
+def test_c_has_neither_undefined_behaviour_nor_differences(tmp_path: Path) -> None:
+    steps = 200_000 if settings.default.max_examples > 1000 else 3_000
+    analysis = analysis_of(DECLARATIONS + EVERYTHING)
+    form = read_form(analysis.form)
+    program = c_program.build(monitor_model(analysis, "all"), tmp_path, "-O1", *c_program.SANITIZE)
+    engine = build_engine(analysis.form)
+    played = [one for seed in range(20) for one in recording(random.Random(seed), steps // 20)]
+    lines = c_program.run(program, form, played)
+    seen: list[set[float]] = [set() for _ in EACH]
+    for step, line in zip(played, lines, strict=True):
+        values = [step.values[variable.name] for variable in form.reads]
+        stamps = [step.stamps.get(variable.name) for variable in form.reads]
+        found = engine.step(step.t, values, stamps)
+        assert found == tuple(map(int, line.split()))
+        seen = [one | {value} for one, value in zip(seen, found, strict=True)]
+    unchanged = [text for text, one in zip(EACH, seen, strict=True) if not one >= {0, 2}]
+    assert unchanged == []
+
+
+def test_an_overflow_is_unknown_until_it_has_left_the_window(tmp_path: Path) -> None:
+    """A host that steps 50 times as often as it said fills every buffer."""
+    for function in ("MAX", "SUM", "MEDIAN", "STDDEV", "RATE"):
+        analysis = analysis_of(f"VAR x : NUMBER TIMEOUT 1h {function}(x, 1s)")
+        form, engine = read_form(analysis.form), build_engine(analysis.form)
+        program = c_program.build(monitor_model(analysis, "full"), tmp_path / function)
+        t, played, rng = 0, [], random.Random(4)
+        for k in range(400):
+            t += 2 * 10**6 if 50 <= k < 200 else 10**8
+            value = 400.0 - k if function == "MAX" else float(rng.randint(0, 9))
+            played.append(c_program.Step(t, {"x": value}, {}))
+        lines = c_program.run(program, form, played)
+        found = [engine.step(step.t, [step.values["x"]])[0] for step in played]
+        in_c = [c_program.as_number(line) for line in lines]
+        assert [repr(x) for x in found] == [repr(x) for x in in_c]
+        assert engine.overflows > 0
+        assert all(map(math.isnan, found[100:205])), function
+        assert not any(map(math.isnan, found[230:]))
+
+
+# hand-written code
+
+
+def written(folder: Path, target: Any, text: str, edits: dict[str, str]) -> None:
+    for name, source in generate(analysis_of(text), target, "demo").items():
+        edited = source
+        for old, new in edits.items():
+            edited = edited.replace(old, new)
+        (folder / name).write_text(edited)
+
+
+@pytest.mark.parametrize(
+    ("target", "old", "new"),
+    [
+        (
+            "python",
+            "        raise NotImplementedError('x')\n",
+            "        return self.sensor.x  # by me\n",
+        ),
+        ("c", "    return NAN;\n", "    return sensor_x(); /* by me */\n"),
+    ],
+)
+def test_hand_written_bodies_stay(target: Any, old: str, new: str, tmp_path: Path) -> None:
+    written(tmp_path, target, "VAR x : NUMBER TIMEOUT 1s x > 5", {old: new})
+    files = generate(
+        analysis_of("VAR x : NUMBER UNIT m TIMEOUT 2s x > 6 AND RISE(x > 7)"), target, "demo"
+    )
+    kept, lost = keep_in_folder(files, tmp_path)
+    assert lost == []
+    joined = "".join(kept.values())
+    assert joined.count(new) == 1
+    assert "in m" in joined
+    # what vanishes is kept beside the files
+    files = generate(analysis_of("y > 6"), target, "demo")
+    kept, lost = keep_in_folder(files, tmp_path)
+    assert len(lost) == 1
+    assert kept[lost[0]].startswith("region variable:x\n")
+    assert new in kept[lost[0]]
+
+
+def test_an_unchanged_text_changes_no_byte(tmp_path: Path) -> None:
+    for target in ("python", "c"):
+        written(tmp_path, target, TEXT, {})
+        kept, _ = keep_in_folder(generate(analysis_of(TEXT), target, "demo"), tmp_path)
+        assert kept == {name: (tmp_path / name).read_text() for name in kept}
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("print('mine')\n", "E020"),
+        (
+            "# generated by eddi-scaffold event\n# -----Manual edit begin-----  # region: a:b\n",
+            "E021",
+        ),
+        ("# generated by eddi-scaffold event\n\udcff", "E021"),
+    ],
+)
+def test_files_that_are_not_replaced(text: str, code: str, tmp_path: Path) -> None:
+    path = tmp_path / "demo_event.py"
+    path.write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(EddiError) as caught:
+        keep_in_folder(generate(analysis_of("x > 5"), "python", "demo"), tmp_path)
+    assert {problem.code for problem in caught.value.problems} == {code}
+
+
+def test_names_are_different_identifiers() -> None:
+    assert unique_names(["a.b", "a_b", "a[1]", "0", "a b"]) == [
+        "a_b",
+        "a_b_2",
+        "a_1",
+        "v_0",
+        "a_b_3",
+    ]
+    assert [module_name(n) for n in ("Over Heat!", "9", "", "int", "ünï", "size")] == [
+        "over_heat",
+        "event_9",
+        "event",
+        "int_monitor",
+        "uni",
+        "size_monitor",
+    ]

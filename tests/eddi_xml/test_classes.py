@@ -1,0 +1,88 @@
+"""Classes that nobody knows: a misspelt one is named, those of other tools are left in peace."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from eddi_scaffold.eddi_xml.reading import read_stream
+
+TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
+ xmlns:f="http://www.deis-project.eu/ode/failureLogic" xmlns:a="http://x/argumentation"
+ xmlns:i="http://www.deis-project.eu/ode/integration">
+<odeProductPackages xsi:type="PACKAGE" name="P">
+<failureModels xsi:type="MODEL" name="M"><causes xsi:type="f:Unheard"/></failureModels>
+</odeProductPackages></i:DDIPackage>
+"""
+
+
+def said(package: str, model: str) -> list[str]:
+    text = TEXT.replace("PACKAGE", package).replace("MODEL", model)
+    document, problems = read_stream(io.BytesIO(text.encode()), "m.xml")
+    assert document is not None
+    return [f"{p.place.line}: {p.level} {p.code} {p.message} | {p.hint}" for p in problems]
+
+
+@pytest.mark.parametrize(
+    ("package", "model"),
+    [
+        ("f:FailureLogicPackage", "f:FaultTree"),
+        ("f:FailureLogicPackage", "failurelogic_:markovchain"),
+        ("f:FailureLogicPackage", "f:FMEA"),
+        ("f:FailureLogicPackage", "f:FailureModel"),
+        ("a:ArgumentPackage", "a:Claim"),
+        ("a:StrangePackage", "a:AssertedInference"),
+    ],
+)
+def test_classes_of_the_metamodel_and_of_others(package: str, model: str) -> None:
+    assert said(package, model) == []
+
+
+PUBLIC = """
+FaultTree StateMachine BayesianNetwork FailureModel FMEA FMEDA AttackTree Action FunctionAction
+MessageAction WarningAction CommonCauseFailure SecurityViolation Failure
+"""
+OTHERS = """
+DDIPackage ConSertPackage ConSert DesignPackage System PhysicalComponent LogicalComponent Function
+SafetyRelatedSystem ServiceType DependabilityPropertyType FailureLogicPackage DependabilityPackage
+HARAPackage TARAPackage RequirementPackage DomainPackage TraceabilityPackage Trace Hazard Measure
+RiskAssessment Malfunction DependabilityRequirement SafetyRequirement EventPackage OdeEvent
+ConditionEvent ExternalEvent AssuranceCasePackage ArgumentPackage ArtifactPackage Claim
+TerminologyPackage AssertedInference AssertedContext ArtifactReference
+"""
+
+
+@pytest.mark.parametrize("name", PUBLIC.split())
+def test_what_the_public_metamodel_has_in_the_failure_logic_is_known(name: str) -> None:
+    assert said("f:FailureLogicPackage", f"f:{name}") == []
+
+
+@pytest.mark.parametrize("name", OTHERS.split())
+def test_no_class_of_the_public_metamodel_is_taken_for_a_slip(name: str) -> None:
+    assert not [one for one in said("a:ArgumentPackage", f"a:{name}") if '"M"' in one]
+
+
+@pytest.mark.parametrize(
+    ("model", "hint"),
+    [
+        ("f:FaultTre", "did you mean 'FaultTree'?"),
+        ("MarkovChian", "did you mean 'MarkovChain'?"),
+        ("f:PetriNet", "known are: BayesianNetwork, ConSert, FaultTree, MarkovChain, StateMachine"),
+    ],
+)
+def test_a_model_of_an_unknown_class_is_named(model: str, hint: str) -> None:
+    what = f'failureModels "M" is of the unknown class "{model}", so that nothing is read from it'
+    assert said("f:FailureLogicPackage", model) == [f"5: warning X015 {what} | {hint}"]
+
+
+def test_a_package_of_an_unknown_class_whose_models_are_read_is_named() -> None:
+    (one,) = said("f:BayesianNetworkList", "b:BayesianNetwork")
+    assert one.startswith('4: warning X015 odeProductPackages "P" is of the unknown class')
+    assert "nothing is read" not in one
+
+
+def test_a_package_of_an_unknown_class_is_named() -> None:
+    (one,) = said("f:FailureLogicPakage", "f:FaultTree")
+    assert one.startswith('4: warning X015 odeProductPackages "P" is of the unknown class')
+    assert one.endswith("| did you mean 'FailureLogicPackage'?")

@@ -1,0 +1,139 @@
+"""What an EDDI says around its monitored models: who refers to them, and what observes what."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.links import links_of
+from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.unread import unread
+from eddi_scaffold.monitors.loading import read_models
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.tracing import trace_of
+from eddi_scaffold.platforms import platforms
+from tests.cli.command import ROOT
+
+MODELS = Path(__file__).parent / "models"
+ROVER = (MODELS / "rover_hazards.xml").read_text("utf-8")
+LANDING = (MODELS / "landing.xml").read_text("utf-8")
+TREE = "//@odeProductPackages.2/@failureModels.0"
+
+
+def parsed(text: str) -> EddiDocument:
+    document, _ = read_document(Source("m.xml", text.encode()))
+    assert document is not None
+    return document
+
+
+def linked(text: str) -> dict[str, list[str]]:
+    return {path: [one.name for one in of.links] for path, of in links_of(parsed(text)).items()}
+
+
+def test_a_cause_leads_to_the_hazards_of_its_failure() -> None:
+    """By reference; and by the name, where a cause has no failure."""
+    found = linked(ROVER)
+    assert found[f"{TREE}/@causes.0"] == ["Collision", "R1", "Brake"]
+    assert found[f"{TREE}/@causes.1"] == ["E1", "Effect"]
+
+
+def test_a_claim_rests_on_the_evidence_below_it() -> None:
+    assert linked(ROVER)[TREE] == ["Sn1", "safe"]
+
+
+def test_what_the_design_refers_to_is_no_link() -> None:
+    design = (
+        '<odeProductPackages xsi:type="design_:DesignPackage">'
+        f'<systems name="Rover" model="{TREE}"/></odeProductPackages><assuranceCasePackages'
+    )
+    text = ROVER.replace("<assuranceCasePackages", design, 1)
+    text = text.replace('name="Brake"/>', 'name="Brake" of="//@odeProductPackages.3/@systems.0"/>')
+    assert linked(text) == linked(ROVER)
+
+
+def test_references_by_id_are_links() -> None:
+    text = ROVER.replace('<failures name="F" ', '<failures xmi:id="lost" name="F" ')
+    by_path = f'failures="{TREE}/@failures.0"'
+    assert by_path in text
+    assert linked(text.replace(by_path, 'failures="lost"')) == linked(ROVER)
+
+
+def test_an_event_leads_to_the_hazard_that_it_observes() -> None:
+    """Evidence has the links of the events that its own event is made of."""
+    found = linked(LANDING)
+    events = "//@odeProductPackages.0/@systems.0/@keyValueMaps.0/@values"
+    assert found == {
+        f"{events}.5": ["FallsOnPerson"],
+        f"{events}.4": ["FallsOnPerson"],
+        "//@odeProductPackages.2/@conSerts.0/@runtimeEvidence.0": ["FallsOnPerson"],
+    }
+    models = {model.name: model for model in read_models(Source("l.xml", LANDING.encode())).models}
+    assert {name: len(model.links) for name, model in models.items()} == {
+        "Landing": 1,
+        "motor_watch": 2,
+    }
+
+
+def test_a_guarantee_leads_back_to_its_hazard(tmp_path: Path) -> None:
+    (tmp_path / "landing.xml").write_text(LANDING, "utf-8")
+    monitors, problems = monitors_of(tmp_path / "landing.xml", [])
+    made = assemble(monitors, platforms()["plain"], tmp_path, problems)
+    traces = {one.folder: trace_of(one.answers) for one in made.packages}
+    hazard = "hazards FallsOnPerson (landing.xml:21)"
+    assert f"linked with {hazard} through MotorFit" in traces["landing"].as_text()
+    rows = {row.id: traces["motor_watch"].cells(row) for row in traces["motor_watch"].rows}
+    assert rows.keys() == {"hot", "MotorFit", "temp"}
+    assert len(traces["motor_watch"].rows) == 3
+    assert (rows["hot"][0], rows["hot"][-1]) == ("event", hazard)
+    assert json.loads(json.dumps(traces["landing"].as_json()))["elements"][-1]["links"] == [
+        {
+            "class": "hazards",
+            "name": "FallsOnPerson",
+            "line": 21,
+            "path": "//@odeProductPackages.1/@hazards.0",
+            "through": "MotorFit",
+        }
+    ]
+
+
+def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
+    """As with `guarantee_ids: class`."""
+    monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
+    (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
+    text = str(made.answers["model_json"]).replace(
+        '"guarantee_ids": "source"', '"guarantee_ids": "class"'
+    )
+    assert text != made.answers["model_json"]
+    rows = trace_of({**made.answers, "model_json": text}).rows
+    assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
+
+
+def test_what_refers_to_a_value_of_a_map() -> None:
+    """A map of any key, with nothing in it: there is no name of an event."""
+    values = '<keyValueMaps key="k"><values/></keyValueMaps><failures name="F" '
+    at = f"{TREE}/@keyValueMaps.0/@values.0"
+    text = ROVER.replace('<failures name="F" ', values).replace(
+        'name="R1" ', f'name="R1" of="{at}" '
+    )
+    assert linked(text)[at] == ["R1", "Collision", "Brake"]
+
+
+def test_many_references_are_cut_off() -> None:
+    """An EDDI in which everything refers to everything takes no time for each pair."""
+    every = " ".join(f"//@odeProductPackages.0/@hazards.{k}" for k in range(120))
+    hazards = f'<hazards name="H" all="{every} {TREE}/@failures.0"/>' * 120
+    found = linked(ROVER.replace("<hazards ", f"{hazards}<hazards ", 1))
+    assert max(map(len, found.values())) == 100
+    text = ROVER.replace("<hazards ", f"{hazards}<hazards ", 1)
+    assert {len(one.links) for one in links_of(parsed(text)).values() if one.is_cut} == {100}
+
+
+@pytest.mark.parametrize("name", ["drone/drone.xml", "two-conserts/two_conserts.xml"])
+def test_examples_without_other_packages_have_no_links(name: str) -> None:
+    document = parsed((ROOT / "examples" / name).read_text("utf-8"))
+    assert links_of(document) == {}
+    assert unread(document) == []

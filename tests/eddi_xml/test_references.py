@@ -1,0 +1,131 @@
+from __future__ import annotations
+
+import io
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment, parse_token
+
+
+@pytest.mark.parametrize("text", ["/", "//", "/0", "//0", "///"])
+def test_forms_of_the_root(text: str) -> None:
+    assert parse_fragment(text) == Fragment(0, "")
+
+
+@pytest.mark.parametrize(
+    ("text", "root", "segments"),
+    [
+        ("//@a.0/@b.3", 0, "/@a.0/@b.3"),
+        ("/@a.0", 0, "/@a.0"),
+        ("//@a/@b", 0, "/@a/@b"),
+        ("//@a.0/", 0, "/@a.0"),
+        ("/3/@a.0", 3, "/@a.0"),
+    ],
+)
+def test_fragments(text: str, root: int, segments: str) -> None:
+    assert parse_fragment(text) == Fragment(root, segments)
+    assert parse_token(f"#{text}").fragment == Fragment(root, segments)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "a", "//@a..0", "//@a.0//@b", "//@a[name='x']", "//@a.x", "/topic", "//@a.-1"]
+)
+def test_what_is_no_fragment(text: str) -> None:
+    assert parse_fragment(text) is None
+
+
+def test_other_files_and_ids() -> None:
+    assert parse_token("other.xml#//@a").resource == "other.xml"
+    assert parse_token("_x1").id == "_x1"
+    assert parse_token("#_x1").id == "_x1"
+    assert parse_token("#").id is None
+
+
+def document(text: str) -> EddiDocument:
+    found, _ = read_stream(io.BytesIO(text.encode()), "m.xml")
+    assert found is not None
+    return found
+
+
+def test_several_roots() -> None:
+    doc = document('<X:XMI xmlns:X="http://www.omg.org/XMI"><a><c/></a><b><c/><c/></b></X:XMI>')
+    second = doc.roots[1]
+    assert [doc.references.path(child) for child in second] == ["/1/@c.0", "/1/@c.1"]
+    assert doc.references.resolve(Fragment(1, "/@c.1")) is second[1]
+    assert doc.references.resolve(Fragment(0, "/@c")) is doc.roots[0][0]
+    assert doc.references.resolve(Fragment(2, "")) is None
+    assert "the file has 2 roots" in doc.references.explain(Fragment(2, ""))
+
+
+def test_xmi_ids() -> None:
+    doc = document('<a xmlns:xmi="http://www.omg.org/XMI"><b xmi:id="_1" id="_2"/></a>')
+    assert doc.references.by_id("_1") == [doc.roots[0][0]]
+    assert not doc.references.by_id("_2")
+
+
+def test_an_index_out_of_range_says_the_range() -> None:
+    doc = document("<r><a/><a/></r>")
+    assert doc.references.explain(Fragment(0, "/@a.5")) == (
+        '/ has 2 "a", the index 5 is out of range (0 to 1)'
+    )
+    assert doc.references.explain(Fragment(0, "/@a.1/@b")) == (
+        '//@a.1 has no "b", it has no children'
+    )
+
+
+def test_a_suggestion_only_when_there_is_exactly_one() -> None:
+    one = document("<r><a><b/></a><a><b/><b/></a></r>")
+    assert one.references.explain(Fragment(0, "/@b.1")) == (
+        '/ has no "b", it has "a" (2); did you mean //@a.1/@b.1?'
+    )
+    assert one.references.explain(Fragment(0, "/@b.0")) == '/ has no "b", it has "a" (2)'
+
+
+def test_names_with_points_are_told_from_indices() -> None:
+    doc = document("<r><a.b><c/></a.b><a.0/></r>")
+    assert doc.references.path(doc.roots[0][0][0]) == "//@a.b.0/@c.0"
+    assert doc.references.explain(Fragment(0, "/@c.0")) == (
+        '/ has no "c", it has "a.b" (1) and "a.0" (1); did you mean //@a.b.0/@c.0?'
+    )
+
+
+NAMES = st.sampled_from(["a", "b", "c_", "D", "consert"])
+Tree = tuple[str, list[Any]]
+TREES: st.SearchStrategy[Tree] = st.recursive(
+    st.tuples(NAMES, st.just([])),
+    lambda children: st.tuples(NAMES, st.lists(children, max_size=5)),
+    max_leaves=25,
+)
+
+
+def _text(tree: Tree, prefix: str, noise: str) -> str:
+    name, children = tree
+    inner = noise.join(_text(child, prefix, noise) for child in children)
+    tag = f"{prefix}{name}"
+    return f"<{tag} name={quoteattr(name)}>{noise}{inner}{noise}</{tag}>"
+
+
+@given(TREES)
+def test_the_path_of_an_element_resolves_to_it(tree: Tree) -> None:
+    doc = document(_text(tree, "", ""))
+    for element in doc.roots[0].iter():
+        path = doc.references.path(element)
+        fragment = parse_fragment(path)
+        assert fragment is not None
+        assert doc.references.resolve(fragment) is element
+
+
+@given(TREES)
+def test_prefixes_and_comments_do_not_count(tree: Tree) -> None:
+    plain = document(_text(tree, "", ""))
+    noisy = document(_text(tree, "p:", "<!-- x --><?pi?>\n"))
+    paths = [
+        [doc.references.path(element) for element in doc.roots[0].iter()] for doc in (plain, noisy)
+    ]
+    assert paths[0] == paths[1]

@@ -1,0 +1,230 @@
+"""Loading: what is refused, how it is said, and that no file whatever ends in a traceback."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+from tests.readers.eddi_texts import ROVER, codes, read, texts
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.eddi_xml.parsing import Limits, load
+from eddi_scaffold.eddi_xml.reading import read_document
+
+BOM = b"\xef\xbb\xbf"
+
+
+@pytest.mark.parametrize(
+    ("data", "line", "hint"),
+    [
+        (
+            b'<?xml version="1.0 encoding="UTF-8"?>\n<a/>',
+            """m.xml:1: error X001: not well-formed: String not closed expecting " or '""",
+            "quote missing in the XML declaration",
+        ),
+        (
+            b'<?xml version="1.0"?>\n<a>\n  <b c="1">\n  </d>\n</a>',
+            "m.xml:4: error X001: not well-formed: Opening and ending tag mismatch: b line 3 and d",
+            None,
+        ),
+        (
+            b"<a>\n  <b/>\n",
+            "m.xml:3: error X001: not well-formed: Premature end of data in tag a line 1",
+            "the file is cut off: the end tag of the first element is missing",
+        ),
+        (
+            b'<!-- licence -->\n<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
+            (
+                "m.xml:2: error X001: not well-formed: "
+                "XML declaration allowed only at the start of the document"
+            ),
+            (
+                "the XML declaration must be the first thing in the file; "
+                "move the text before it below it"
+            ),
+        ),
+        (
+            b"<!-- licence -->\n" + BOM + b'<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
+            "m.xml:2: error X001: not well-formed: Start tag expected, '<' not found",
+            (
+                "the XML declaration must be the first thing in the file; "
+                "move the text before it below it"
+            ),
+        ),
+        (
+            b'<a xmlns="drone">\n  <b/>\n</c>',  # the parser warns of the name first
+            "m.xml:3: error X001: not well-formed: Opening and ending tag mismatch: a line 1 and c",
+            None,
+        ),
+        (b"", "m.xml:1: error X001: not well-formed: Document is empty", "the file is empty"),
+        (
+            b"guarantees: []\n",
+            "m.xml:1: error X001: not well-formed: Start tag expected, '<' not found",
+            "this is not an XML file",
+        ),
+        (
+            b'<a b="1" b="2"/>',
+            "m.xml:1: error X001: not well-formed: Attribute b redefined",
+            None,
+        ),
+        (
+            b'<?xml version="1.0" encoding="ASCII"?><a b="\xc3\xa9"/>',
+            "m.xml:1: error X001: not well-formed: Invalid bytes in character encoding",
+            None,
+        ),
+    ],
+)
+def test_not_well_formed(data: bytes, line: str, hint: str | None) -> None:
+    _, problems = read(data)
+    assert texts(problems) == [line]
+    assert problems[0].hint == hint
+    assert problems[0].place.col is not None
+
+
+@pytest.mark.parametrize("value", ['"Arm/>\n<c/>', "'Arm/>\n</a>", '"Arm/>\n'])
+def test_a_quote_that_is_not_closed_is_told_where_it_stands(value: str) -> None:
+    _, problems = read(f'<a xmlns="drone">\n  <b name={value}</a>'.encode())
+    assert [(one.code, one.place.line) for one in problems] == [("X001", 2)]
+    assert problems[0].hint == "close the quote; a `<` in a value is `&lt;`"
+
+
+def _entities(count: int) -> str:
+    names = "".join(
+        f'<!ENTITY e{i} "{f"&e{i - 1};" * 10 if i else "x" * 1000}">' for i in range(count)
+    )
+    return f"<!DOCTYPE r [{names}]>"
+
+
+ATTACKS = {
+    "external entity in text": (
+        b'<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><r>&x;</r>',
+        "X002",
+    ),
+    "external entity in an attribute": (
+        b'<!DOCTYPE r [<!ENTITY x "boo">]><r a="&x;"/>',
+        "X002",
+    ),
+    "parameter entity": (
+        b'<!DOCTYPE r [<!ENTITY % x SYSTEM "http://localhost:1/x.dtd"> %x;]><r/>',
+        "X002",
+    ),
+    "external DTD": (b'<!DOCTYPE r SYSTEM "http://localhost:1/x.dtd"><r/>', "X002"),
+    "empty DOCTYPE": (b"<!DOCTYPE r><r/>", "X002"),
+    "DOCTYPE behind a comment": (b"<!-- c --><?p i?>\n<!DOCTYPE r><r/>", "X002"),
+    "DOCTYPE in UTF-16": ("<!DOCTYPE r><r/>".encode("utf-16"), "X002"),
+    "billion laughs in text": (f"{_entities(12)}<r>&e11;</r>".encode(), "X002"),
+    "billion laughs in an attribute": (f'{_entities(12)}<r a="&e11;"/>'.encode(), "X002"),
+    "quadratic blow-up": (
+        f'<!DOCTYPE r [<!ENTITY x "{"y" * 50_000}">]><r>{"&x;" * 5000}</r>'.encode(),
+        "X002",
+    ),
+    "depth": (b"<a>" * 5000 + b"</a>" * 5000, "X003"),
+    "long attribute": (b'<a b="' + b"x" * 10_500_000 + b'"/>', "X003"),
+    "long text": (b"<a>" + b"x" * 10_500_000 + b"</a>", "X003"),
+    "many attributes": (
+        b"<a><b " + b" ".join(b'a%d=""' % i for i in range(2000)) + b"/></a>",
+        "X003",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_attacks_are_refused(name: str) -> None:
+    data, code = ATTACKS[name]
+    _, problems = read(data)
+    assert [p.code for p in problems] == [code]
+    assert problems[0].level == "error"
+    assert problems[0].place.line is not None
+
+
+def test_a_doctype_far_behind_is_refused_after_parsing() -> None:
+    data = b"<!--" + b"x" * 100_000 + b"-->\n<!DOCTYPE r><r/>"
+    assert [p.code for p in read(data)[1]] == ["X002"]
+
+
+def test_xinclude_is_not_followed() -> None:
+    data = (
+        b'<a xmlns:xi="http://www.w3.org/2001/XInclude"><xi:include href="/etc/passwd" '
+        b'parse="text"/></a>'
+    )
+    document, problems = read_document(Source("m.xml", data))
+    assert document is not None
+    assert problems == []
+    assert not list(document.roots[0].itertext())
+
+
+def test_the_size_is_checked_before_parsing() -> None:
+    tree, problems = load(io.BytesIO(b"<a" * 50), "m.xml", Limits(file_bytes=99))
+    assert tree is None
+    assert texts(problems) == [
+        "m.xml:None: error X003: the size of the file in bytes is 100, more than the limit of 99"
+    ]
+
+
+def test_limits_name_value_and_limit() -> None:
+    data = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1001)) + b"/></r>"
+    assert texts(read(data)[1]) == [
+        "m.xml:2: error X003: the number of attributes is 1001, more than the limit of 1000"
+    ]
+    fewer = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1000)) + b"/></r>"
+    assert read(fewer)[1] == []
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "ascii"])
+def test_encodings_and_byte_order_marks(encoding: str) -> None:
+    name = encoding.removesuffix("-sig").upper()
+    data = ROVER.replace("UTF-8", name, 1).encode(encoding)
+    conserts, problems = read(data)
+    assert problems == []
+    assert conserts == read(ROVER)[0]
+
+
+def test_undeclared_prefixes_are_declared() -> None:
+    text = "<!-- c -->\n<p:r>\n<q:a x:type='q:T' y='1'/>\n<x:b/></p:r>"
+    document, problems = read_document(Source("m.xml", text.encode()))
+    assert document is not None
+    assert sorted(texts(problems)) == [
+        'm.xml:2: warning X005: the prefix "p" is not declared; it is read as if it were',
+        'm.xml:2: warning X005: the prefix "q" is not declared; it is read as if it were',
+        'm.xml:2: warning X005: the prefix "x" is not declared; it is read as if it were',
+    ]
+    assert document.class_of(document.roots[0]).package == "p"
+    assert [document.place(child).line for child in document.roots[0]] == [3, 4]
+
+
+def test_a_warning_of_the_parser_does_not_forbid_undeclared_prefixes() -> None:
+    document, problems = read_document(Source("m.xml", b'<r xmlns="drone">\n<p:a/></r>'))
+    assert document is not None
+    assert codes(problems) == {"X005"}
+
+
+def test_undeclared_xsi_and_xmi_are_the_well_known_ones() -> None:
+    text = ROVER.replace(' xmlns:xmi="http://www.omg.org/XMI"', "").replace(
+        ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"', ""
+    )
+    conserts, problems = read(text)
+    assert codes(problems) == {"X005"}
+    assert conserts == read(ROVER)[0]
+
+
+def test_undeclared_prefixes_do_not_hide_an_error_behind_them() -> None:
+    # libxml2 stops to record errors after 100; trusting its log would accept this file.
+    many = "".join(f"<p{i}:a/>" for i in range(150))
+    _, problems = read(f"<r>{many}\n</s>")
+    assert texts(problems) == [
+        "m.xml:2: error X001: not well-formed: Opening and ending tag mismatch: r line 1 and s"
+    ]
+
+
+def test_a_prefix_in_a_type_only_is_no_error() -> None:
+    text = ROVER.replace(' xmlns:consert_="http://www.deis-project.eu/ode/consert"', "")
+    assert read(text) == read(ROVER)
+
+
+def test_lines_beyond_65535() -> None:
+    text = "<r>\n" + "<a/>\n" * 70_000 + "<b>\n<c/><d>\n\n<e/>\n</d>\n</b>\n</r>"
+    document, _ = read_document(Source("m.xml", text.encode()))
+    assert document is not None
+    b = document.roots[0][-1]
+    lines = [document.place(element).line for element in (b[-1][0], b[-1], b[0], b)]
+    assert lines == [70_005, 70_003, 70_003, 70_002]

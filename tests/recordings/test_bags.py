@@ -1,0 +1,447 @@
+"""A bag gives the verdicts that the node would have published."""
+
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
+from tests.cli.command import ROOT, example, run
+from tests.diagnosed import assert_example
+
+rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
+
+from rosbags.convert.converter import convert  # noqa: E402 - after the check
+from rosbags.rosbag1 import Writer  # noqa: E402 - after the check that it is there
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402 - the same
+
+SECOND = 1_000_000_000
+EVIDENCE = "/rte/e0a"
+DEMAND = "/consertb/guarantees"
+Message = tuple[float, str, str, dict[str, Any]]
+
+
+DEFINITIONS = {
+    "eddi_messages/msg/Guarantee": "string id\nbool active\n",
+    "eddi_messages/msg/ConSertOutput": "eddi_messages/Guarantee[] guarantees\n",
+}
+
+
+def written(
+    path: Path, messages: Sequence[Message], definitions: Mapping[str, str] = DEFINITIONS
+) -> Path:
+    """Write a real bag; times are in seconds after an arbitrary start."""
+    store = get_typestore(Stores.ROS1_NOETIC)
+    for name, text in definitions.items():
+        store.register(get_types_from_msg(text, name))
+    with Writer(path) as writer:
+        connections = {}
+        for t, topic, of, fields in messages:
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, of, typestore=store)
+            values = dict(fields)
+            if "guarantees" in fields:
+                guarantee = store.types["eddi_messages/msg/Guarantee"]
+                values["guarantees"] = [guarantee(*pair) for pair in fields["guarantees"]]
+            if "part" in fields:
+                values["part"] = store.types["my_msgs/msg/Part"](*fields["part"])
+                stamp = store.types["builtin_interfaces/msg/Time"](sec=1, nanosec=2)
+                values["header"] = store.types["std_msgs/msg/Header"](1, stamp, "")
+            message = store.types[of](**values)
+            data = store.serialize_ros1(message, of)
+            writer.write(connections[topic], round((100 + t) * SECOND), data)
+    return path
+
+
+def healthy(t: float, value: bool) -> Message:
+    return (t, EVIDENCE, "std_msgs/msg/Bool", {"data": value})
+
+
+def demand(t: float, active: bool) -> Message:
+    pairs = [("other", True), ("System_A_G0_c2", active)]
+    return (t, DEMAND, "eddi_messages/msg/ConSertOutput", {"guarantees": pairs})
+
+
+def verdicts(folder: Path, *more: str) -> list[tuple[float, str]]:
+    words = ["run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--json"]
+    result = run(*words, *more, cwd=folder)
+    assert result.status == 0, result.err
+    steps = [json.loads(line) for line in result.out.splitlines()]
+    return [(step["t"], "".join("01"[one["active"]] for one in step["outputs"])) for step in steps]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return example(tmp_path)
+
+
+def test_one_step_per_period(folder: Path) -> None:
+    written(
+        folder / "a.bag",
+        [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)],
+    )
+    assert verdicts(folder) == [
+        (0.0, "00"), (0.1, "00"), (0.2, "00"), (0.3, "10"), (0.4, "10"), (0.5, "11"), (0.6, "11"),
+        (0.7, "11"), (0.8, "11"), (0.9, "11"), (1.0, "10"), (1.1, "10"), (1.2, "10"),
+    ]  # fmt: skip
+
+
+def as_ros2(bag: Path, place: Path, storage: str, *, definitions: bool) -> None:
+    convert([bag], place, storage, 8, None, "file", None, None, (), (), (), ())
+    if not definitions:  # as Humble wrote them
+        with closing(sqlite3.connect(place / f"{place.name}.db3")) as base, base:
+            base.execute("DELETE FROM message_definitions")
+
+
+@pytest.mark.parametrize(
+    ("storage", "definitions"), [("mcap", True), ("sqlite3", True), ("sqlite3", False)]
+)
+def test_a_bag_of_ros2_gives_the_same_verdicts(
+    folder: Path, storage: str, definitions: bool
+) -> None:
+    config = folder / "consert_a_config.yml"
+    own = {
+        "my_msgs/msg/Part": "float64 first\nbool ok\n",
+        "my_msgs/msg/Whole": "std_msgs/Header header\nmy_msgs/Part part\n",
+    }
+    types = "MessageTypes:\n  my_msgs/Part: {first: float64, ok: bool}\n"
+    types += "  my_msgs/Whole: {header: Header, part: my_msgs/Part}\n"
+    text = config.read_text().replace("std_msgs.Bool", "my_msgs.Whole")
+    text = text.replace("    max_age: 2.0", "    field: part.ok\n    max_age: 2.0")
+    config.write_text(types + text)
+    messages = [
+        (t, EVIDENCE, "my_msgs/msg/Whole", {"part": (0.5, value)})
+        for t, value in ((0, False), (0.25, True), (0.9, False))
+    ]
+    written(folder / "a.bag", [*messages, demand(0.45, True)], {**DEFINITIONS, **own})
+    expected = verdicts(folder)
+    assert {said for _, said in expected} == {"00", "10", "11"}
+    as_ros2(folder / "a.bag", folder / "ros2", storage, definitions=definitions)
+    (folder / "a.bag").unlink()
+    assert verdicts(folder, "--bag", "ros2") == expected
+
+
+def test_a_folder_with_a_pipe_is_no_bag(folder: Path) -> None:
+    (folder / "ros2").mkdir()
+    os.mkfifo(folder / "ros2" / "metadata.yaml")
+    words = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "ros2")
+    result = run(*words, cwd=folder)
+    assert (result.status, "I011" in result.err) == (2, True)
+
+
+def test_on_change_also_one_step_per_message_and_when_an_age_ends(folder: Path) -> None:
+    config = folder / "consert_a_config.yml"
+    config.write_text(
+        config.read_text().replace("frequency: 10", "frequency: 2\n  mode: on_change")
+    )
+    written(
+        folder / "a.bag",
+        [healthy(0, False), healthy(0.25, True), demand(0.25, True), demand(1.0, False)],
+    )
+    node = [(0.0, "00"), (0.25, "11"), (0.75, "11"), (0.750000001, "10"), (1.0, "10")]
+    assert verdicts(folder) == node
+    assert verdicts(folder, "--steps", "rows") == [(0.0, "00"), (0.25, "11"), (1.0, "10")]
+
+
+def test_a_topic_without_messages_is_said(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(0, True), healthy(0.2, True)])
+    result = run(
+        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--csv"),
+        cwd=folder,
+    )
+    assert result.status == 0
+    assert_example("I013", result.err)
+    assert result.out.splitlines()[-1] == "0.2,true,false"
+
+
+def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(0, True), demand(0, True)])
+    config = folder / "consert_a_config.yml"
+    text = config.read_text().replace("/rte/e0a", "/robot/rte/e0").replace("consertb/g", "consrt/g")
+    config.write_text(text)
+    words = ("run", "two_conserts.xml", "-c", config.name, "--bag", "a.bag", "--csv")
+    result = run(*words, cwd=folder)
+    near = f"{DEMAND} (eddi_messages/ConSertOutput), the bag has {EVIDENCE} (std_msgs/Bool)"
+    assert f"  hint: the bag has {near}\n" in result.err
+
+
+def test_a_topic_of_another_type(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(0, True)])
+    config = folder / "consert_a_config.yml"
+    text = config.read_text().replace("type: std_msgs.Bool", "type: std_msgs.Int8")
+    config.write_text(text)
+    result = run(
+        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
+    )
+    assert result.status == 2
+    assert_example("I012", result.err)
+
+
+def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(0, True), demand(0.0, True), demand(0.2, True)])
+    config = folder / "consert_a_config.yml"
+    config.write_text(
+        config.read_text().replace("    field: guarantees[System_A_G0_c2].active\n", "")
+    )
+    result = run(
+        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--csv"),
+        cwd=folder,
+    )
+    assert_example("I014", result.err)
+    assert result.out.splitlines()[-1] == "0.2,true,false"
+
+
+def test_without_the_extra_it_says_what_to_install(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(folder / "a.bag", [healthy(0, True)])
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag1", None)
+    monkeypatch.delitem(sys.modules, "eddi_scaffold.recordings.bag_files", raising=False)
+    result = run(
+        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
+    )
+    assert result.status == 2
+    assert_example("I010", result.err)
+
+
+OLDER = {"robot_msgs/msg/Battery": "float32 volts\nbool charging\nfloat32[] cells\n"}
+BATTERY = """
+Model: {id: Charge, type: Event, frequency: 2, parameters: [{model: charge.events}]}
+MessageTypes:
+  robot_msgs/Battery: {DECLARED}
+SimulatorOutputs:
+  - {id: battery, type: robot_msgs.Battery, topic: /battery}
+EDDIInputs:
+  - {id: low, type: bool, max_age: 1, INPUT}
+EDDIOutputs:
+  - {id: charge, topic: charge}
+"""
+
+
+def battery(folder: Path, declared: str, text: str) -> Any:
+    """Run a configuration that believes something of a message on a bag that knows it."""
+    (folder / "charge.events").write_text("VAR low : BOOL\nEVENT empty (HAZARD) := low\n")
+    config = BATTERY.replace("{DECLARED}", f"{{{declared}}}").replace("INPUT", text)
+    (folder / "c.yml").write_text(config)
+    fields = {"volts": 11.5, "charging": True, "cells": np.zeros(3, np.float32)}
+    rows = [(t, "/battery", "robot_msgs/msg/Battery", fields) for t in (0.0, 0.5)]
+    written(folder / "a.bag", rows, OLDER)
+    return run("run", "c.yml", "--bag", "a.bag", cwd=folder)
+
+
+@pytest.mark.parametrize(
+    ("declared", "text", "place", "words"),
+    [
+        (
+            "voltage: float32, charged: bool",
+            "requires: [battery], field: charged",
+            "c.yml:8:",
+            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
+        ),
+        (
+            "voltage: float32, charging: bool",
+            'expression: "battery.voltage < 12 AND battery.charging"',
+            "c.yml:8:",
+            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'voltage'",
+        ),
+        (
+            "charged: bool",  # the only field needs no `field:`
+            "requires: [battery]",
+            "c.yml:8:",
+            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
+        ),
+        (
+            "volts: bool",
+            "requires: [battery], field: volts",
+            "c.yml:8:",
+            "robot_msgs/Battery in the bag: 'volts' is a float, the input a bool",
+        ),
+    ],
+)
+def test_the_definitions_of_the_bag_are_the_ones_that_count(
+    tmp_path: Path, declared: str, text: str, place: str, words: str
+) -> None:
+    result = battery(tmp_path, declared, text)
+    assert (result.status, result.out) == (2, "")
+    assert words in result.err
+    assert "[I017]" in result.err
+    assert place in result.err
+
+
+def test_the_definitions_of_the_bag_are_told(tmp_path: Path) -> None:
+    text = "requires: [battery], field: charged"
+    assert_example("I017", battery(tmp_path, "voltage: float32, charged: bool", text).err)
+
+
+@pytest.mark.parametrize(
+    "text", ["requires: [battery], field: charging", 'expression: "battery.volts < 12"']
+)
+def test_fields_that_the_bag_has_are_read(tmp_path: Path, text: str) -> None:
+    result = battery(tmp_path, "volts: float32, charging: bool", text)
+    assert result.status == 0, result.err
+    assert result.out.splitlines() == ["     0.000  empty active"]
+
+
+def test_what_the_bag_knows_is_not_called_unchecked(tmp_path: Path) -> None:
+    battery(tmp_path, "", "requires: [battery], field: charging")
+    config = tmp_path / "c.yml"
+    config.write_text(config.read_text().replace("MessageTypes:\n  robot_msgs/Battery: {}\n", ""))
+    result = run("check", "c.yml", cwd=tmp_path)
+    assert "[K039]" in result.err
+    result = run("run", "c.yml", "--bag", "a.bag", cwd=tmp_path)
+    assert (result.status, "unchecked" in result.err) == (0, False)
+
+
+def test_the_parts_of_a_time_are_called_as_on_the_robot(tmp_path: Path) -> None:
+    (tmp_path / "late.events").write_text("VAR s : NUMBER\nEVENT late (HAZARD) := s > 5\n")
+    (tmp_path / "c.yml").write_text(
+        "Model: {id: Late, type: Event, frequency: 2, parameters: [{model: late.events}]}\n"
+        "SimulatorOutputs: [{id: head, type: std_msgs.Header, topic: /head}]\n"
+        "EDDIInputs:\n"
+        "  - {id: s, type: float, requires: [head], field: stamp.secs, max_age: 1}\n"
+        "EDDIOutputs: [{id: late, topic: late}]\n"
+    )
+    store = get_typestore(Stores.ROS1_NOETIC)
+    stamp = store.types["builtin_interfaces/msg/Time"](sec=7, nanosec=0)
+    fields = {"seq": 0, "stamp": stamp, "frame_id": "x"}
+    written(tmp_path / "a.bag", [(0.0, "/head", "std_msgs/msg/Header", fields)])
+    result = run("run", "c.yml", "--bag", "a.bag", cwd=tmp_path)
+    assert result.out.splitlines() == ["     0.000  late active"], result.err
+
+
+BOTH = ("two_conserts.xml", "-c", "consert_a_config.yml", "-c", "consert_b_config.yml")
+
+
+def evidence_b(t: float, value: bool) -> Message:
+    return (t, "/rte/e0b", "std_msgs/msg/Bool", {"data": value})
+
+
+def told(out: str) -> list[tuple[float, str, str]]:
+    """Return time, monitor and its guarantees of each line."""
+    lines = [line.split(maxsplit=2) for line in out.splitlines()]
+    return [
+        (
+            float(t),
+            name.rstrip(":"),
+            "".join("01"[w == "active"] for w in rest.split() if "act" in w),
+        )
+        for t, name, rest in lines
+    ]
+
+
+@pytest.mark.parametrize("words", [BOTH, tuple(word for word in BOTH if word != "-c")])
+def test_a_monitor_receives_what_another_one_publishes(folder: Path, words: Sequence[str]) -> None:
+    rows = [healthy(k / 10, True) for k in range(40)]
+    rows += [evidence_b(k / 10, True) for k in range(10)]  # then its source falls silent
+    written(folder / "a.bag", sorted(rows))
+    result = run("run", *words, "--bag", "a.bag", cwd=folder)
+    assert result.status == 0, result.err
+    assert told(result.out) == [
+        (0.0, "ConSertB", "1"), (0.0, "ConSertA", "11"), (3.0, "ConSertB", "0"),
+        (3.0, "ConSertA", "10"),
+    ]  # fmt: skip
+
+
+def test_what_a_monitor_here_publishes_is_not_taken_from_the_bag(folder: Path) -> None:
+    rows = [healthy(0, True), evidence_b(0, False), demand(0, True), healthy(0.2, True)]
+    written(folder / "a.bag", rows)
+    result = run("run", *BOTH, "--bag", "a.bag", "--json", "-v", cwd=folder)
+    assert_example("I018", result.err)
+    steps = [json.loads(line) for line in result.out.splitlines()]
+    assert [(step["t"], step["monitor"]) for step in steps] == [
+        (t, name) for t in (0.0, 0.1, 0.2) for name in ("ConSertB", "ConSertA")
+    ]
+    assert not any(o["active"] for step in steps for o in step["outputs"] if o["id"].endswith("G1"))
+
+
+def test_each_steps_at_its_own_rhythm_and_at_once_for_what_another_says(folder: Path) -> None:
+    a, b = folder / "consert_a_config.yml", folder / "consert_b_config.yml"
+    a.write_text(a.read_text().replace("frequency: 10", "frequency: 0.1\n  mode: on_change"))
+    b.write_text(b.read_text().replace("frequency: 10", "frequency: 2"))
+    written(folder / "a.bag", [healthy(0.0, True), evidence_b(0.1, True), healthy(1.2, True)])
+    result = run("run", *BOTH, "--bag", "a.bag", "--json", cwd=folder)
+    steps = [json.loads(line) for line in result.out.splitlines()]
+    assert [(step["t"], step["monitor"][-1]) for step in steps] == [
+        (0.0, "B"), (0.0, "A"), (0.5, "B"), (0.5, "A"), (1.0, "B"), (1.0, "A"), (1.2, "A"),
+        (1.5, "B"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        ((*BOTH, "--inputs", "recording.csv"), "G020"),
+        ((*BOTH, "--bag", "a.bag", "--csv"), "G020"),
+        (("two_conserts.xml", "--bag", "a.bag"), "G005"),
+    ],
+)
+def test_what_several_monitors_cannot_do(folder: Path, words: Sequence[str], code: str) -> None:
+    written(folder / "a.bag", [healthy(0, True), evidence_b(0, True)])
+    result = run("run", *words, cwd=folder)
+    assert (result.status, result.out) == (2, "")
+    assert f"[{code}]" in result.err
+
+
+def test_an_event_on_the_motor_is_the_evidence_of_a_consert(tmp_path: Path) -> None:
+    for file in (ROOT / "examples" / "motor-watch").glob("*.*"):
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    rows: list[Message] = []
+    for k in range(60):
+        rows.append((k / 10, "/motor/temperature", "std_msgs/msg/Float32", {"data": 40.0}))
+        rows.append((k / 10, "/motor/current", "std_msgs/msg/Float32", {"data": 2.0}))
+    rows.append((7.0, "/elsewhere", "std_msgs/msg/Bool", {"data": True}))  # the bag goes on
+    written(tmp_path / "a.bag", rows)
+    words = ("drive.yml", "-c", "drive_config.yml", "-c", "motor_config.yml")
+    result = run("run", *words, "--bag", "a.bag", "--json", cwd=tmp_path)
+    assert result.status == 0, result.err
+    steps = [json.loads(line) for line in result.out.splitlines()]
+    fit = {s["t"]: s["outputs"][0]["active"] for s in steps if s["monitor"] == "motor_watch"}
+    full = {
+        s["t"]: next(o["active"] for o in s["outputs"] if o["id"] == "FullSpeed")
+        for s in steps
+        if s["monitor"] == "drive"
+    }
+    assert full == fit
+    assert fit[5.0]
+    assert not fit[6.5]  # the motor is silent
+
+
+def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:
+    written(folder / "a.bag", [healthy(t, True) for t in (0.0, 0.1, 0.2, 0.5)] + [demand(0, True)])
+    words = ("connect", "two_conserts.xml", "--name", "ConSertA", "-o", "consert_a_config.yml")
+    config = folder / "consert_a_config.yml"
+    text = config.read_text("utf-8")
+    config.write_text(text.replace("max_age: 2.0 ", "max_age: TODO "), "utf-8")
+    assert run(*words, "--bag", "a.bag", cwd=folder).status == 0
+    assert "    max_age: 0.36  # 4 messages of a.bag\n" in config.read_text("utf-8")
+    before = config.read_bytes()
+    (folder / "a.bag").write_bytes(b"#ROSBAG V2.0\nno bag")
+    assert run(*words, "--bag", "a.bag", cwd=folder).status == 2
+    assert config.read_bytes() == before
+
+
+def test_the_topics_of_a_bag_are_candidates(tmp_path: Path) -> None:
+    (tmp_path / "low.events").write_text(
+        "VAR battery_level : NUMBER\nEVENT Low (HAZARD) := battery_level < 0.2\n"
+    )
+    level = "my_msgs/msg/Charge"
+    rows: list[Message] = [(k / 10, "/battery", level, {"level": 0.5}) for k in range(9)]
+    definitions = {**DEFINITIONS, level: "float32 level\n"}
+    written(tmp_path / "a.bag", [*rows, demand(0, True)], definitions)
+    words = ("connect", "low.events", "--bag", "a.bag", "-o", "c.yml")
+    assert run(*words, cwd=tmp_path).status == 0
+    first = (tmp_path / "c.yml").read_text()
+    topic = "  - id: battery\n    type: my_msgs.Charge\n    topic: /battery\nEDDIInputs:\n"
+    assert f"SimulatorOutputs:\n{topic}" in first  # and what a monitor said is no topic of a robot
+    assert "    requires: [battery]\n    field: level\n    max_age: 0.25  # 9 messages" in first
+    assert run(*words, cwd=tmp_path).status == 0
+    assert (tmp_path / "c.yml").read_text() == first

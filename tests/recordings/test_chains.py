@@ -1,0 +1,92 @@
+"""Recordings through several monitors: what is true, known to be false, and unknown at each.
+
+The oracle's sentences (`text`, `first`) are not looked at.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from tests.replay.full_form import full_form
+
+from eddi_scaffold.common.claims import State
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.recordings.csv_recording import Sample, Tape
+from eddi_scaffold.recordings.messages import Publications, blank
+from eddi_scaffold.recordings.parts import of_messages, rhythm
+from eddi_scaffold.recordings.playing import Part, play
+
+ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
+CASES = {case["id"]: case for case in yaml.safe_load(ORACLE.read_text("utf-8"))["cases"]}
+VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown": "unknown"}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_values(name: str, tmp_path: Path) -> None:
+    case = CASES[name]
+    for file, text in case["files"].items():
+        written = full_form(text) if text.startswith("evidence:") else text
+        (tmp_path / file).write_text(written, encoding="utf-8")
+    monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
+    parts = of_messages(monitors, [rhythm(one) for one in monitors])
+    by_name = {one.id: one for one in monitors}
+    values: dict[tuple[int, str], Mapping[str, str]] = {}
+    for part, frame in play(parts, _tape(case["samples"], monitors)):
+        id_ = part.name or monitors[0].id
+        values[round(frame.t * 1000), id_] = dict(_values(by_name[id_], part, frame.output))
+    wanted = {(round(w["t"] * 1000), w["monitor"], w["claim"]): w["value"] for w in case["wants"]}
+    assert {key: values[key[:2]][key[2]] for key in wanted} == wanted
+
+
+def _tape(samples: str, monitors: list[BoundMonitor]) -> Tape:
+    types = {
+        monitor.topic(source.topic): source.type
+        for monitor in monitors
+        for binding in monitor.inputs
+        for source in binding.requires
+    }
+    found: list[Sample] = []
+    rows = [*csv.DictReader(samples.splitlines())]
+    times = [round(float(row["t"]) * 1000) * 1_000_000 for row in rows]
+    for t, row in zip(times, rows, strict=True):
+        for topic, cell in row.items():
+            if topic != "t" and cell:
+                message = blank(types[topic])
+                message.data = _value(types[topic], cell)
+                found.append(Sample(t, topic, message))
+    return Tape(times[0], times[-1], tuple(found), tuple(times))
+
+
+def _value(message_type: str, cell: str) -> Any:
+    if message_type.endswith("MultiArray"):
+        return [float(one) for one in cell.split()]
+    if message_type.endswith("String"):
+        return cell
+    if message_type.endswith("Bool"):
+        return cell == "true"
+    return int(cell) if "Int" in message_type else float(cell)
+
+
+def _values(monitor: BoundMonitor, part: Part, output: Any) -> Iterator[tuple[str, str]]:
+    """Yield each claim and its value, as the messages of a step tell them."""
+    if monitor.kind.name == "event":  # of a HAZARD its absence
+        hazards = {one.id for one in part.running.events if one.hazard}
+        for row in output:
+            truth = row["verdict"] if row["id"] not in hazards else _not(row["verdict"])
+            yield row["id"], {True: "true", False: "false", None: "unknown"}[truth]
+        return
+    publisher = Publications(monitor, monitor.topic)
+    for _, message in publisher.messages(part.running, output, publisher.topics):
+        listen = monitor.kind.verdicts.get(message.message_type.partition("/")[2])
+        for one in listen(message).verdicts if listen is not None else ():
+            yield one.id, VALUES[one.state]
+
+
+def _not(truth: bool | None) -> bool | None:
+    return None if truth is None else not truth

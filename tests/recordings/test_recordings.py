@@ -1,0 +1,225 @@
+"""Recorded inputs: what is read, what is wrong with it, and how it is played."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.kinds import ModelInput
+from eddi_scaffold.monitors.binding import InputBinding, by_value
+from eddi_scaffold.recordings.csv_recording import MAX_PROBLEMS, read_recording, tape_of
+from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
+from eddi_scaffold.recordings.playing import ROWS, Part
+from eddi_scaffold.recordings.playing import play as played
+from runtime_lib.tests.documents import active, categorical, monitor, numeric
+
+TYPES = {"e": "bool", "speed": "float", "front left": "str", "n": "int"}
+
+
+def read(text, types=TYPES):
+    data = text if isinstance(text, bytes) else text.encode()
+    return read_recording(Source("r.csv", data), types)
+
+
+def found(text, types=TYPES):
+    recording, problems = read(text, types)
+    assert (recording is None) == any(p.level == "error" for p in problems)
+    return [
+        f"{p.place.line}:{p.place.col}: {p.code} {p.message}" for p in problems if p.code != "I004"
+    ]
+
+
+def test_cells_by_type():
+    recording, problems = read(
+        "\ufefft, e ,speed,front left,n\r\n"
+        "0,true,1.5,near,7\r\n"
+        '\r\n0.5,0,-inf,"a, ""b"" ",-3\r\n'
+        '1e0,FALSE,nan,"",\r\n'
+        "2,,,,\r\n"
+    )
+    assert problems == []
+    rows = [(row.t, row.line, dict(row.samples)) for row in recording.rows]
+    assert recording.inputs == ("e", "speed", "front left", "n")
+    assert rows[0] == (0.0, 2, {"e": True, "speed": 1.5, "front left": "near", "n": 7})
+    minus = float("-inf")
+    assert rows[1] == (0.5, 4, {"e": False, "speed": minus, "front left": 'a, "b" ', "n": -3})
+    assert rows[2][2]["front left"] == ""
+    assert rows[2][2]["speed"] != rows[2][2]["speed"]
+    assert rows[3] == (2.0, 6, {})
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("", ["1:1: I001 the file is empty: a header line with a column t is missing"]),
+        ("\n e \n", ["2:1: I001 the header has no column t (time in seconds)"]),
+        ("Time,e\n0,1\n", ["1:1: I001 the header has no column t (time in seconds)"]),
+        ("t;e\n0;1\n", ["1:2: I001 cells are separated by semicolons, commas are expected"]),
+        ("t\te\n0\t1\n", ["1:2: I001 cells are separated by tabs, commas are expected"]),
+        (b"t,e\n0,\xff\n", ["2:3: I001 the file is not UTF-8 text"]),
+        ("t,e,e\n", ["1:5: I002 the column 'e' is repeated"]),
+        ("t,e,t\n", ["1:5: I002 the column 't' is repeated"]),
+        ("t,e, Speed\n", ["1:6: I003 no input has the id 'Speed'"]),
+        ("t,\n", ["1:3: I003 no input has the id ''"]),
+        ("t,e\n0\n", ["2:1: I005 1 cells, but the header has 2 columns"]),
+        ("t,e\n0,1,\n", ["2:1: I005 3 cells, but the header has 2 columns"]),
+        (
+            "t,e,n\n0, yes,1.5\n",
+            [
+                "2:4: I006 cannot read 'yes': expected true, false, 1, 0, or nan for unknown",
+                "2:8: I006 cannot read '1.5': expected a whole number, or nan for unknown",
+            ],
+        ),
+        (
+            "t,speed\n0,1_0\n",
+            ["2:3: I006 cannot read '1_0': expected a number, or nan for unknown"],
+        ),
+        ("t,e\n,1\n", ["2:1: I007 the time '' is not a number of seconds"]),
+        ("t,e\ninf,1\n", ["2:1: I007 the time 'inf' is not a number of seconds"]),
+        ("t,e\nNaN,1\n", ["2:1: I007 the time 'NaN' is not a number of seconds"]),
+        ("t,e\n1e10,1\n", ["2:1: I007 the time 1e10 is out of range: at most 9e9 seconds"]),
+        ("t,e\n-1e300,1\n", ["2:1: I007 the time -1e300 is out of range: at most 9e9 seconds"]),
+        ("t,e\n\n", ["1:1: I015 there are no rows below the header: nothing can be played"]),
+        (
+            "t,e\n1,1\n1.0,1\n2,1\n0,1\n",
+            [
+                "3:1: I008 the time 1.0 is not after the previous one, 1",
+                "5:1: I008 the time 0 is not after the previous one, 2",
+            ],
+        ),
+        ('t,e\n0,"true\n', ["2:3: I009 this quoted cell is not closed properly"]),
+        ('t,e\n0,"1"x\n', ["2:3: I009 this quoted cell is not closed properly"]),
+    ],
+)
+def test_problems(text, wanted):
+    assert found(text) == wanted
+
+
+def test_hints_excerpts_and_missing_columns():
+    _, problems = read("t,Speed\n")
+    assert problems[0].hint == "did you mean 'speed'?"
+    assert problems[0].excerpt == "t,Speed"
+    warnings = [p for p in problems if p.code == "I004"]
+    assert [p.message for p in warnings][:2] == [
+        "there is no column for the input 'e': it never gets a sample",
+        "there is no column for the input 'speed': it never gets a sample",
+    ]
+
+
+def test_many_problems_are_cut():
+    _, problems = read("t,e,speed,front left,n\n" + "x,y\n" * 1000)
+    assert len(problems) == MAX_PROBLEMS + 1
+    assert problems[-1].message == f"... and {1000 - MAX_PROBLEMS} more problems from here on"
+    assert problems[-1].place.line == MAX_PROBLEMS + 2
+
+
+@pytest.mark.parametrize("text", ["nan", "NaN", "NAN"])
+def test_not_a_number_is_unknown_in_every_case(text):
+    types = {"e": "bool", "speed": "float", "n": "int", "list": "bool[]", "name": "str"}
+    recording, problems = read(
+        f"t,e,speed,n,list,name\n0,{text},{text},{text},true {text},{text}\n1,1,2,3,{text},\n",
+        types,
+    )
+    assert problems == []
+    first, second = recording.rows
+    unknown = [first.samples[name] for name in ("e", "speed", "n")]
+    unknown += [first.samples["list"][1], second.samples["list"]]
+    assert all(value != value for value in unknown)  # noqa: PLR0124 - NaN
+    assert first.samples["list"][0] is True
+    assert first.samples["name"] == text
+
+
+def test_an_unknown_sample_takes_the_place_of_the_one_before():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"default": True}})
+    text = "t,e\n0,\n1,nan\n2,true\n3,NaN\n4,\n5,true\n"
+    wanted = [(0, ["G"]), (1, []), (2, ["G"]), (3, []), (4, []), (5, ["G"])]
+    assert play(made, text, {"e": "bool"}) == wanted
+    assert made.faults() == {}
+
+
+def test_an_input_may_be_called_t():
+    recording, problems = read("t,t\n3,true\n", {"t": "bool"})
+    assert problems == []
+    assert recording.rows[0].samples == {"t": True}
+
+
+def test_long_lines_of_blanks_are_read_in_no_time():
+    assert len(found("t,e\n" + " " * 200_000 + '"x\n')) == 1
+
+
+def frames(made, text, types):
+    """Play a recording to a monitor of which there are no files, one step per row."""
+    recording, _ = read(text, types)
+    bindings = [
+        by_value(InputBinding(ModelInput(spec.id, types[spec.id]), spec.attribute))
+        for spec in made.inputs
+    ]
+    topics = {spec.id: [spec.id] for spec in made.inputs}
+    part = Part("", made, ReplayedNode(GivenInput(bindings), made), ROWS, topics, {})
+    return (frame for _, frame in played([part], tape_of(recording)))
+
+
+def play(made, text, types):
+    return [(frame.t, active(frame.output)) for frame in frames(made, text, types)]
+
+
+def test_samples_hold_until_they_are_too_old():
+    made = monitor(
+        ["e"], ["d"], guarantees=["G"], edges=["e>G", "d>G"], specs={"d": {"max_age": 0.5}}
+    )
+    text = "t,d,e\n0,,\n0.2,true,\n0.3,,true\n0.7,,\n0.71,,\n1,true,\n1.1,,false\n"
+    types = {"e": "bool", "d": "bool"}
+    wanted = [(0, []), (0.2, []), (0.3, ["G"]), (0.7, ["G"]), (0.71, []), (1, ["G"]), (1.1, [])]
+    assert play(made, text, types) == wanted
+    assert play(made, text, types) == wanted
+
+
+def test_reasons_while_playing():
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"max_age": 1}})
+    played_rows = frames(made, "t,e\n0,\n1,true\n3.5,\n", {"e": "bool"})
+    reasons = [dict(made.reasons()) for _ in played_rows]
+    assert reasons[0]["e"] == ("missing", "no message of e")
+    assert reasons[1] == {}
+    assert reasons[2]["e"] == ("stale", "the last message is 2.5 s old, the limit is 1 s")
+
+
+def test_defaults_hold_before_the_first_sample_only():
+    specs = {"x": {"default": 3.0, "max_age": 1}, "c": {"default": "ok"}}
+    made = monitor(
+        [("x", numeric("[0, 5]")), ("c", categorical("ok"))],
+        guarantees=["G"],
+        edges=["x>G", "c>G"],
+        specs=specs,
+    )
+    types = {"x": "float", "c": "str"}
+    text = "t,x,c\n0,,\n1,4,\n2.5,,\n3,nan,\n4,5,bad\n"
+    assert play(made, text, types) == [(0, ["G"]), (1, ["G"]), (2.5, []), (3, []), (4, [])]
+
+
+def test_ids_that_are_no_identifiers():
+    specs = {"front left": {"attribute": "front_left"}, "_ages": {}}
+    made = monitor(
+        ["front left", "_ages"],
+        guarantees=["G"],
+        edges=[("front left", "G"), ("_ages", "G")],
+        specs=specs,
+    )
+    types = {"front left": "bool", "_ages": "bool"}
+    assert play(made, "t,front left,_ages\n0,1,0\n1,,1\n", types) == [(0, []), (1, ["G"])]
+
+
+@given(st.text(alphabet='t,e"\n\r \t01.-nx', max_size=60))
+def test_any_text_gives_problems_or_a_recording(text):
+    recording, problems = read(text, {"e": "bool"})
+    assert (recording is None) == any(p.level == "error" for p in problems)
+    assert all(p.place.line and p.place.col for p in problems)
+    if recording is not None:
+        assert [row.t for row in recording.rows] == sorted(row.t for row in recording.rows)
+
+
+@given(st.binary(max_size=40))
+def test_any_bytes_give_problems_or_a_recording(data):
+    recording, problems = read(data, TYPES)
+    assert (recording is None) == any(p.level == "error" for p in problems)

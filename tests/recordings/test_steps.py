@@ -1,0 +1,72 @@
+"""When the node of a recording steps: by its period, at changes, and when an age ends."""
+
+from __future__ import annotations
+
+import pytest
+
+from eddi_scaffold.recordings.playing import ROWS, Rhythm, Steps, rhythm_of
+
+SECOND = 1_000_000_000
+
+
+def times(rhythm, rows, limits=None, start=0, end=None):
+    """Return the times of the steps on rows of (t, source), in nanoseconds."""
+    waiting = list(rows)
+    steps = Steps(rhythm, limits or {}, start, rows[-1][0] if end is None else end)
+    found = []
+    while True:
+        due = [t for t in (steps.due(), waiting[0][0] if waiting else None) if t is not None]
+        if not due:
+            return found
+        t = min(due)
+        while waiting and waiting[0][0] <= t:
+            at, source = waiting.pop(0)
+            steps.received(at, source)
+            steps.changed(at)
+        due_now = steps.due()
+        if due_now is not None and due_now <= t:
+            found.append(t)
+            steps.stepped(t)
+
+
+def test_a_rate_is_a_grid_from_the_start_that_does_not_drift() -> None:
+    found = times(rhythm_of(3, "rate"), [(7, "a"), (SECOND, "a"), (2 * SECOND + 7, "a")], start=7)
+    assert found == [7, 333333340, 666666674, SECOND + 7, 1333333340, 1666666674, 2 * SECOND + 7]
+
+
+def test_what_came_between_two_steps_at_the_end_is_still_seen() -> None:
+    rate = Rhythm(100, on_change=False)
+    assert times(rate, [(0, "a"), (150, "a")]) == [0, 100, 200]
+    assert times(rate, [(0, "a"), (200, "a")]) == [0, 100, 200]
+    assert times(rate, [(5, "a")], start=5) == [5]
+
+
+def test_on_change_steps_at_rows_by_period_and_when_an_age_ends() -> None:
+    rhythm = Rhythm(100, on_change=True)
+    assert times(rhythm, [(0, "a"), (30, "a"), (250, "a")]) == [0, 30, 130, 230, 250]
+    slow = Rhythm(1000, on_change=True)
+    rows = [(0, "a"), (10, "b"), (30, "a"), (250, "b")]
+    assert times(slow, rows, {"a": [40], "b": [200, 500]}) == [0, 10, 30, 71, 211, 250]
+
+
+def test_an_age_that_ends_after_the_recording_is_not_seen() -> None:
+    slow = Rhythm(1000, on_change=True)
+    assert times(slow, [(0, "a"), (10, "a")], {"a": [50]}) == [0, 10]
+
+
+def test_rows_alone_are_steps_where_that_is_asked_for() -> None:
+    assert times(ROWS, [(3, "a"), (5, "b"), (900, "a")], {"a": [1]}, start=3) == [3, 5, 900]
+
+
+@pytest.mark.parametrize("mode", ["rate", "on_change"])
+def test_nothing_comes_for_long(mode: str) -> None:
+    """The outage is seen in both modes: there are steps in the gap."""
+    found = times(rhythm_of(1, mode), [(0, "a"), (10 * SECOND, "a")], {"a": [2 * SECOND]})
+    assert any(2 * SECOND < t <= 3 * SECOND for t in found)
+
+
+@pytest.mark.parametrize("mode", ["rate", "on_change"])
+def test_the_grid_is_exact_also_where_a_float_is_not(mode: str) -> None:
+    start = 1_700_000_000_070_000_001
+    wanted = [start + k * 100_000_000 for k in range(30)]
+    assert times(rhythm_of(10, mode), [(start, "a"), (wanted[-1], "a")], start=start) == wanted

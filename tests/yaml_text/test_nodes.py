@@ -1,0 +1,344 @@
+"""YAML nodes: positions, what a plain scalar means in 1.2 and 1.1, limits, and writing."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.yaml_text import nodes as y
+
+
+def read(text, code="Y001"):
+    data = text if isinstance(text, bytes) else text.encode()
+    return y.read_document(Source("f.yml", data), code)
+
+
+def plain(text):
+    node, problems = read(f"[ {text} ]" if text else "[ '', ]")
+    assert problems == []
+    return node.items[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("0x" + "f" * 20_000, "0b" + "1" * 20_000, "0" + "7" * 20_000, "9" * 20_000),
+        *("1" + ":59" * 20_000, "1" + ":59" * 20_000 + ".5", "1." + "9" * 20_000),
+    ],
+    ids=["hex", "binary", "octal", "decimal", "sexagesimal", "sexagesimal float", "float"],
+)
+def test_a_number_of_thousands_of_digits_is_a_text(text):
+    assert y.value_11(plain(text)) == text
+    assert y.value_12(plain(text)) == text
+
+
+def test_every_key_and_value_has_its_place():
+    node, problems = read("a: 1\nb:\n  - x\n  - {c: 'd'}\n")
+    assert problems == []
+    assert node.keys() == ["a", "b"]
+    (_, one), (key_b, items) = node.entries
+    assert (one.place.file, one.place.line, one.place.col) == ("f.yml", 1, 4)
+    assert (key_b.place.line, items.place.line, items.place.col) == (2, 3, 3)
+    entry = items.items[1].entries[0]
+    assert (entry[0].place.col, entry[1].place.col, entry[1].plain) == (6, 9, False)
+    assert node.get("b") is items
+    assert node.get("z") is None
+
+
+def test_columns_count_characters_and_a_byte_order_mark_counts_nothing():
+    node, _ = read("\ufeff\u00fc: \u00e4\n".encode())
+    key, value = node.entries[0]
+    assert (key.place.col, value.place.col) == (1, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "text_12", "number", "value_11"),
+    [
+        ("on", "on", None, True),
+        ("No", "No", None, False),
+        ("1:30", "1:30", None, 90),
+        ("0x10", "0x10", 16.0, 16),
+        ("2022-09-20", "2022-09-20", None, "2022-09-20"),
+        ("1.50", "1.50", 1.5, 1.5),
+        ("1e3", "1e3", 1000.0, "1e3"),
+        ("-.5", "-.5", -0.5, "-.5"),
+        ("0o7", "0o7", 7.0, "0o7"),
+        ("1_000", "1_000", None, 1000),
+        ("07", "07", None, 7),
+        ("+5", "+5", 5.0, 5),
+        (".inf", ".inf", math.inf, math.inf),
+        ("-.INF", "-.INF", -math.inf, -math.inf),
+        ("null", None, None, None),
+        ("~", None, None, None),
+        ("=", "=", None, "="),
+        ("<<", "<<", None, "<<"),
+        ("1e999", "1e999", None, "1e999"),
+        ("1e-999", "1e-999", None, "1e-999"),
+        ("0e-999", "0e-999", 0.0, "0e-999"),
+        ("0b_", "0b_", None, "0b_"),
+    ],
+)
+def test_what_a_plain_scalar_means(text, text_12, number, value_11):
+    node = plain(text)
+    assert node.plain
+    assert y.as_text(node) == text_12
+    found = y.as_number(node)
+    assert (None if found is None else found.value) == number
+    assert y.value_11(node) == value_11
+    assert type(y.value_11(node)) is type(value_11)
+
+
+@pytest.mark.parametrize("text", ["'on'", '"1"', "!!str 5", "''", "'null'"])
+def test_quoted_scalars_are_text(text):
+    node = plain(text)
+    assert not node.plain
+    assert y.as_number(node) is None
+    assert y.as_bool(node) is None
+    assert y.as_integer(node) is None
+    assert not y.is_null(node)
+    assert isinstance(y.value_11(node), str)
+
+
+def test_nan_keeps_its_sort():
+    assert math.isnan(y.as_number(plain(".nan")).value)
+
+
+@pytest.mark.parametrize(
+    ("text", "differs"),
+    [("on", True), ("1e3", True), ("010", True), ("12:30", True), ("1_0", True), ("n", False)]
+    + [(text, False) for text in ("1", "1.5", "true", "x", "~", "'on'", "0x1F", ".inf")],
+)
+def test_scalars_that_the_versions_take_differently(text, differs):
+    assert y.differs_between_versions(plain(text)) is differs
+
+
+@pytest.mark.parametrize(
+    ("text", "written"),
+    [
+        ("1e-9", "1.0e-9"),
+        ("5E-1", "0.5"),
+        ("1e1", "10"),
+        ("1e9", "1000000000"),
+        ("-1e10", "-1.0e+10"),
+        ("-.5", "-0.5"),
+        ("1.5e3", "1500"),
+    ]
+    + [(text, None) for text in ("0o7", "1e999", "on", "'1e3'", "=", ".", "e5", "1e-999")],
+)
+def test_a_number_that_both_versions_read(text, written):
+    assert y.number_for_11(plain(text)) == written
+    if written is not None:
+        assert y.value_11(plain(written)) == y.as_number(plain(text)).value
+
+
+def test_integers_and_booleans():
+    assert y.as_integer(plain("-12")) == -12
+    assert [y.as_integer(plain(text)) for text in ("1.0", "0x1", "9" * 30)] == [None] * 3
+    assert [y.as_bool(plain(text)) for text in ("true", "FALSE", "yes")] == [True, False, None]
+
+
+BAD = {
+    "": (1, 1, "the file contains no document"),
+    "# only a remark\n": (1, 1, "the file contains no document"),
+    "a: 1\n---\nb: 1\n": (2, 1, "the file contains more than one document"),
+    "a: b: c": (1, 5, "this is not YAML: mapping values are not allowed in this context"),
+    "a: *b": (1, 4, "the alias *b has no anchor"),
+    "a: &b [*b]": (1, 8, "the alias *b is inside the node that it refers to"),
+    "? [a]\n: b": (1, 3, "a key must be text, not a list"),
+    "a: !!python/name:os.system ''": (
+        1,
+        4,
+        "the tag 'tag:yaml.org,2002:python/name:os.system' is not supported here",
+    ),
+    "a: \x00": (1, 4, "this is not YAML: the character U+0000 is not allowed"),
+    "[" * 1000: (1, 33, "nested deeper than the limit of 32"),
+    "- " * 100_000: (1, 65, "nested deeper than the limit of 32"),
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_what_cannot_be_read(text):
+    node, (problem,) = read(text)
+    assert node is None
+    place = problem.place
+    assert (place.line, place.col, problem.message) == BAD[text]
+    assert (problem.code, problem.level) == ("Y001", "error")
+
+
+NO_SIGN = {
+    "a:\u00a01\nb: 2\n": (1, 3, "type a space in place of U+00A0, no-break space"),
+    "a:\n  - b: 1\n  \u2013 c: 1\n": (3, 3, "type - in place of \u2013 U+2013, en dash"),
+    "a:\n\u200b  b: 1\n  c: 1\n": (2, 1, "delete U+200B, zero width space"),
+    "# \u00a0: no\na: \u201cb: 1\u201d\n": (
+        2,
+        4,
+        'type " or nothing in place of \u201c U+201C, left double quotation mark',
+    ),
+}
+
+
+@pytest.mark.parametrize("text", NO_SIGN)
+def test_what_a_word_processor_writes_is_named_with_what_to_type(text):
+    node, (problem,) = read(text)
+    assert node is None
+    assert problem.message == "this is not YAML: a typographic character is no sign of YAML"
+    assert (problem.place.line, problem.place.col, problem.hint) == NO_SIGN[text]
+
+
+def test_texts_may_have_any_character_and_wrong_values_name_it():
+    node, problems = read("a: the \u201clidar\u201d\u00a0\u2013 fast\nb: \u22121\n")
+    assert (problems, y.describe(node.get("a"))) != ([], "")
+    assert "(type - in place of \u2212 U+2212, minus sign)" in y.describe(node.get("b"))
+
+
+def test_not_utf8():
+    node, (problem,) = read(b"a: b\nc: \xff\n")
+    assert node is None
+    assert (problem.place.line, problem.place.col) == (2, 4)
+
+
+def test_repeated_keys_at_any_level_are_all_reported():
+    node, problems = read("a: {b: 1, 'b': 2}\na: 3\n")
+    assert [(p.place.line, p.place.col) for p in problems] == [(1, 11), (2, 1)]
+    assert y.value_11(node) == {"a": {"b": 1}}
+
+
+def test_the_top_level_must_be_a_map():
+    node, (problem,) = y.read_map(Source("f.yml", b"- a\n"), "Y001")
+    assert node is None
+    assert problem.message == "the top level must be a map, not a list"
+
+
+def test_alias_bombs_end_at_once():
+    levels = ["a0: &a0 [x]"]
+    levels += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 30)]
+    begin = time.perf_counter()
+    node, (problem,) = read("\n".join(levels))
+    assert time.perf_counter() - begin < 5
+    assert node is None
+    assert problem.message == "the document has more nodes than the limit of 1000000"
+    assert problem.hint == "aliases count each time that they are used"
+
+
+def test_the_limit_of_the_parser_itself_is_told_as_ours():
+    node, (problem,) = read("[" * 100_000)  # PyYAML 6.0.4 looks ahead, and stops at 1000
+    assert node is None
+    assert problem.message == "nested deeper than the limit of 32"
+
+
+def test_aliases_count_for_the_depth():
+    chain = ["a0: &a0 [x]", *(f"a{n}: &a{n} [*a{n - 1}]" for n in range(1, 40))]
+    node, (problem,) = read("\n".join(chain))
+    assert node is None
+    assert problem.message == "nested deeper than the limit of 32"
+
+
+def test_shared_nodes_are_allowed():
+    node, problems = read("a: &x {b: 1}\nc: [*x, *x]\n")
+    assert problems == []
+    assert y.value_11(node) == {"a": {"b": 1}, "c": [{"b": 1}, {"b": 1}]}
+
+
+def test_a_file_beyond_the_limit_is_not_parsed():
+    node, (problem,) = read(b"x" * (y.MAX_BYTES + 1))
+    assert node is None
+    assert problem.message == "the file has 16777217 bytes, more than the limit of 16777216"
+
+
+@given(
+    st.binary(max_size=60) | st.text(max_size=60).map(lambda text: text.encode("utf-8", "replace"))
+)
+def test_any_bytes_give_a_node_or_a_problem(data):
+    node, problems = read(data)
+    assert node is not None or problems
+
+
+@given(st.text(alphabet="[]{}&*a: \n-'\"|>#%!~0.e_,?\t", max_size=40))
+def test_yaml_like_text_is_read_as_pyyaml_reads_it(text):
+    """Where both understand a text, the values are the same."""
+    node, problems = read(text)
+    if node is None or problems:
+        return
+    try:
+        expected = yaml.load(text, Loader=yaml.CSafeLoader)
+    except (yaml.YAMLError, ValueError, TypeError):
+        return
+    assert repr(_texts(y.value_11(node))) == repr(_texts(expected))
+
+
+def _texts(value):
+    """Forget what a key was before it became text, and merge keys."""
+    if isinstance(value, dict):
+        return [_texts(item) for item in value.values()]
+    return [_texts(item) for item in value] if isinstance(value, list) else value
+
+
+RESOLVED = """
+    on off yes No y N true null ~ 1 1.5 1e3 0o7 0x1F 1:30 1_000 .inf .nan = << 2022-09-20 12e4567
+    - -a a- ? : # & * ! | > % @ ` a:b a#b /rte/e0 {a} [a] --- ... e3 a,b
+"""
+SPACED = ["", " ", " a", "a ", "a: b", "a #b", "a\nb", "\x85", "\u2028", "\ufeff", "\U0001f916"]
+TRICKY = [*RESOLVED.split(), *SPACED]
+texts = st.sampled_from(TRICKY) | st.text(st.characters(exclude_categories=("Cs",)), max_size=12)
+numbers = st.integers() | st.floats(allow_nan=False) | st.booleans() | st.none()
+data = st.recursive(
+    numbers | texts,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(texts, inner, max_size=4),
+    max_leaves=12,
+)
+
+
+@given(data)
+def test_written_data_are_read_back_by_every_loader(value):
+    text = y.dump_plain(value)
+    for loader in (yaml.CSafeLoader, yaml.SafeLoader):
+        assert repr(yaml.load(text, Loader=loader)) == repr(value)
+    if isinstance(value, (dict, list)) and "." * 33 not in repr(value):
+        node, problems = read(text)
+        assert problems == []
+        assert repr(y.value_11(node)) == repr(value)
+
+
+@pytest.mark.parametrize("text", TRICKY)
+def test_written_texts_are_texts_in_both_versions(text):
+    node = plain(y.quoted(text))
+    assert node.text == text
+    assert y.as_text(node) == text
+    assert y.value_11(node) == text
+    assert not node.plain or not y.differs_between_versions(node)
+    assert y.as_number(node) is None
+    assert y.as_bool(node) is None
+
+
+def test_layout_of_written_data():
+    value = {"list": [{"a": 1, "b": []}, [1, 2], "on"], "map": {}, "float": 1e16, "é": "Größe 1"}
+    assert y.dump_plain(value) == (
+        "list:\n"
+        "  - a: 1\n"
+        "    b: []\n"
+        "  - - 1\n"
+        "    - 2\n"
+        '  - "on"\n'
+        "map: {}\n"
+        "float: 1.0e+16\n"
+        "é: Größe 1\n"
+    )
+    assert y.dump_plain({"start": y.Verbatim("1.50")}) == "start: 1.50\n"
+
+
+def test_the_pure_python_loader_reads_the_same_and_says_so(monkeypatch):
+    text = "a: &x [on, 'on', ~]\nb: *x\n" + "# remark\n" * 12_000
+    fast, problems = read(text)
+    assert problems == []
+    monkeypatch.setattr(y, "_FAST_LOADER", yaml.SafeLoader)
+    monkeypatch.setattr(y, "_IS_SLOW", True)
+    slow, problems = read(text)
+    assert slow == fast
+    assert [(p.level, p.message[:22]) for p in problems] == [("info", "PyYAML has no C loader")]
+    assert read("a: [")[1][0].level == "error"
