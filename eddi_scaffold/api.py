@@ -13,10 +13,10 @@ from pathlib import Path
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.kinds import JsonValue, Model, Reading
+from eddi_scaffold.kinds import JsonValue, Model, ReadResult
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of, only
-from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone, packages_root
@@ -29,10 +29,10 @@ from eddi_scaffold.recordings.results import steps
 __all__ = [
     "EddiError",
     "Model",
-    "Outcome",
     "Place",
     "Problem",
-    "Reading",
+    "ReadResult",
+    "WriteResult",
     "check",
     "generate",
     "load",
@@ -47,7 +47,7 @@ def _paths(files: str | Path | Iterable[str | Path] | None) -> list[Path]:
     return [Path(files)] if isinstance(files, str | Path) else [Path(file) for file in files]
 
 
-def load(path: str | Path) -> Reading:
+def load(path: str | Path) -> ReadResult:
     """Read every model of a file: EDDI XML, or a model file of a kind.
 
     Args:
@@ -90,7 +90,7 @@ def generate(
     runtime: str | None = None,
     single_process: bool | None = None,
     dry_run: bool = False,
-) -> Outcome:
+) -> WriteResult:
     """Generate packages, or bring those that are there up to date; hand-written lines stay.
 
     Args:
@@ -100,7 +100,7 @@ def generate(
         platform: ``ros1``, ``ros2``, ``plain`` or ``dds``.
         runtime: where the runtime library is, ``vendored`` or ``installed``; by default as it is.
         single_process: whether one process runs all monitors of a workspace; by default as it is.
-        dry_run: change nothing; ``Outcome.diff()`` shows what would change.
+        dry_run: change nothing; ``WriteResult.diff()`` shows what would change.
 
     Returns:
         What was changed, and what a person should look at.

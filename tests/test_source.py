@@ -8,7 +8,7 @@ import pytest
 from eddi_scaffold.common import files as source_module
 from eddi_scaffold.common.files import LargeSource, Source, read_source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.eddi_xml.reading import read_document, sniff
+from eddi_scaffold.eddi_xml.reading import read_document, recognises
 
 
 def test_a_large_file_reads_like_a_small_one(
@@ -23,7 +23,7 @@ def test_a_large_file_reads_like_a_small_one(
     assert (large.name, large.data, large.sha256) == (small.name, small.data, small.sha256)
     assert small.sha256 == hashlib.sha256(b"<r><a/></r>").hexdigest()
     assert (large.stem, large.file_name) == ("m", "m.xml")
-    assert sniff(large)
+    assert recognises(large)
     document, problems = read_document(large)
     assert document is not None
     assert problems == []

@@ -59,8 +59,8 @@ class _Command(TyperCommand):
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments and options, `<path>` in place of Typer's `<list[Path]>`."""
         for title, what in (("Arguments", "argument"), ("Options", "option")):
-            params = [one for one in self.get_params(ctx) if one.param_type_name == what]
-            records = [one.get_help_record(ctx) for one in params]
+            params = [param for param in self.get_params(ctx) if param.param_type_name == what]
+            records = [param.get_help_record(ctx) for param in params]
             rows = [(_LIST.sub(_one, name), text) for name, text in filter(None, records)]
             if rows:
                 with formatter.section(title):

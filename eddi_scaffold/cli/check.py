@@ -70,7 +70,7 @@ def check(
     else:
         console.problems(problems, summary=False)
         shown = [problem for problem in problems if console.shows(problem)]
-        by_hand = [one.of for one in problems if isinstance(one, ByHand)]
+        by_hand = [problem.of for problem in problems if isinstance(problem, ByHand)]
         if by_hand and not console.verbose:
             console.say(f"{BY_HAND}{', '.join(by_hand)}")
         if unread:

@@ -30,21 +30,23 @@ def compose(
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
     from eddi_scaffold.kinds.consert.model import ConSert
-    from eddi_scaffold.monitors.loading import read_models, whole
+    from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
     labels, files = zip(*(_named(argument) for argument in conserts), strict=True)
     sources = [read_source(file) for file in files]
     readings = [read_models(source, marks) for source in sources]
     found_in = [
-        [(one.name, one.data) for one in reading.models if isinstance(one.data, ConSert)]
+        [(model.name, model.data) for model in reading.models if isinstance(model.data, ConSert)]
         for reading in readings
     ]
     elsewhere = marks_elsewhere([[one for _, one in found] for found in found_in], marks)
     instances = []
     for label, source, reading, found in zip(labels, sources, readings, found_in, strict=True):
-        problems = tuple(one for one in reading.problems if one.message not in elsewhere)
-        whole(source, replace(reading, problems=problems))
+        problems = tuple(
+            problem for problem in reading.problems if problem.message not in elsewhere
+        )
+        complete_reading(source, replace(reading, problems=problems))
         if not found:
             message = "there is no ConSert in this file"
             hint = "leave it out: only ConSerts are composed"

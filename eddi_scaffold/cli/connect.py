@@ -13,7 +13,7 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
 
 if TYPE_CHECKING:
-    from eddi_scaffold.connect.connecting import Connected
+    from eddi_scaffold.connect.connecting import DraftResult
     from eddi_scaffold.connect.surroundings import Around
 
 _STATES = {
@@ -96,7 +96,7 @@ def _with_bag(around: Around, bag: Path) -> Around:
     return replace(around, ages=known, topics=found.topics, types=found.types)
 
 
-def _what(found: Connected, *, writes: bool) -> str:
+def _what(found: DraftResult, *, writes: bool) -> str:
     """Return the last line: how far the draft is decided."""
     states = Counter(map(found.state, found.decisions))
     total = sum(states.values())

@@ -12,7 +12,7 @@ from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.packages.fleets import open_inputs, places_of, write_sites
-from eddi_scaffold.packages.handwritten import until_written
+from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone
 
@@ -57,8 +57,8 @@ def generate_fleet(
     def packages(name: str) -> list[Path]:
         return [place / name for place in places if (place / name).is_dir()]
 
-    console.problems(until_written([*problems, *found], packages))
+    console.problems(without_written_inputs([*problems, *found], packages))
     steps = [f"write this input: {where}" for where in open_inputs(sites, folder)]
     for site in sites:
-        steps += [f"{site.name}: {one}" for one in site.next_steps(folder / site.name)]
+        steps += [f"{site.name}: {step}" for step in site.next_steps(folder / site.name)]
     finish(outcome, dry_run=dry_run, next_steps=steps)

@@ -34,7 +34,7 @@ def in_a_folder(path: Path | None) -> Path | None:
 
     from eddi_scaffold.common.problems import EddiError, Place, error
 
-    there = next(one for one in path.parents if one.exists())
+    there = next(parent for parent in path.parents if parent.exists())
     message, hint = f"cannot write: {there} is not a folder", None
     if there.is_dir():
         message = f"cannot write: there is no folder {path.parent}"
@@ -203,5 +203,7 @@ def with_global_options(command: Callable[..., None]) -> Callable[..., None]:
     whole = own.replace(parameters=[*own.parameters.values(), *added])
     # Typer reads one or the other, according to its version.
     vars(taking_all)["__signature__"] = whole
-    taking_all.__annotations__ = {one.name: one.annotation for one in whole.parameters.values()}
+    taking_all.__annotations__ = {
+        parameter.name: parameter.annotation for parameter in whole.parameters.values()
+    }
     return taking_all

@@ -9,15 +9,15 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.common.problems import counted
-from eddi_scaffold.packages.generation import Outcome
+from eddi_scaffold.common.problems import plural
+from eddi_scaffold.packages.generation import WriteResult
 
 _SHOWN = 12
 _RECORDS = "/.eddi/"
 _SIGNS = {"new": "+", "changed": "~", "removed": "-"}
 
 
-def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -> None:
+def finish(outcome: WriteResult, *, dry_run: bool, next_steps: Sequence[str] = ()) -> None:
     """Print what changed and end the command with 0, or with 3 when a person must look.
 
     Raises:
@@ -27,7 +27,7 @@ def finish(outcome: Outcome, *, dry_run: bool, next_steps: Sequence[str] = ()) -
 
 
 def finish_all(
-    outcomes: Sequence[Outcome], *, dry_run: bool, next_steps: Sequence[str] = ()
+    outcomes: Sequence[WriteResult], *, dry_run: bool, next_steps: Sequence[str] = ()
 ) -> None:
     """Do the same for what was done in several folders.
 
@@ -44,7 +44,7 @@ def finish_all(
             console.say(f"  {step}")
 
 
-def _report(outcome: Outcome, *, dry_run: bool) -> None:
+def _report(outcome: WriteResult, *, dry_run: bool) -> None:
     if dry_run:
         diff = outcome.diff()
         if diff:
@@ -60,17 +60,17 @@ def _report(outcome: Outcome, *, dry_run: bool) -> None:
         console.say("hand edits need a look: see the notes, and `eddi-scaffold regions --check`")
 
 
-def _records(outcome: Outcome) -> set[str]:
+def _records(outcome: WriteResult) -> set[str]:
     return {path for path in outcome.changes if _RECORDS in path}
 
 
-def _size(outcome: Outcome) -> str:
+def _size(outcome: WriteResult) -> str:
     """Return how many files change, without records of hand edits, which people do not read."""
     number = len(outcome.changes) - len(_records(outcome))
-    return counted(number, "file") if number or not outcome.changes else "records of hand edits"
+    return plural(number, "file") if number or not outcome.changes else "records of hand edits"
 
 
-def _list_changes(outcome: Outcome) -> None:
+def _list_changes(outcome: WriteResult) -> None:
     """Print what changed: each file that may be edited, and a count of the others."""
     if not outcome.changes:
         console.success(f"nothing to change below {outcome.root}")
@@ -92,7 +92,7 @@ def _list_changes(outcome: Outcome) -> None:
         console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")
 
 
-def _change(outcome: Outcome, path: str) -> str:
+def _change(outcome: WriteResult, path: str) -> str:
     if outcome.changes[path] is None:
         return "removed"
     return "changed" if path in outcome.before else "new"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.recordings.csv_recording import Tape
     from eddi_scaffold.recordings.packaged import Packaged
-    from eddi_scaffold.recordings.playing import Part, Play, Rhythm
+    from eddi_scaffold.recordings.playing import Playback, PlayedMonitor, StepRule
 
 
 CHECKED_BY_BAG = {"K039", "K049"}
@@ -128,14 +128,14 @@ def run(
     rhythms = _rhythms(monitors, steps_as)
     if bag is not None:
         tape, found = _from_bag(monitors, bag, package)
-        problems = [one for one in problems if one.code not in CHECKED_BY_BAG]
+        problems = [problem for problem in problems if problem.code not in CHECKED_BY_BAG]
     else:
         tape, found = _from_csv(monitors, inputs, package, configs)
     console.problems([*problems, *found])
     if plot is not None:
         refuse_input(plot)  # before anything is printed
 
-    def begun() -> Play:
+    def begun() -> Playback:
         return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)
 
     playing = watched(begun(), console.progress)
@@ -148,7 +148,7 @@ def run(
         for line in (table if as_csv else changes)(playing):
             console.data(line)
     if plot is not None:
-        named = (f"{one.kind.title} {one.model.name}" for one in monitors)
+        named = (f"{monitor.kind.title} {monitor.model.name}" for monitor in monitors)
         title = next(named) if len(monitors) == 1 else f"{len(monitors)} monitors, their verdicts"
         write(plot.parent, {plot.name: FileState(picture(title, begun()).encode())})
 
@@ -231,20 +231,20 @@ def _check_number(
         raise EddiError(error("G020", message, hint="--json prints every step of each"))
 
 
-def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[Rhythm]:
+def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[StepRule]:
     from eddi_scaffold.recordings.parts import rhythm
     from eddi_scaffold.recordings.playing import ROWS
 
-    return [ROWS if steps_as is StepsAs.ROWS else rhythm(one) for one in monitors]
+    return [ROWS if steps_as is StepsAs.ROWS else rhythm(monitor) for monitor in monitors]
 
 
 def _parts(
     monitors: Sequence[BoundMonitor],
-    rhythms: Sequence[Rhythm],
+    rhythms: Sequence[StepRule],
     package: Packaged | None,
     *,
     from_bag: bool,
-) -> Sequence[Part]:
+) -> Sequence[PlayedMonitor]:
     from eddi_scaffold.recordings.parts import of_messages, of_values
 
     if from_bag:

@@ -32,7 +32,7 @@ def trace(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import EddiError, error
     from eddi_scaffold.deployments.lifetimes import bounds
-    from eddi_scaffold.deployments.support import acceptances, remembered
+    from eddi_scaffold.deployments.support import acceptances, facts_of_package
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
@@ -49,7 +49,7 @@ def trace(
         wire
         for group in chosen
         for folder, answers in group.present.items()
-        if (wire := remembered(folder, answers)) is not None
+        if (wire := facts_of_package(folder, answers)) is not None
     ]
     accepted, limits = acceptances(wired), bounds(wired)
     if as_json:
@@ -57,7 +57,7 @@ def trace(
             {
                 "packages": [one.as_json() for one in found],
                 "accepted": [one.as_json() for one in accepted],
-                "bounds": [one.as_json() for one in limits],
+                "bounds": [limit.as_json() for limit in limits],
             }
         )
     elif as_csv:

@@ -42,7 +42,7 @@ def upgrade(
     from eddi_scaffold.cli.reporting import finish_all
     from eddi_scaffold.common.problems import EddiError, error
     from eddi_scaffold.connect.robot import beside_configs
-    from eddi_scaffold.packages.generation import Outcome, write_packages
+    from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
     from eddi_scaffold.packages.workspace import alone, linked_package
@@ -50,7 +50,7 @@ def upgrade(
     if not config and (system is not None or models is not None):
         hint = "add -c CONFIG: packages remember the message types that they were made with"
         raise EddiError(error("U008", "--system and --models add to configurations", hint=hint))
-    outcomes: list[Outcome] = []
+    outcomes: list[WriteResult] = []
     template = own_template()
     places = roots(workspace, packages or [])
     with (

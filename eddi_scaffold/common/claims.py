@@ -124,7 +124,7 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Said:
+class StatusReading:
     """What one message says.
 
     Attributes:
@@ -142,7 +142,7 @@ class Said:
     whole: bool = True
 
 
-Listen = Callable[[Any], Said]
+Listen = Callable[[Any], StatusReading]
 """A message, with its fields as attributes -> what it says."""
 
 

@@ -20,7 +20,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, nearest
+from eddi_scaffold.common.problems import EddiError, Place, Problem, error, most_similar
 from eddi_scaffold.regions.package import KINDS, is_relative
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -185,7 +185,7 @@ class Source:
         return Path(self.name).name
 
 
-def beside(file: str, name: str) -> Path:
+def next_to(file: str, name: str) -> Path:
     """Return where a file is that another one names, relative to itself.
 
     Raises:
@@ -338,5 +338,5 @@ def near_file(path: Path, written: str, but: str = "") -> str | None:
         there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):
         return None
-    near = nearest(path.name, [name for name in there if name != but])
+    near = most_similar(path.name, [name for name in there if name != but])
     return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None

@@ -128,7 +128,7 @@ def with_excerpts(problems: Iterable[Problem], text: str) -> list[Problem]:
     ]
 
 
-def nearest(word: str, known: Iterable[str]) -> str | None:
+def most_similar(word: str, known: Iterable[str]) -> str | None:
     """Return the one known word that is most like ``word``, ``None`` when none is near."""
     folded = {k.casefold(): k for k in known}
     match = difflib.get_close_matches(word.casefold(), sorted(folded), n=1, cutoff=0.6)
@@ -137,7 +137,7 @@ def nearest(word: str, known: Iterable[str]) -> str | None:
 
 def did_you_mean(word: str, known: Iterable[str]) -> str | None:
     """Return the hint ``did you mean X?``, ``None`` when nothing is near."""
-    match = nearest(word, known)
+    match = most_similar(word, known)
     return f"did you mean {match!r}?" if match is not None else None
 
 
@@ -146,7 +146,7 @@ _MOST_WORDS = 20
 _MOST_LISTED = 20
 
 
-class NearNames:
+class SimilarNames:
     """Hints on near names that stay affordable in a file with thousands of wrong ones.
 
     Comparing texts is slow: only the first :data:`_MOST_WORDS` different words are compared.
@@ -158,7 +158,7 @@ class NearNames:
 
     def __init__(self, known: Collection[str], otherwise: str | None = None) -> None:
         self._known = known if len(known) <= _MOST_NAMES else ()
-        self._otherwise = f"{otherwise}: {listed(known)}" if otherwise is not None else None
+        self._otherwise = f"{otherwise}: {shortened_list(known)}" if otherwise is not None else None
         self._hints: dict[str, str | None] = {}
 
     def hint(self, word: str) -> str | None:
@@ -168,12 +168,12 @@ class NearNames:
         return self._hints.get(word) or self._otherwise
 
 
-def counted(number: int, what: str) -> str:
+def plural(number: int, what: str) -> str:
     """Return a number with its noun, in the plural where it is not one."""
     return f"{number} {what}{'s' if number != 1 else ''}"
 
 
-def listed(names: Collection[str]) -> str:
+def shortened_list(names: Collection[str]) -> str:
     """Return names for a message, not all where they are many."""
     shown = ", ".join(itertools.islice(names, _MOST_LISTED))
     more = len(names) - _MOST_LISTED

@@ -46,7 +46,7 @@ def compile_model(model_file: ModelFile, runtime: str = "") -> str:
     parts = {model_file.kind: _emission(model_file.kind).FORMAT}
     try:
         lines = _known_lines(_Content(model_file.digest or object(), model_file))
-        return whole_text(model_file, parts, [*lines], runtime)
+        return module_text(model_file, parts, [*lines], runtime)
     except ModelError as problem:
         raise ModelError(model_file.path, problem.reason) from None
 
@@ -98,7 +98,7 @@ def _modules(part: str) -> Sequence[str]:
     return getattr(_emission(part), "MODULES", ())
 
 
-def whole_text(
+def module_text(
     model_file: ModelFile, parts: dict[str, int], lines: list[str], runtime: str = ""
 ) -> str:
     """Return the text of a module: what it needs of the runtime, its lines and their digest.
@@ -124,9 +124,9 @@ def whole_text(
     ]
     below = "\n".join([*constants, "", "", *lines]) + "\n"
     formats = {"eddi_runtime": CORE_FORMAT, **parts}
-    needs = ", ".join(f"{name}: {one}" for name, one in formats.items())
+    needs = ", ".join(f"{name}: {format_}" for name, format_ in formats.items())
     imported = ["InputSpec", *parts] if "InputSpec" in names else [*parts]
-    more = [_imported(f"{runtime}eddi_runtime.{one}", modules.get(one, ())) for one in parts]
+    more = [_imported(f"{runtime}eddi_runtime.{part}", modules.get(part, ())) for part in parts]
     docstring = "\n".join(map(str.rstrip, about)).replace("\\", "?").replace('"', "'")
     return (
         f'"""{docstring}{chr(10) if len(about) > 1 else ""}"""\n\n'
@@ -155,5 +155,5 @@ def _imported(part: str, modules: Sequence[str]) -> str:
     flat = f"from {part} import {', '.join(modules)}\n"
     if len(flat) <= WIDTH + 1:
         return flat
-    lines = "".join(f"    {one},\n" for one in modules)
+    lines = "".join(f"    {module},\n" for module in modules)
     return f"from {part} import (\n{lines})\n"

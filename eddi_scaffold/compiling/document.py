@@ -243,8 +243,8 @@ def _expression(value: Any, where: str) -> Mapping[str, Any] | None:
         return None
     names = value.get("names") if isinstance(value, dict) else None
     if not isinstance(names, dict) or not all(
-        isinstance(one, list) and len(one) == 2 and one[0] in ("message", "input")
-        for one in names.values()
+        isinstance(name, list) and len(name) == 2 and name[0] in ("message", "input")
+        for name in names.values()
     ):
         raise ModelError("", f"'expression' of {where} has no 'names'")
     return dict(value)

@@ -45,8 +45,8 @@ def _input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[
     """
     classes = expression_classes(inputs)
     rows = (
-        Item(_spec(one, classes.get(one.id)), above=comment(paths.get(one.id, "")))
-        for one in inputs
+        Item(_spec(input_, classes.get(input_.id)), above=comment(paths.get(input_.id, "")))
+        for input_ in inputs
     )
     return assignment("inputs", tuple_of(rows), 4)
 

@@ -71,7 +71,7 @@ HOST = "transports/ros1/host"
 """Runs all monitors of a workspace in one process."""
 
 
-def needed_by(text: str) -> tuple[str, ...]:
+def runtime_parts_of(text: str) -> tuple[str, ...]:
     """Return the parts of the runtime that a compiled monitor needs, sorted.
 
     Args:
@@ -83,7 +83,7 @@ def needed_by(text: str) -> tuple[str, ...]:
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             runtime, _, part = node.module.partition(".")
             if runtime == "eddi_runtime":
-                wanted += [f"{part}/{one.name}" if part else one.name for one in node.names]
+                wanted += [f"{part}/{name.name}" if part else name.name for name in node.names]
     return with_needed(one for one in wanted if one in PARTS)
 
 

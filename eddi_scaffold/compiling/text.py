@@ -127,11 +127,11 @@ def variables(ids: Sequence[str], reserved: Collection[str]) -> list[str]:
         ids: no two are equal.
         reserved: names with another meaning in the text.
     """
-    taken = {one for one in ids if is_identifier(one)} | set(reserved)
+    taken = {id_ for id_ in ids if is_identifier(id_)} | set(reserved)
     names = []
-    for k, one in enumerate(ids):
-        name = one if is_identifier(one) and one not in reserved else f"v{k}"
-        while name != one and name in taken:
+    for k, id_ in enumerate(ids):
+        name = id_ if is_identifier(id_) and id_ not in reserved else f"v{k}"
+        while name != id_ and name in taken:
             name += "_"
         taken.add(name)
         names.append(name)
@@ -165,7 +165,7 @@ def unpacked(names: Sequence[str], value: str, indent: int = 8) -> list[str]:
 
 
 def _items(parts: Iterable[Part | Item]) -> tuple[Item, ...]:
-    return tuple(one if isinstance(one, Item) else Item(one) for one in parts)
+    return tuple(part if isinstance(part, Item) else Item(part) for part in parts)
 
 
 def _lines(item: Item, end: str, indent: int) -> list[str]:

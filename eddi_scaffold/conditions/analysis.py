@@ -78,7 +78,7 @@ class Analysis:
     @property
     def inputs(self) -> tuple[Variable, ...]:
         """What a host gives: variables, and in the place of reductions what they are made of."""
-        parts = (part for one in self.variables for part in (one.parts or (one,)))
+        parts = (part for variable in self.variables for part in (variable.parts or (variable,)))
         return tuple({part.name: part for part in parts}.values())
 
 

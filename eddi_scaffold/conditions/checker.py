@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from eddi_scaffold.common.problems import NearNames
+from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import root
 from eddi_scaffold.compiling.expressions.form import MAX_CAPACITY
 from eddi_scaffold.compiling.program.instructions import BUFFERED
@@ -55,7 +55,7 @@ class Checker:
         self._any_rate = any_rate
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
-        self._near: NearNames | None = None
+        self._near: SimilarNames | None = None
 
     def event(self, event: EventDeclaration) -> Value | None:
         """Check one expression; return ``None`` when something is wrong with it."""
@@ -129,8 +129,8 @@ class Checker:
         self._inside = elements
         limited = Value(NUMBER, unit_of_list(elements, self._scope), args[0].node)
         bounds = [
-            self._aligned(node, limited, one, operands=(0, n))
-            for n, one in enumerate(args[1:], start=1)
+            self._aligned(node, limited, argument, operands=(0, n))
+            for n, argument in enumerate(args[1:], start=1)
         ]
         self._inside = None
         if None in bounds:
@@ -161,7 +161,7 @@ class Checker:
         # without declarations, only a text with another error has names that are not inferred
         if scope.closed and name not in self._reported and name not in self._file.broken:
             self._reported.add(name)
-            self._near = self._near or NearNames(scope.names, "there are")
+            self._near = self._near or SimilarNames(scope.names, "there are")
             message = f"there is no variable {name!r}"
             self._findings.error("E008", node.start, message, self._near.hint(name))
         return None
@@ -298,7 +298,9 @@ class Checker:
 
     def _hypot(self, args: list[Value], unit: str | None, at: tuple[int, int]) -> Value:
         """Add SQRT(x * x + y * y): nothing else, so that every target rounds alike."""
-        squares = (self._builder.operation("mul", (one.node, one.node), at) for one in args)
+        squares = (
+            self._builder.operation("mul", (argument.node, argument.node), at) for argument in args
+        )
         total = self._builder.operation("add", tuple(squares), at)
         return Value(NUMBER, unit, self._builder.operation("sqrt", (total,), at))
 

@@ -75,21 +75,21 @@ def compile_input(
     parts: list[dict[str, Any]] = []
     problems: list[Problem] = []
     analyses: list[Analysis] = []
-    for one in texts:
+    for text in texts:
         analysis = analyse(
-            one.text,
+            text.text,
             rate=rate,
             variables=variables,
             declarations=declarations,
-            locate=one.locate,
-            only=one.event,
+            locate=text.locate,
+            only=text.event,
         )
-        problems += [*analysis.problems, *_wrong_type(analysis, one, type_)]
+        problems += [*analysis.problems, *_wrong_type(analysis, text, type_)]
         analyses.append(analysis)
-        parts.append({"form": analysis.form, **({"state": one.state} if one.state else {})})
+        parts.append({"form": analysis.form, **({"state": text.state} if text.state else {})})
     if has_errors(problems):
         return None, problems
-    names = dict.fromkeys(one.name for analysis in analyses for one in analysis.inputs)
+    names = dict.fromkeys(input_.name for analysis in analyses for input_ in analysis.inputs)
     requires = tuple(dict.fromkeys(name.split(".")[0].split("[")[0] for name in names))
     canonical = tuple(analysis.events[0].canonical for analysis in analyses)
     document = {"type": type_, "polarity": polarity, "parts": parts}

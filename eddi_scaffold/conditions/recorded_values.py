@@ -45,7 +45,7 @@ def play(
     """
     assert analysis.form is not None
     engine = build_engine(analysis.form)
-    names = [one.name for one in engine.sampling.inputs]
+    names = [input_.name for input_ in engine.sampling.inputs]
     values: dict[str, Any] = dict.fromkeys(names)
     stamps: dict[str, int | None] = dict.fromkeys(names)
     for t, samples in rows:
@@ -57,8 +57,8 @@ def play(
         yield (
             t,
             {
-                one.id: verdict(value, engine.program.operations[one.operation].type)
-                for one, value in zip(engine.program.results, found, strict=True)
+                result.id: verdict(value, engine.program.operations[result.operation].type)
+                for result, value in zip(engine.program.results, found, strict=True)
             },
         )
 

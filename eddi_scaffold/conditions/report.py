@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.common.problems import counted, has_errors
+from eddi_scaffold.common.problems import has_errors, plural
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation
 from eddi_scaffold.conditions.analysis import Analysis
@@ -63,7 +63,7 @@ def cost_line(document: Mapping[str, Any]) -> str:
     windows = sum(one.op in WINDOWS for one in done)
     memory = sum(map(_bytes, done))
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"
-    return f"a step: {counted(operations, 'operation')}, {counted(windows, 'window')}, {size}"
+    return f"a step: {plural(operations, 'operation')}, {plural(windows, 'window')}, {size}"
 
 
 def _bytes(one: Operation) -> int:

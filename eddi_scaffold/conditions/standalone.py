@@ -6,7 +6,7 @@ from eddi_scaffold.common.problems import Place, Problem, warning
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.targets import Target, printed
-from eddi_scaffold.targets.monitor_model import MonitorModel, named
+from eddi_scaffold.targets.monitor_model import StandaloneMonitor, named
 
 __all__ = ["Target", "generate", "monitor_model", "without_limits"]
 
@@ -32,7 +32,7 @@ def without_limits(analysis: Analysis, file: str) -> list[Problem]:
         analysis: of a text without errors; it reports those with a VAR itself.
         file: name of the text.
     """
-    of = [one for one in analysis.inputs if one.timeout is None and not one.declared]
+    of = [input_ for input_ in analysis.inputs if input_.timeout is None and not input_.declared]
     if not of:
         return []
     names = ", ".join(one.name for one in of)
@@ -42,7 +42,7 @@ def without_limits(analysis: Analysis, file: str) -> list[Problem]:
     return [warning("W003", message, Place(file), hint)]
 
 
-def monitor_model(analysis: Analysis, name: str) -> MonitorModel:
+def monitor_model(analysis: Analysis, name: str) -> StandaloneMonitor:
     """Return what is printed of an analysis without errors.
 
     Args:
@@ -51,6 +51,10 @@ def monitor_model(analysis: Analysis, name: str) -> MonitorModel:
     """
     assert analysis.form is not None
     units = {one.name: one.unit or "" for one in (*analysis.inputs, *analysis.variables)}
-    enums = {one.name: one.type.enum for one in analysis.variables if one.type is not None}
+    enums = {
+        variable.name: variable.type.enum
+        for variable in analysis.variables
+        if variable.type is not None
+    }
     source = analysis.text.strip().split("\n")
     return named(read_form(analysis.form), name, source, units=units, enums=enums)

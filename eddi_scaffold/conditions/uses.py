@@ -173,7 +173,7 @@ def inputs_of(variable: Mapping[str, Any]) -> Sequence[str]:
     reduction = variable.get("reduction")
     if reduction is None:
         return [variable["name"]]
-    return [one["name"] for one in reduction["inputs"]]
+    return [input_["name"] for input_ in reduction["inputs"]]
 
 
 def nodes_below(

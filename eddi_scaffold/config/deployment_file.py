@@ -19,7 +19,7 @@ from pydantic import (
 )
 from pydantic import StrictStr as Text
 
-from eddi_scaffold.common.files import Source, beside
+from eddi_scaffold.common.files import Source, next_to
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -242,7 +242,7 @@ class FleetFile:
         name: str = getattr(entry, key)
         place = self.place(ROBOTS, robot, "monitors", monitor, key)
         try:
-            path = beside(self.name, name)
+            path = next_to(self.name, name)
             path.stat()
         except EddiError as failure:
             raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from eddi_scaffold.common.files import Source, beside, near_file, read_source
+from eddi_scaffold.common.files import Source, near_file, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
@@ -59,7 +59,7 @@ class ConfigFile:
         if self.remembered:
             message = f"{name!r} cannot be read: the configuration is remembered, not given"
             raise EddiError(error("K033", message, hint="name the configuration with -c"))
-        return read_source(beside(self.name, name))
+        return read_source(next_to(self.name, name))
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
         """Return offset in the text of a value -> its place in the file."""
@@ -83,7 +83,7 @@ def from_json(text: str, name: str) -> ConfigFile:
     """
     document = json.loads(text)
     files = document.pop(_EVENT_FILES, {}) if isinstance(document, dict) else {}
-    if not isinstance(files, dict) or not all(isinstance(one, str) for one in files.values()):
+    if not isinstance(files, dict) or not all(isinstance(file, str) for file in files.values()):
         raise ValueError(f"{_EVENT_FILES} is not a map of texts")
     config = Config.model_validate(document)
     return ConfigFile(config, name, {}, remembered=True, event_files=files)
@@ -129,7 +129,7 @@ def named_model_path(file: ConfigFile) -> Path | None:
         return None
     name, where = found
     try:
-        path = beside(file.name, name)
+        path = next_to(file.name, name)
         path.stat()
     except EddiError as failure:
         raise EddiError(

@@ -9,12 +9,12 @@ from pydantic import ValidationError
 
 from eddi_scaffold.common.problems import (
     HintedError,
-    NearNames,
     Place,
     Problem,
+    SimilarNames,
     did_you_mean,
     error,
-    nearest,
+    most_similar,
     warning,
 )
 from eddi_scaffold.config.file import KEY, MODEL_KEYS, ConfigFile
@@ -98,7 +98,7 @@ def violations(
     """
     seen: set[tuple[str | int, ...]] = set()
     extra = [one["loc"] for one in failed.errors() if one["type"] == "extra_forbidden"]
-    meant = {(*loc[:-1], nearest(str(loc[-1]), keys_of(loc[:-1]))) for loc in extra}
+    meant = {(*loc[:-1], most_similar(str(loc[-1]), keys_of(loc[:-1]))) for loc in extra}
     for found in failed.errors():
         path = tuple(found["loc"])
         while path and path not in places:
@@ -143,7 +143,7 @@ def _key_before(
     path: tuple[str | int, ...], places: Mapping[tuple[str | int, ...], Place]
 ) -> str | int | None:
     """Return the key that stands before one of the same map, passing over what has no name."""
-    keys = [one[-2] for one in places if one[-1:] == (KEY,) and one[:-2] == path[:-1]]
+    keys = [place[-2] for place in places if place[-1:] == (KEY,) and place[:-2] == path[:-1]]
     before = keys[: keys.index(path[-1])] if path[-1] in keys else []
     return next((key for key in reversed(before) if str(key).isidentifier()), None)
 
@@ -199,7 +199,7 @@ def unknown_options(
     if not isinstance(section, Mapping):
         return
     known = {*ModelSection.model_fields, *_options_for(section)}
-    near = NearNames(sorted(known), "known keys")
+    near = SimilarNames(sorted(known), "known keys")
     for key in section:
         if key not in known:
             place = places.get(("Model", key, KEY), Place(file))

@@ -18,9 +18,9 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
-    NearNames,
     Place,
     Problem,
+    SimilarNames,
     did_you_mean,
     error,
     has_errors,
@@ -99,7 +99,11 @@ def read_config(
         config = Config.model_validate(data)
     except ValidationError as failed:
         at = {problem.place for problem in open_}
-        wrong = [one for one in violations(failed, places, source.name) if one.place not in at]
+        wrong = [
+            violation
+            for violation in violations(failed, places, source.name)
+            if violation.place not in at
+        ]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
             return None, in_order([*problems, *wrong])
@@ -214,8 +218,8 @@ def _words(file: ConfigFile) -> set[str]:
     texts = [
         *file.config.declarations,
         *file.event_files.values(),
-        *(one.expression or "" for one in inputs),
-        *(text for one in inputs for text in (one.states or {}).values()),
+        *(input_.expression or "" for input_ in inputs),
+        *(text for input_ in inputs for text in (input_.states or {}).values()),
     ]
     return {word for text in texts for word in re.findall(r"\w+", text)}
 
@@ -253,7 +257,7 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
             message = f"{other!r} and {entry.id!r} are both {name!r} in expressions"
             yield error("K006", message, file.place("SimulatorOutputs", index, "id"))
     known = {entry.id for entry in config.SimulatorOutputs}
-    near = NearNames(known)
+    near = SimilarNames(known)
     for index, item in enumerate(config.EDDIInputs):
         for position, required in enumerate(item.requires):
             if required not in known:

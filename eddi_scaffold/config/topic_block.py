@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, NearNames, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, error, warning
 from eddi_scaffold.yaml_text.nodes import quoted, read_document
 from eddi_scaffold.yaml_text.scalars import Map
 from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
@@ -68,11 +68,11 @@ class OldEntry:
     @staticmethod
     def lead(comments: Iterable[str]) -> list[str]:
         """Return comments as lines in front of an entry."""
-        return [f"  {one}" for one in comments]
+        return [f"  {comment}" for comment in comments]
 
 
 @dataclass(frozen=True)
-class Absence:
+class DroppedTopic:
     """Why an entry of the old block is not among the new ones.
 
     Attributes:
@@ -168,7 +168,7 @@ def read_block(source: Source) -> ConfigText:
 def rewritten(
     document: ConfigText,
     entries: Sequence[TopicEntry],
-    absence: Callable[[OldEntry], Absence] = lambda _: Absence(),
+    absence: Callable[[OldEntry], DroppedTopic] = lambda _: DroppedTopic(),
 ) -> tuple[str, list[Problem]]:
     """Return the text with another block, and what a person should know.
 
@@ -185,7 +185,7 @@ def rewritten(
         for one, absent in foreign
         if (absent.stays or one.id in document.used) and one.id not in ids
     ]
-    lines = [line for one in entries for line in _lines(one, old.get(one.topic))]
+    lines = [line for entry in entries for line in _lines(entry, old.get(entry.topic))]
     lines += [line for one in kept for line in one.lines()]
     name = f"SimulatorOutputs:{'' if lines else ' []'}{document.head}"
     body = [name, *lines]
@@ -204,8 +204,8 @@ def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
         return document.text
     dash = re.search(r"(?m)^([ ]*)-", document.text[document.start : document.end])
     if dash is None or not document.old:  # no block yet, or one in brackets
-        return rewritten(document, entries, lambda _: Absence(stays=True))[0]
-    lines = [line.removeprefix("  ") for one in entries for line in _lines(one, None)]
+        return rewritten(document, entries, lambda _: DroppedTopic(stays=True))[0]
+    lines = [line.removeprefix("  ") for entry in entries for line in _lines(entry, None)]
     new = "".join(f"{dash[1]}{line}{document.line_end}" for line in lines)
     before = document.text[: document.end]
     before += "" if before.endswith("\n") else document.line_end
@@ -213,7 +213,7 @@ def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
 
 
 def _notes(
-    document: ConfigText, foreign: Sequence[tuple[OldEntry, Absence]], kept: Sequence[OldEntry]
+    document: ConfigText, foreign: Sequence[tuple[OldEntry, DroppedTopic]], kept: Sequence[OldEntry]
 ) -> list[Problem]:
     problems: list[Problem] = []
     for one, absent in foreign:
@@ -237,7 +237,7 @@ def _notes(
 
 def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
     known = set(ids)
-    near = NearNames(ids)
+    near = SimilarNames(ids)
     for name, line in (document.required or {}).items():
         if name not in known:
             message = f"an input requires {name!r}, which is not a simulator output"
@@ -327,7 +327,7 @@ def _used(root: Span) -> frozenset[str]:
     """Return the words that say where inputs come from."""
     inputs = root.get("EDDIInputs")
     entries = inputs.children if inputs is not None and not inputs.is_map else []
-    pairs = (pair for one in entries if one.is_map for pair in one.entries())
+    pairs = (pair for entry in entries if entry.is_map for pair in entry.entries())
     texts = (text for key, value in pairs if key.text != "id" for text in _texts(value))
     return frozenset(word for text in texts for word in (text, *_WORDS.findall(text)))
 
@@ -335,8 +335,8 @@ def _used(root: Span) -> frozenset[str]:
 def _texts(span: Span) -> Iterator[str]:
     if span.text is not None:
         yield span.text
-    for one in span.children:
-        yield from _texts(one)
+    for child in span.children:
+        yield from _texts(child)
 
 
 def _required(root: Span) -> dict[str, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 
-from eddi_scaffold.common.problems import Problem, error, nearest, warning
+from eddi_scaffold.common.problems import Problem, error, most_similar, warning
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.installed import installed_message, installed_types
@@ -62,7 +62,7 @@ def _exists_elsewhere(type_: str) -> str | None:
 
 def _nearest(type_: str, there: Collection[str]) -> str | None:
     package, _, message = type_.partition("/")
-    found = nearest(message, [name.partition("/")[2] for name in there])
+    found = most_similar(message, [name.partition("/")[2] for name in there])
     return f"did you mean '{package}/{found}'?" if found is not None else None
 
 

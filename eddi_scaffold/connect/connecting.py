@@ -33,7 +33,7 @@ from eddi_scaffold.connect.keeping import (
     with_draft,
 )
 from eddi_scaffold.connect.matching import Decision, decide
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.offers import offers
 from eddi_scaffold.connect.surroundings import (
     Around,
@@ -52,7 +52,7 @@ from eddi_scaffold.yaml_text.nodes import Map, items_of
 
 
 @dataclass(frozen=True)
-class Connected:
+class DraftResult:
     """A draft.
 
     Attributes:
@@ -100,8 +100,8 @@ class Connected:
         return {
             "inputs": [
                 {
-                    "id": one.need.id,
-                    "state": self.state(one),
+                    "id": decision.need.id,
+                    "state": self.state(decision),
                     "candidates": [
                         {
                             "output": found.topic.id,
@@ -111,16 +111,16 @@ class Connected:
                             "parts": dict(found.parts),
                             "why": list(found.reasons),
                         }
-                        for found in one.candidates
+                        for found in decision.candidates
                     ],
                 }
-                for one in self.decisions
+                for decision in self.decisions
             ],
             "todo": self.todo,
         }
 
 
-def connect(model: Path, name: str | None, config: Path | None, around: Around) -> Connected:
+def connect(model: Path, name: str | None, config: Path | None, around: Around) -> DraftResult:
     """Draft the configuration of a model, or add to one what it does not say yet.
 
     Args:
@@ -149,35 +149,40 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     offered = offers(others, chosen, skeleton.inputs, topics)
     types = {**around.types, **known_messages(), **robot.types, **declared_types(root)}
     synonyms = synonyms_of(root)
-    needs = [Need.of(one, synonyms, events_of(chosen.links, one.id)) for one in skeleton.inputs]
+    needs = [
+        InputNeed.of(input_, synonyms, events_of(chosen.links, input_.id))
+        for input_ in skeleton.inputs
+    ]
     decisions = decide(needs, topics, types.get, offered.by_input)
-    named = {found.topic for one in decisions for found in one.candidates}
+    named = {found.topic for decision in decisions for found in decision.candidates}
     new = [
         TopicEntry(one.id, one.type.replace("/", "."), one.topic)
         for one in (*recorded, *offered.topics)
         if one in named
     ]
     document = read_block(Source(document.name, extended(document, new).encode()))
-    full = {one.topic: full_topic(one.topic, "", package) for one in topics}
+    full = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
     known = {**robot.ages, **around.ages}
     ages = {topic: known[name] for topic, name in full.items() if name in known}
     draft = Draft(
         _model(chosen, kind, model, config),
         skeleton.options,
         skeleton.notes,
-        [drafts.entry(one, ages) for one in decisions],
+        [drafts.entry(decision, ages) for decision in decisions],
         drafts.outputs(package, kind.topic, kind.functions.parts(chosen)),
-        {one.id: drafts.age_line(one, ages) for one in topics},
+        {topic.id: drafts.age_line(topic, ages) for topic in topics},
     )
     after = with_draft(document, draft)
-    ids = [one.id for one in skeleton.inputs]
+    ids = [input_.id for input_ in skeleton.inputs]
     unknown = with_excerpts(unknown_inputs(root, ids), before or "")
     left = undecided(content(ConfigText(document.name, after, 0, 0)))
     kept = frozenset(
-        text_of(one, "id") or "" for one in items_of(root.get("EDDIInputs")) if not undecided(one)
+        text_of(item, "id") or ""
+        for item in items_of(root.get("EDDIInputs"))
+        if not undecided(item)
     )
     problems = in_order([*robot.problems, *unknown])
-    return Connected(document.name, before, after, decisions, kept, problems, len(left))
+    return DraftResult(document.name, before, after, decisions, kept, problems, len(left))
 
 
 def _recorded(
@@ -213,7 +218,7 @@ def _skeleton(model: Model, kind: Kind[Model], root: Map) -> Skeleton:
         if configured is None:
             raise EddiError(*problems)
         return Skeleton(kind.functions.inputs(configured))
-    ids = [text_of(one, "id") for one in items_of(root.get("EDDIInputs"))]
+    ids = [text_of(item, "id") for item in items_of(root.get("EDDIInputs"))]
     inputs = tuple(
         DeclaredInput(id_, None, None, None, model.place) for id_ in ids if id_ is not None
     )

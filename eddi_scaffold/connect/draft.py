@@ -16,7 +16,7 @@ from eddi_scaffold.common.escaping import one_line
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.connect.matching import Decision
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import TODO, JsonValue
@@ -112,7 +112,7 @@ def deadline_age(deadlines: Sequence[str]) -> Age | None:
     Only where each of them promises a deadline with a unit: `100 ms`. The longest counts.
     """
     try:
-        found = [duration(one) for one in deadlines]
+        found = [duration(deadline) for deadline in deadlines]
     except QuantityError:
         return None
     if not found or not all(one.has_unit and one.value > 0 for one in found):
@@ -141,7 +141,7 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         taken, age = {}, _todo("max_age", _SECONDS)
         source = _open_source(need, _CHOOSE if decision.candidates else _FIND)
         why = _choice(decision)
-    why = [*(_comment(f"the EDDI names the event {one}") for one in need.events), *why]
+    why = [*(_comment(f"the EDDI names the event {event}") for event in need.events), *why]
     if need.timeout is not None:
         age = _known(Age(need.timeout, "TIMEOUT of the model"))
     elif not need.needs_age:
@@ -149,9 +149,9 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
     return EntryDraft(need.id, tuple(why), tuple(source), taken, age)
 
 
-def _open_source(need: Need, note: str) -> list[str]:
+def _open_source(need: InputNeed, note: str) -> list[str]:
     if need.states:
-        return ["states:", *(f"  {_todo(quoted(one), _CONDITION)}" for one in need.states)]
+        return ["states:", *(f"  {_todo(quoted(state), _CONDITION)}" for state in need.states)]
     keys = ("expression",) if need.type in _EXPRESSIBLE else ("requires", "field")
     return [_todo(key, note) for key in keys]
 
@@ -220,7 +220,7 @@ def _choice(decision: Decision) -> list[str]:
     return [_comment(head), *(_comment(f"  {_line(one, decision)}") for one in found)]
 
 
-def as_expression(need: Need, candidate: Candidate) -> str | None:
+def as_expression(need: InputNeed, candidate: Candidate) -> str | None:
     """Return a candidate as an expression, ``None`` for an input that takes none."""
     if need.type not in _EXPRESSIBLE:
         return None
@@ -241,7 +241,7 @@ def _line(candidate: Candidate, decision: Decision) -> str:
 
 
 def _why(candidate: Candidate) -> str:
-    reasons = "".join(f"; {one}" for one in candidate.reasons)
+    reasons = "".join(f"; {reason}" for reason in candidate.reasons)
     return f"{candidate.score} points: {candidate.topic.type} on {candidate.topic.topic}{reasons}"
 
 
@@ -269,4 +269,4 @@ def outputs(package: str, topic: str, parts: Sequence[str]) -> list[dict[str, Js
     """Return the entries of ``EDDIOutputs``: one, or one for each part of the result."""
     if len(parts) < 2:
         return [{"id": package, "topic": f"{package}/{topic}"}]
-    return [{"id": one, "topic": f"{package}/{one}", "event": one} for one in parts]
+    return [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]

@@ -145,13 +145,13 @@ class _Editor:
         entries = draft.entries
         key, section = _section(root, "EDDIInputs")
         if key is None or section is None:
-            new = [line for one in entries for line in one.lines()]
+            new = [line for entry in entries for line in entry.lines()]
             body = ["EDDIInputs:", *(f"  {line}" for line in new)] if new else ["EDDIInputs: []"]
             before = next((k for k in _keys_of(root) if k.text in _OUTPUTS), None)
             self.insert(len(self.text) if before is None else before.start, body)
             return
         items = section.children if not section.is_map else []
-        there = {one.id: one for one in entries}
+        there = {entry.id: entry for entry in entries}
         known = set()
         for item in items:
             id_ = item.get("id") if item.is_map else None
@@ -160,7 +160,7 @@ class _Editor:
                 if id_.text in there:
                     refresh = self._refresh_age if item.is_flow else self._refresh
                     refresh(item, there[id_.text], draft.ages)
-        new = [line for one in entries if one.id not in known for line in one.lines()]
+        new = [line for entry in entries if entry.id not in known for line in entry.lines()]
         if new and items and section.is_flow:
             place = Place(self.name, section.line, 1)
             message = "EDDIInputs is a list in brackets, to which no entry can be added"
@@ -219,7 +219,7 @@ class _Editor:
     def _takes(self, pairs: Mapping[str, tuple[Span, Span]], draft: EntryDraft) -> bool:
         """Return whether an entry says what would be drafted."""
         said = {
-            key: value.text or "".join(one.text or "" for one in value.children)
+            key: value.text or "".join(child.text or "" for child in value.children)
             for key, (_, value) in pairs.items()
             if key in (*_SOURCES, "unit")
         }
@@ -254,13 +254,17 @@ class _Editor:
             return
         theirs = self._comments(value, start, end)
         was = self.text[start:end].partition("#")[0].split()
-        if theirs and [one.partition("#")[0].split() for one in lines] == [was]:
+        if theirs and [line.partition("#")[0].split() for line in lines] == [was]:
             return  # still open, and a person says why
         self.replace(start, end, [*theirs, *lines], column)
 
     def _comments(self, value: Span, start: int, end: int) -> list[str]:
         """Return what a person wrote as comments between two offsets."""
-        return [one for one in comment_texts(self.text, value, start, end) if not is_own(one)]
+        return [
+            comment_text
+            for comment_text in comment_texts(self.text, value, start, end)
+            if not is_own(comment_text)
+        ]
 
     def _is_open(self, value: Span) -> bool:
         """Return whether a value is TODO, or a map of nothing else."""
@@ -310,7 +314,7 @@ def _lost(old: Node, new: Node | None) -> Node | None:
     else:
         items: tuple[Node | None, ...] = new.items if isinstance(new, Items) else ()
         filled = (*items, *([None] * len(old.items)))
-        inner = ((one, filled[k]) for k, one in enumerate(old.items))
+        inner = ((item, filled[k]) for k, item in enumerate(old.items))
     return next((lost for a, b in inner if (lost := _lost(a, b)) is not None), None)
 
 
@@ -352,8 +356,8 @@ def topics_of(root: Map) -> list[RobotTopic]:
     """Return the topics of a configuration, the first of each id."""
     section = root.get("SimulatorOutputs") or root.get("SimulatorOutput")
     found: dict[str, RobotTopic] = {}
-    for one in items_of(section):
-        id_, type_, topic = (text_of(one, key) for key in ("id", "type", "topic"))
+    for item in items_of(section):
+        id_, type_, topic = (text_of(item, key) for key in ("id", "type", "topic"))
         if id_ and type_ and topic:
             name = type_.replace("/msg/", "/").replace(".", "/")
             found.setdefault(id_, RobotTopic(id_, name, topic))
@@ -379,7 +383,10 @@ def synonyms_of(root: Map) -> Synonyms:
     groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
     return frozenset(
         frozenset(
-            word for one in items_of(group) if isinstance(one, Scalar) for word in words(one.text)
+            word
+            for item in items_of(group)
+            if isinstance(item, Scalar)
+            for word in words(item.text)
         )
         for group in groups
     )

@@ -10,9 +10,16 @@ from typing import Literal
 
 from eddi_scaffold.common import units
 from eddi_scaffold.connect.name_words import words
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.scoring import ALARM, Candidate, scored, unsaid, weights
-from eddi_scaffold.connect.topics import Access, FieldsOf, Leaf, RobotTopic, leaves, units_of
+from eddi_scaffold.connect.topics import (
+    FieldsOf,
+    FieldUse,
+    RobotTopic,
+    TopicField,
+    leaves,
+    units_of,
+)
 
 _NO_MEASUREMENTS = (
     *("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs", "rosgraph_msgs"),
@@ -40,7 +47,7 @@ _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
 _TIMES = ("secs", "nsecs")
 
 
-def objection(need: Need, message: str, leaf: Leaf) -> str | None:
+def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
     """Return why a value of a message type cannot fill an input, ``None`` where it might."""
     names = [name.partition("[")[0] for name in leaf.path] or [""]
     if message.partition("/")[0] in _NO_MEASUREMENTS:
@@ -59,7 +66,7 @@ def objection(need: Need, message: str, leaf: Leaf) -> str | None:
     return _type(need, message, leaf) or _unit(need, leaf)
 
 
-def _type(need: Need, message: str, leaf: Leaf) -> str | None:
+def _type(need: InputNeed, message: str, leaf: TopicField) -> str | None:
     if not leaf.path:
         return None
     is_number = leaf.type in ("int", "float")
@@ -78,7 +85,7 @@ def _type(need: Need, message: str, leaf: Leaf) -> str | None:
     return None if fits else f"it is a {leaf.type}"
 
 
-def _unit(need: Need, leaf: Leaf) -> str | None:
+def _unit(need: InputNeed, leaf: TopicField) -> str | None:
     if need.unit is None or need.type not in ("float", "int"):
         return None
     given = units_of(leaf)
@@ -104,7 +111,7 @@ class NearMiss:
     """A topic that a rule keeps out, though its name fits."""
 
     topic: RobotTopic
-    leaf: Leaf
+    leaf: TopicField
     why: str
 
 
@@ -119,7 +126,7 @@ class Decision:
         missed: where there are none.
     """
 
-    need: Need
+    need: InputNeed
     state: Literal["taken", "listed", "none"]
     candidates: tuple[Candidate, ...] = ()
     lead: int | None = None
@@ -145,7 +152,7 @@ class Offer:
 
 
 def decide(
-    needs: Sequence[Need],
+    needs: Sequence[InputNeed],
     topics: Sequence[RobotTopic],
     fields_of: FieldsOf,
     offers: Mapping[str, Sequence[Offer]] | None = None,
@@ -167,18 +174,18 @@ def decide(
 
 
 def _with_offers(
-    need: Need, offers: Sequence[Offer], decide_by_name: Callable[[], Decision]
+    need: InputNeed, offers: Sequence[Offer], decide_by_name: Callable[[], Decision]
 ) -> Decision:
     """Return the decision: what fulfils an input is a matter of composition, not of names."""
     found = [
         Candidate(
-            one.topic,
-            Leaf((one.field,), "bool", None),
-            Access("field", one.field),
-            {"composition": _COMPOSED} if one.is_sure else {"name": _likeness(need, one)},
-            (one.why,),
+            offer.topic,
+            TopicField((offer.field,), "bool", None),
+            FieldUse("field", offer.field),
+            {"composition": _COMPOSED} if offer.is_sure else {"name": _likeness(need, offer)},
+            (offer.why,),
         )
-        for one in offers
+        for offer in offers
     ]
     if found and offers[0].is_sure:
         return Decision(need, "taken" if len(found) == 1 else "listed", tuple(found))
@@ -191,13 +198,13 @@ def _with_offers(
     return Decision(need, "listed", tuple(like[:_MOST]))
 
 
-def _likeness(need: Need, offer: Offer) -> int:
+def _likeness(need: InputNeed, offer: Offer) -> int:
     near = (*words(offer.key), *offer.topic.words)
-    return round(50 * sum(need.fit(one, near) for one in need.words) / len(need.words))
+    return round(50 * sum(need.fit(word, near) for word in need.words) / len(need.words))
 
 
 def _decide(
-    need: Need, topics: Sequence[RobotTopic], known: Callable[[str], tuple[Leaf, ...]]
+    need: InputNeed, topics: Sequence[RobotTopic], known: Callable[[str], tuple[TopicField, ...]]
 ) -> Decision:
     fitting_of = {
         type_: [leaf for leaf in known(type_) if objection(need, type_, leaf) is None]
@@ -230,7 +237,7 @@ def _decide(
 
 
 def _missed(
-    need: Need, topics: Sequence[RobotTopic], known: Callable[[str], tuple[Leaf, ...]]
+    need: InputNeed, topics: Sequence[RobotTopic], known: Callable[[str], tuple[TopicField, ...]]
 ) -> NearMiss | None:
     """Return the value that would fit best by its name, with the rule that keeps it out."""
     weight = weights(need, topics)

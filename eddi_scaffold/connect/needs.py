@@ -11,7 +11,7 @@ from eddi_scaffold.kinds import InputType, ModelInput
 
 
 @dataclass(frozen=True)
-class Need:
+class InputNeed:
     """What an input needs.
 
     Attributes:
@@ -49,7 +49,7 @@ class Need:
     @cached_property
     def told(self) -> Sequence[str]:
         """What the conditions of the events read."""
-        conditions = " ".join(one.partition(" (")[2] for one in self.events)
+        conditions = " ".join(event.partition(" (")[2] for event in self.events)
         return [word for word in words(conditions) if word.isalpha()]
 
     @cached_property
@@ -60,7 +60,7 @@ class Need:
     @classmethod
     def of(
         cls, item: ModelInput, synonyms: Synonyms = frozenset(), events: tuple[str, ...] = ()
-    ) -> Need:
+    ) -> InputNeed:
         """Return what an input of a model needs."""
         text = item.description or ""
         return cls(

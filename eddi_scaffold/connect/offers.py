@@ -109,7 +109,7 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:
     if not item.is_demand:
-        ids = {item.id, *(one.partition(" (")[0] for one in events_of(model.links, item.id))}
+        ids = {item.id, *(event.partition(" (")[0] for event in events_of(model.links, item.id))}
         named = {claim for name, claim in monitor.model.observes if name in ids}
         return item.type == "bool" and (key in ids or not named.isdisjoint((key, "")))
     unfulfilled = kinds()[model.kind].functions.unfulfilled

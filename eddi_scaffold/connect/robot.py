@@ -30,7 +30,11 @@ def beside(robot: Robot) -> RobotAdditions:
     """
 
     def outputs(entries: object) -> list[dict[str, JsonValue]]:
-        old = [one for one in entries if isinstance(one, dict)] if isinstance(entries, list) else []
+        old = (
+            [entry for entry in entries if isinstance(entry, dict)]
+            if isinstance(entries, list)
+            else []
+        )
         existing = [
             Existing(str(one.get("id")), str(one.get("topic")), Place(str(robot.path)))
             for one in old
@@ -144,7 +148,7 @@ def _inside(folder: Path, place: Place) -> Place:
 
 
 def _as_warnings(problems: Iterable[Problem]) -> list[Problem]:
-    return [replace(one, level="warning") for one in problems]
+    return [replace(problem, level="warning") for problem in problems]
 
 
 def message_types(models: Models) -> dict[str, dict[str, str]]:
@@ -155,7 +159,7 @@ def message_types(models: Models) -> dict[str, dict[str, str]]:
             for spec in package.specs:
                 fields = dict(spec.sections).get("message")
                 if fields is not None:
-                    pairs = ((one.type, one.name) for one in fields if one.value is None)
+                    pairs = ((field.type, field.name) for field in fields if field.value is None)
                     table = declared(pairs, package.name)
                     found.setdefault(f"{package.name}/{spec.name}", table)
     return found

@@ -21,8 +21,8 @@ from eddi_scaffold.common.problems import (
     with_excerpts,
 )
 from eddi_scaffold.config.topic_block import (
-    Absence,
     ConfigText,
+    DroppedTopic,
     OldEntry,
     TopicEntry,
     new_document,
@@ -56,13 +56,13 @@ class Robot:
 
     def located(self, problems: Iterable[Problem]) -> list[Problem]:
         """Return problems with files as a person can open them, not relative to the models."""
-        return [replace(one, place=self._located(one.place)) for one in problems]
+        return [replace(problem, place=self._located(problem.place)) for problem in problems]
 
     def _located(self, place: Place) -> Place:
         if place.file == self.system.file:
             return replace(place, file=str(self.path))
-        inside = {*self.models.skipped, *(one.file for one in self.models.files)}
-        inside |= {one.file for one in self.models.systems} | {
+        inside = {*self.models.skipped, *(file.file for file in self.models.files)}
+        inside |= {system.file for system in self.models.systems} | {
             problem.place.file for problem in self.models.problems
         }
         return replace(place, file=str(self.folder / place.file)) if place.file in inside else place
@@ -132,14 +132,14 @@ class Parsed:
             ],
             "diagnostics": [
                 {
-                    "severity": one.level,
-                    "code": one.code,
-                    "file": one.place.file,
-                    "line": one.place.line,
-                    "column": one.place.col,
-                    "message": one.message,
+                    "severity": problem.level,
+                    "code": problem.code,
+                    "file": problem.place.file,
+                    "line": problem.place.line,
+                    "column": problem.place.col,
+                    "message": problem.message,
                 }
-                for one in self.problems
+                for problem in self.problems
             ],
             "summary": dict(self.summary()),
         }
@@ -162,9 +162,13 @@ def read_robot(system: Path, folder: Path) -> Robot:
 def _as_given(problems: Sequence[Problem], system: Path, folder: Path) -> Iterable[Problem]:
     """Name the system as it was given; who can go no further sees an error in any case."""
     name = named(system, folder)
-    for one in problems:
-        place = replace(one.place, file=str(system)) if one.place.file == name else one.place
-        yield replace(one, place=place, level="error")
+    for problem in problems:
+        place = (
+            replace(problem.place, file=str(system))
+            if problem.place.file == name
+            else problem.place
+        )
+        yield replace(problem, place=place, level="error")
 
 
 def parse(
@@ -238,32 +242,34 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     if not outputs.is_complete:
         topics += [old.topic for old in document.old]
     systems = flattened(robot.system, robot.models.systems).systems
-    components = [one.name for file in systems for one in file.system.components]
+    components = [component.name for file in systems for component in file.system.components]
     wrong = list(unmatched(filters, topics, components))
     some = filters.topics or filters.components
     if some and not wrong and outputs.is_complete and not outputs.topics:
         wrong = [error("M022", f"no topic is left by {filters}")]
     if wrong:
-        found = [one for one in (*robot.problems, *outputs.problems) if one.level == "error"]
+        found = [
+            problem for problem in (*robot.problems, *outputs.problems) if problem.level == "error"
+        ]
         raise EddiError(*robot.located(in_order(found)), *wrong)
 
 
-def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> Absence:
+def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> DroppedTopic:
     """Explain why an entry is not rewritten; what may be there all the same stays."""
     criterion = outputs.left_out.get(old.topic)
     if not outputs.is_complete and not filters.wants(old.topic):
         criterion = "topics"
     if criterion is not None:
-        return Absence(f"is left out by {OPTIONS[criterion]}")
+        return DroppedTopic(f"is left out by {OPTIONS[criterion]}")
     if not outputs.is_complete:
-        return Absence("did not resolve this time, or is gone", stays=True)
-    return Absence()
+        return DroppedTopic("did not resolve this time, or is gone", stays=True)
+    return DroppedTopic()
 
 
 def _quoted(problems: Sequence[Problem], document: ConfigText) -> list[Problem]:
     """Quote the configuration as it was read: what is printed comes after it is rewritten."""
-    own = [one for one in problems if one.place.file == document.name]
-    others = [one for one in problems if one.place.file != document.name]
+    own = [problem for problem in problems if problem.place.file == document.name]
+    others = [problem for problem in problems if problem.place.file != document.name]
     return [*others, *with_excerpts(own, document.text)]
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from eddi_scaffold.common import units
 from eddi_scaffold.connect.name_words import MEANS_THE_SAME, words
-from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.topics import Access, Leaf, RobotTopic, access, units_of
+from eddi_scaffold.connect.needs import InputNeed
+from eddi_scaffold.connect.topics import FieldUse, RobotTopic, TopicField, access, units_of
 
 TELLING = 14
 """From so many points on, the message alone explains the words of its row."""
@@ -73,7 +73,7 @@ _TABLE = (
 )
 
 
-def prior(need: Need, topic: RobotTopic, leaf: Leaf) -> tuple[int, frozenset[str]]:
+def prior(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> tuple[int, frozenset[str]]:
     """Return the points of the best row that applies, and its words."""
     found = [
         (row.points[topic.message], row.words)
@@ -85,7 +85,7 @@ def prior(need: Need, topic: RobotTopic, leaf: Leaf) -> tuple[int, frozenset[str
     return max(found, key=lambda one: one[0], default=(0, frozenset()))
 
 
-def _is_of(dimensions: frozenset[str], need: Need, leaf: Leaf) -> bool:
+def _is_of(dimensions: frozenset[str], need: InputNeed, leaf: TopicField) -> bool:
     """Return whether input and value, as far as their units are known, measure what a row does."""
     if need.type == "bool" or "bool" in dimensions:
         return need.type == "bool" and "bool" in dimensions
@@ -135,8 +135,8 @@ class Candidate:
     """
 
     topic: RobotTopic
-    leaf: Leaf
-    access: Access
+    leaf: TopicField
+    access: FieldUse
     parts: Mapping[str, int]
     reasons: Sequence[str] = field(default=())
 
@@ -146,7 +146,7 @@ class Candidate:
         return sum(self.parts.values())
 
 
-def unsaid(need: Need, topic: RobotTopic, leaf: Leaf) -> list[str]:
+def unsaid(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> list[str]:
     """Return the words of an input without which a value may be something else.
 
     Of a number, those that no name of it has: a temperature need not be that of the
@@ -155,35 +155,37 @@ def unsaid(need: Need, topic: RobotTopic, leaf: Leaf) -> list[str]:
     """
     inside = words(leaf.text)
     if leaf.type == "bool":
-        is_said = leaf.is_only or any(need.fit(one, inside) for one in need.words)
+        is_said = leaf.is_only or any(need.fit(word, inside) for word in need.words)
         return [] if is_said else list(need.words)
     near = (*topic.words, *inside, *words(topic.message))
     usual, explained = prior(need, topic, leaf)
     known = {*(explained if usual >= TELLING else ()), *_axis_words(leaf)}
-    return [one for one in need.words if one not in known and not need.fit(one, near)]
+    return [word for word in need.words if word not in known and not need.fit(word, near)]
 
 
-def _doubt(leaf: Leaf, missing: Sequence[str]) -> str:
+def _doubt(leaf: TopicField, missing: Sequence[str]) -> str:
     if leaf.type == "bool" and missing:
         return f"{leaf.text} may be another flag"
     return f"nothing says {' or '.join(missing)}" if missing else ""
 
 
-def weights(need: Need, topics: Collection[RobotTopic]) -> Callable[[str], float]:
+def weights(need: InputNeed, topics: Collection[RobotTopic]) -> Callable[[str], float]:
     """Return how much a word of an input tells among some topics: less, where many match it."""
     count = len(topics)
 
     def weight(word: str) -> float:
         if count <= 1:
             return 1.0
-        matching = sum(1 for one in topics if need.fit(word, one.words) >= MEANS_THE_SAME)
+        matching = sum(1 for topic in topics if need.fit(word, topic.words) >= MEANS_THE_SAME)
         return 0.3 + math.log((count + 1) / (matching + 1)) / math.log(count + 1)
 
     found = {word: weight(word) for word in (*need.words, *need.described, *need.told)}
     return found.__getitem__
 
 
-def scored(need: Need, topic: RobotTopic, leaf: Leaf, weight: Callable[[str], float]) -> Candidate:
+def scored(
+    need: InputNeed, topic: RobotTopic, leaf: TopicField, weight: Callable[[str], float]
+) -> Candidate:
     """Return a value of a topic as a candidate."""
     usual, explained = prior(need, topic, leaf)
     name, matched = _name(need, topic, leaf, explained if usual >= TELLING else (), weight)
@@ -200,13 +202,13 @@ def scored(need: Need, topic: RobotTopic, leaf: Leaf, weight: Callable[[str], fl
         *(word for word in against if word != "rest"),
         _doubt(leaf, unsaid(need, topic, leaf)),
     ]
-    return Candidate(topic, leaf, taken, parts, [one for one in reasons if one])
+    return Candidate(topic, leaf, taken, parts, [reason for reason in reasons if reason])
 
 
 def _name(
-    need: Need,
+    need: InputNeed,
     topic: RobotTopic,
-    leaf: Leaf,
+    leaf: TopicField,
     explained: Collection[str],
     weight: Callable[[str], float],
 ) -> tuple[float, list[str]]:
@@ -231,7 +233,7 @@ def _name(
     return _NAME * both, [word for word in need.words if need.fit(word, near) > 0]
 
 
-def _unit(need: Need, leaf: Leaf) -> tuple[int, str]:
+def _unit(need: InputNeed, leaf: TopicField) -> tuple[int, str]:
     given = units_of(leaf)
     if need.type not in ("float", "int") or not need.unit or not given:
         return 8, ""
@@ -242,7 +244,7 @@ def _unit(need: Need, leaf: Leaf) -> tuple[int, str]:
     return 18, f"{given[0]}, converted to {need.unit}"
 
 
-def _type(need: Need, leaf: Leaf, taken: Access) -> tuple[int, str]:
+def _type(need: InputNeed, leaf: TopicField, taken: FieldUse) -> tuple[int, str]:
     if not leaf.path:
         return 0, "the fields of the message are not known"
     if need.type == "bool" and leaf.type != "bool":
@@ -259,7 +261,7 @@ def _type(need: Need, leaf: Leaf, taken: Access) -> tuple[int, str]:
     return (10, "") if leaf.type == "bool" else (8, "")
 
 
-def _against(need: Need, topic: RobotTopic, leaf: Leaf) -> dict[str, int]:
+def _against(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> dict[str, int]:
     """Return what counts against a candidate, by its name."""
     told = set(topic.words)
     asked = {*need.words, *need.described}
@@ -282,9 +284,9 @@ def _against(need: Need, topic: RobotTopic, leaf: Leaf) -> dict[str, int]:
     if topic.message.startswith("Joint") and not need.says("joint", "joints", "torque", "effort"):
         found["of joints"] = -20
     unexplained = [
-        one
-        for one in dict.fromkeys(words(topic.topic))
-        if all(not need.fit(w, (one,)) for w in asked)
+        word
+        for word in dict.fromkeys(words(topic.topic))
+        if all(not need.fit(w, (word,)) for w in asked)
     ]
     if unexplained:
         found["rest"] = -min(5, len(unexplained))
@@ -295,7 +297,7 @@ def _apart(first: set[str], second: set[str]) -> bool:
     return bool(first and second and not first & second)
 
 
-def _is_axis(need: Need, leaf: Leaf) -> bool:
+def _is_axis(need: InputNeed, leaf: TopicField) -> bool:
     """Return whether a component of a velocity is the one that is meant."""
     vector, axis = (leaf.path[-2], leaf.path[-1]) if len(leaf.path) > 1 else ("", "")
     if vector not in _AXES:
@@ -306,7 +308,7 @@ def _is_axis(need: Need, leaf: Leaf) -> bool:
     return axis == wanted
 
 
-def _axis_words(leaf: Leaf) -> frozenset[str]:
+def _axis_words(leaf: TopicField) -> frozenset[str]:
     """Return the words that the component of a velocity stands for."""
     vector, axis = (leaf.path[-2], leaf.path[-1]) if len(leaf.path) > 1 else ("", "")
     if vector not in _AXES:
@@ -315,7 +317,7 @@ def _axis_words(leaf: Leaf) -> frozenset[str]:
     return frozenset(usual).union(*(some for one, some in _AXES[vector] if one == axis))
 
 
-def _numbers_differ(need: Need, given: Sequence[str]) -> bool:
+def _numbers_differ(need: InputNeed, given: Sequence[str]) -> bool:
     """Return whether both have words with digits, and none begins with another one."""
     asked = [word for word in need.words if any(map(str.isdigit, word))]
     told = [word for word in given if any(map(str.isdigit, word))]

@@ -13,8 +13,8 @@ from eddi_scaffold.common.problems import (
     Problem,
     error,
     has_errors,
-    listed,
-    nearest,
+    most_similar,
+    shortened_list,
     warning,
 )
 from eddi_scaffold.config.message_types import MessageFields
@@ -86,7 +86,7 @@ def with_robot(document: ConfigText, around: Around) -> OnRobot:
     robot = read_robot(around.system, around.models)
     parsed = with_topics(robot, document, wants=lambda one: is_ros_name(one.topic))
     after = read_block(Source(document.name, parsed.after.encode()))
-    ages = {one.topic: deadline_age(one.deadlines) for one in parsed.outputs.topics}
+    ages = {topic.topic: deadline_age(topic.deadlines) for topic in parsed.outputs.topics}
     known = {topic: age for topic, age in ages.items() if age is not None}
     return OnRobot(after, message_types(robot.models), known, robot.located(parsed.problems))
 
@@ -118,9 +118,11 @@ def chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
     if name is not None:
         models = select_models(models, name)
     elif id_ is not None:
-        models = [one for one in models if package_name(one.name) == package_name(id_)] or models
+        models = [
+            model for model in models if package_name(model.name) == package_name(id_)
+        ] or models
     if len(models) > 1:
-        names = ", ".join(one.name for one in models)
+        names = ", ".join(model.name for model in models)
         message = f"the file contains several models: {names}"
         raise EddiError(error("G005", message, hint="choose one with --name"))
     return models[0]
@@ -143,7 +145,9 @@ def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequenc
         message = f"the model is a {kind.title}, the configuration declares {type_!r}"
         raise EddiError(error("K010", message, section.place))
     owner = package_name(id_) if id_ is not None else None
-    if owner != package_name(chosen.name) and owner in {package_name(one.name) for one in models}:
+    if owner != package_name(chosen.name) and owner in {
+        package_name(model.name) for model in models
+    }:
         message = f"the configuration is that of {id_!r}, not of {chosen.name!r}"
         raise EddiError(error("K026", message, section.place, "choose another file for -o"))
 
@@ -151,16 +155,16 @@ def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequenc
 def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
     """Warn of entries that the model has no input for (K061)."""
     entries = root.get("EDDIInputs")
-    there = [(one, text_of(one, "id")) for one in items_of(entries)]
+    there = [(item, text_of(item, "id")) for item in items_of(entries)]
     new = sorted({*ids} - {id_ for _, id_ in there})
     for one, id_ in there:
         if id_ is None or id_ in ids:
             continue
-        near = nearest(id_, new)
+        near = most_similar(id_, new)
         hint = (
             f"where it is {near!r} now, write `id: {near}` and `renamed_from: {id_}`"
             if near is not None
-            else f"its inputs: {listed(ids)}"
+            else f"its inputs: {shortened_list(ids)}"
         )
         message = f"the model has no input {id_!r}; its entry stays"
         yield warning("K061", message, one.place, hint)

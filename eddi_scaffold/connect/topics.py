@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import attribute, is_identifier
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.config.message_types.documented import Documented, documented
 from eddi_scaffold.connect.name_words import words
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.kinds import TODO
 
 FieldsOf = Callable[[str], Fields | None]
@@ -55,7 +55,7 @@ class RobotTopic:
 
 
 @dataclass(frozen=True)
-class Leaf:
+class TopicField:
     """One value of a message, or one element of a list of values.
 
     Attributes:
@@ -87,14 +87,16 @@ class Leaf:
         return "variance" in self.path[-1] if self.path else False  # of covariance as well
 
 
-def leaves(message: str, fields_of: FieldsOf) -> list[Leaf]:
+def leaves(message: str, fields_of: FieldsOf) -> list[TopicField]:
     """Return the values of a message; of a monstrous one the first, models are any text."""
     if fields_of(message) is None:
-        return [Leaf((), "", None)]
+        return [TopicField((), "", None)]
     visited = islice(_fields(message, (), fields_of, (message,)), _MOST)
     ends = [one for one in visited if one is not None]
     return [
-        Leaf(path, python_type(of), _units(documented(message, path, fields_of)), len(ends) == 1)
+        TopicField(
+            path, python_type(of), _units(documented(message, path, fields_of)), len(ends) == 1
+        )
         for path, of in ends
     ]
 
@@ -134,7 +136,7 @@ _DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", 
 
 
 @dataclass(frozen=True)
-class Access:
+class FieldUse:
     """What is written for an input.
 
     Attributes:
@@ -150,32 +152,32 @@ class Access:
     is_complete: bool = True
 
 
-def units_of(leaf: Leaf) -> tuple[str, ...] | None:
+def units_of(leaf: TopicField) -> tuple[str, ...] | None:
     """Return the units of a value as it is taken: of a variance, that of the deviation."""
     if leaf.units is None or not leaf.is_variance:
         return leaf.units
     return tuple(units.root(unit) or unit for unit in leaf.units)
 
 
-def access(need: Need, topic: RobotTopic, leaf: Leaf) -> Access:
+def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     """Return how an input takes a value of a topic."""
     if not leaf.path:
-        return Access("field", TODO, is_complete=False)
+        return FieldUse("field", TODO, is_complete=False)
     path, name = leaf.text.replace("[]", f"[{TODO}]"), attribute(topic.id)
     unit, is_own = _unit(need, leaf), topic.is_of_monitor
     if need.type.endswith("[]") and leaf.lists == 1 and leaf.text.endswith("[]"):
-        return Access("field", leaf.text.removesuffix("[]"), unit)
+        return FieldUse("field", leaf.text.removesuffix("[]"), unit)
     if leaf.is_variance:
-        return Access("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
+        return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     if topic.message in _SCANS and leaf.path[0] == "ranges[]" and _is_distance(need):
         every = re.sub(r"\[\]", "[*]", leaf.text)
-        return Access("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
+        return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
     if need.type == "bool" and leaf.type != "bool":
-        return Access("expression", f"{name}.{path} == {TODO}", None, is_complete=False)
-    return Access("field", path, unit, not leaf.lists and not is_own)
+        return FieldUse("expression", f"{name}.{path} == {TODO}", None, is_complete=False)
+    return FieldUse("field", path, unit, not leaf.lists and not is_own)
 
 
-def _is_distance(need: Need) -> bool:
+def _is_distance(need: InputNeed) -> bool:
     """Return whether an input is a distance: by its unit, else by its words.
 
     A scan has other numbers as well: the share of it that fits a map is not its least range.
@@ -183,7 +185,7 @@ def _is_distance(need: Need) -> bool:
     return need.type in ("float", "int") and (need.unit is not None or need.says(*_DISTANCES))
 
 
-def _unit(need: Need, leaf: Leaf) -> str | None:
+def _unit(need: InputNeed, leaf: TopicField) -> str | None:
     """Return the unit of the value where it has to be converted."""
     given = units_of(leaf)
     if need.unit is None or not given:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, info, listed
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, info, shortened_list
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
@@ -17,9 +17,9 @@ from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.topics import absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import members_of
-from eddi_scaffold.eddi_xml.reading import sniff as is_xml
-from eddi_scaffold.kinds import Model, Reading, kinds
-from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+from eddi_scaffold.kinds import Model, ReadResult, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
 from eddi_scaffold.monitors.loading import (
     checked_models,
     is_config,
@@ -35,7 +35,7 @@ _OF_WHAT_LACKS = ("D006", "G001", "X037")
 
 
 @dataclass(frozen=True)
-class ByHand(UntilWritten):
+class ByHand(UnwrittenInput):
     """An input that only hand-written code can make of its messages (K050).
 
     Attributes:
@@ -134,13 +134,13 @@ def _read_files(
     return models, configs, problems, are_whole
 
 
-def _read(source: Source, marks: Sequence[str], target: Platform | None) -> Reading:
+def _read(source: Source, marks: Sequence[str], target: Platform | None) -> ReadResult:
     """Read models and report all problems in them."""
     reading = read_models(source, marks)
     problems = [*reading.problems, *reading.unread, *_static(reading.models)]
     if is_xml(source) and not reading.models and not has_errors(problems):
         problems.append(_wanted(no_model(source), target))
-    return Reading(reading.models, tuple(problems))
+    return ReadResult(reading.models, tuple(problems))
 
 
 def _wanted(missing: Problem, target: Platform | None) -> Problem:
@@ -159,10 +159,10 @@ def _static(models: Iterable[Model]) -> list[Problem]:
     return [problem for model in models for problem in kinds()[model.kind].functions.check(model)]
 
 
-def _named(path: Path, marks: Sequence[str]) -> Reading:
+def _named(path: Path, marks: Sequence[str]) -> ReadResult:
     """Read the file that a configuration names, and report all problems in it."""
     reading = checked_models(path, marks)
-    return Reading(reading.models, (*reading.problems, *_static(reading.models)))
+    return ReadResult(reading.models, (*reading.problems, *_static(reading.models)))
 
 
 def _names_its_model(config: ConfigFile) -> bool:
@@ -183,17 +183,23 @@ def _together(
         return []
     monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
     problems += packages_of(monitors, platform, None)[1]
-    if {one.config.name for one in monitors if one.config} >= {one.name for one in configs}:
+    if {monitor.config.name for monitor in monitors if monitor.config} >= {
+        config.name for config in configs
+    }:
         problems += absent_publishers(deployment(members_of(monitors)))
     return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 
 def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Name the models of an EDDI that should observe something, but run nowhere (X037)."""
-    bound = {(one.model.source.name, one.model.place.path) for one in monitors if one.config}
+    bound = {
+        (monitor.model.source.name, monitor.model.place.path)
+        for monitor in monitors
+        if monitor.config
+    }
     for model in models if bound else ():
         if model.observes and (model.source.name, model.place.path) not in bound:
-            of = listed({name: None for name, _ in model.observes})
+            of = shortened_list({name: None for name, _ in model.observes})
             message = f"{of}: observed by {model.name}, for which no configuration is given"
             hint = f"`connect --name {model.name}` drafts one"
             yield info("X037", message, model.place, hint)
@@ -205,12 +211,14 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
         if monitor.config is None:
             continue
         if needed := monitor.needed_methods:
-            text = f"{BY_HAND}{listed([method.name for method in needed])}"
+            text = f"{BY_HAND}{shortened_list([method.name for method in needed])}"
             place = monitor.config.place("Model")
             hint = "without them these inputs have no effect; a `discretisation:` needs no code"
             regions = tuple(method.name for method in needed)
-            yield UntilWritten("warning", "K050", text, place, hint, None, monitor.package, regions)
-        index = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
+            yield UnwrittenInput(
+                "warning", "K050", text, place, hint, None, monitor.package, regions
+            )
+        index = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"

@@ -8,15 +8,15 @@ from pathlib import Path
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
-from eddi_scaffold.deployments.offers import Seat
+from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot
-from eddi_scaffold.deployments.support import reads_of
+from eddi_scaffold.deployments.support import topics_read
 from eddi_scaffold.deployments.topics import Member
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 
 
-def picture_of_fleet(source: Source, read: Callable[[Path], Reading]) -> str:
+def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
     """Return the SVG of a deployment file.
 
     Args:
@@ -39,14 +39,14 @@ def diagram(fleet: Fleet, title: str) -> Diagram:
         *(_monitor(fleet, seat) for seat in fleet.seats),
     ]
     edges = [
-        *(DiagramEdge(_id(one.robot), _id(one), arrow=False) for one in fleet.seats),
+        *(DiagramEdge(_id(seat.robot), _id(seat), arrow=False) for seat in fleet.seats),
         *(edge for robot in fleet.robots for edge in _within(fleet, robot)),
         *_between(fleet),
     ]
     count = f"{len(fleet.robots)} robots, {len(fleet.seats)} monitors"
     lines = [
         f"{bond.demand} of {bond.user.name} is fulfilled by "
-        + " or ".join(f"{one.guarantee} of {one.seat.name}" for one in bond.offers)
+        + " or ".join(f"{offer.guarantee} of {offer.seat.name}" for offer in bond.offers)
         for bond in fleet.bonds
     ]
     return Diagram(
@@ -63,8 +63,8 @@ def diagram(fleet: Fleet, title: str) -> Diagram:
     )
 
 
-def _id(one: FleetRobot | Seat) -> str:
-    return f"{one.robot.name}/{one.index}" if isinstance(one, Seat) else one.name
+def _id(one: FleetRobot | RobotMonitor) -> str:
+    return f"{one.robot.name}/{one.index}" if isinstance(one, RobotMonitor) else one.name
 
 
 def _robot(robot: FleetRobot) -> DiagramNode:
@@ -72,10 +72,10 @@ def _robot(robot: FleetRobot) -> DiagramNode:
     place = f"{at.key} {at.name}" if at is not None and at.name else ""
     part = f"partition {at.partition}" if at is not None and at.partition else ""
     lines = (robot.name, " ".join((robot.platform.name, robot.form.prefix or "/")), place, part)
-    return DiagramNode(_id(robot), tuple(one for one in lines if one), "rounded", "neutral")
+    return DiagramNode(_id(robot), tuple(line for line in lines if line), "rounded", "neutral")
 
 
-def _monitor(fleet: Fleet, seat: Seat) -> DiagramNode:
+def _monitor(fleet: Fleet, seat: RobotMonitor) -> DiagramNode:
     bound = [bond.demand for bond in fleet.bonds_of(seat)]
     rows = [f"gives {name}" for name in seat.guarantees] + [f"needs {name}" for name in bound]
     tone: Tone = "demand" if bound else "output"
@@ -87,9 +87,9 @@ def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
     """Yield a line for each guarantee that may fulfil a demand of another robot."""
     labels: dict[tuple[str, str], list[str]] = {}
     for bond in fleet.bonds:
-        for one in bond.offers:
-            ends = _id(one.seat), _id(bond.user)
-            labels.setdefault(ends, []).append(f"{one.guarantee} for {bond.demand}")
+        for offer in bond.offers:
+            ends = _id(offer.seat), _id(bond.user)
+            labels.setdefault(ends, []).append(f"{offer.guarantee} for {bond.demand}")
     for (source, target), found in labels.items():
         yield DiagramEdge(source, target, ", ".join(found))
 
@@ -101,7 +101,7 @@ def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
     ends = {
         (_id(publishers[topic]), _id(seat)): None
         for seat, one in own
-        for reads in reads_of(one).values()
+        for reads in topics_read(one).values()
         for topic, _ in reads
         if topic in publishers
     }

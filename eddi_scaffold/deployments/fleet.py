@@ -11,9 +11,9 @@ from eddi_scaffold.common.problems import Problem, has_errors
 from eddi_scaffold.config.deployment_file import FleetFile, read_fleet
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.joining import join_pairs
-from eddi_scaffold.deployments.offers import Bond, Seat, bonds_of
+from eddi_scaffold.deployments.offers import DemandBinding, RobotMonitor, bonds_of
 from eddi_scaffold.deployments.robots import FleetRobot, read_robots
-from eddi_scaffold.kinds import Model, Reading, kinds
+from eddi_scaffold.kinds import Model, ReadResult, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 
 
@@ -30,27 +30,27 @@ class Fleet:
 
     file: FleetFile
     robots: tuple[FleetRobot, ...]
-    seats: tuple[Seat, ...]
-    bonds: tuple[Bond, ...]
+    seats: tuple[RobotMonitor, ...]
+    bonds: tuple[DemandBinding, ...]
 
-    def seats_of(self, robot: FleetRobot) -> list[Seat]:
+    def seats_of(self, robot: FleetRobot) -> list[RobotMonitor]:
         """Return the monitors of one robot."""
-        return [one for one in self.seats if one.robot is robot]
+        return [seat for seat in self.seats if seat.robot is robot]
 
-    def bonds_of(self, seat: Seat) -> list[Bond]:
+    def bonds_of(self, seat: RobotMonitor) -> list[DemandBinding]:
         """Return the demands of a monitor that other robots fulfil."""
-        return [one for one in self.bonds if one.user is seat]
+        return [bond for bond in self.bonds if bond.user is seat]
 
     def monitors(
-        self, robot: FleetRobot, config_of: Callable[[Seat], ConfigFile]
+        self, robot: FleetRobot, config_of: Callable[[RobotMonitor], ConfigFile]
     ) -> tuple[list[BoundMonitor], list[Problem]]:
         """Return the monitors of a robot with other configurations, and what is wrong with them."""
         seats = self.seats_of(robot)
-        return join_pairs([(_model(one), config_of(one)) for one in seats])
+        return join_pairs([(_model(seat), config_of(seat)) for seat in seats])
 
 
 def read_whole_fleet(
-    source: Source, read: Callable[[Path], Reading]
+    source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[Fleet | None, list[Problem]]:
     """Read a deployment file and all that it names; ``None`` where something is missing.
 
@@ -65,14 +65,14 @@ def read_whole_fleet(
     problems += found
     if has_errors(problems):
         return None, problems
-    seats: list[Seat] = []
+    seats: list[RobotMonitor] = []
     for robot in robots:
         for index, (model, config) in enumerate(robot.pairs):
             monitor, found = monitor_of(model, kinds()[model.kind], config)
             if monitor is None:
                 problems += found
             else:  # what is only a warning may be due to a demand that is not bound yet
-                seats.append(Seat(robot, index, monitor))
+                seats.append(RobotMonitor(robot, index, monitor))
     if has_errors(problems):
         return None, problems
     bonds, found = bonds_of(file, seats)
@@ -82,6 +82,6 @@ def read_whole_fleet(
     return Fleet(file, tuple(robots), tuple(seats), tuple(bonds)), problems
 
 
-def _model(seat: Seat) -> Model:
+def _model(seat: RobotMonitor) -> Model:
     """Return the model as it was read, without the options of the configuration."""
     return seat.robot.pairs[seat.index][0]

@@ -19,17 +19,17 @@ from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.deployments.fleet_topics import among_others
 from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
-from eddi_scaffold.deployments.offers import Seat
-from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, fed
+from eddi_scaffold.deployments.offers import RobotMonitor
+from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, with_demand_inputs
 from eddi_scaffold.deployments.station import check_station, is_closed
 from eddi_scaffold.deployments.topics import Deployment, Member, absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
 
 
-def read_directly(fleet: Fleet, seat: Seat) -> ConfigFile:
+def read_directly(fleet: Fleet, seat: RobotMonitor) -> ConfigFile:
     """Return the configuration of a monitor that publishes for others, and reads them, by topic."""
     config, shared = seat.config, fleet.file.form.Fleet
     topic, lease = shared.topic, shared.lease
@@ -41,20 +41,20 @@ def read_directly(fleet: Fleet, seat: Seat) -> ConfigFile:
         sources = [
             GuaranteeSource(
                 SimulatorOutput(
-                    id=f"peer_{one.seat.robot.name}_{attribute(one.guarantee)}",
-                    type=f"{MESSAGE_PACKAGE}/{one.seat.monitor.kind.output_message}",
-                    topic=_topic(one.seat, topic),
+                    id=f"peer_{offer.seat.robot.name}_{attribute(offer.guarantee)}",
+                    type=f"{MESSAGE_PACKAGE}/{offer.seat.monitor.kind.output_message}",
+                    topic=_topic(offer.seat, topic),
                 ),
-                one.guarantee,
+                offer.guarantee,
             )
-            for one in bond.offers
+            for offer in bond.offers
         ]
         if sources:
-            config = fed(config, bond.demand, sources, lease, bond.place)
+            config = with_demand_inputs(config, bond.demand, sources, lease, bond.place)
     return config
 
 
-def _topic(seat: Seat, topic: str) -> str:
+def _topic(seat: RobotMonitor, topic: str) -> str:
     return f"{topic}/{seat.robot.name}/{seat.monitor.package}"
 
 
@@ -63,7 +63,7 @@ _OWN_PERIODS = 2
 
 
 def check_fleet(
-    source: Source, read: Callable[[Path], Reading]
+    source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Problem], frozenset[Path]]:
     """Return all that is wrong with a deployment file and what it names, and these files.
 
@@ -94,14 +94,14 @@ def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
         monitors, found = fleet.monitors(
             robot, lambda seat: among_others(fleet, seat, {}, closed=closed)
         )
-        members[robot] = [Member(one, robot.form.prefix) for one in monitors]
+        members[robot] = [Member(monitor, robot.form.prefix) for monitor in monitors]
         problems += [
             *(_with_binding(one, robot) for one in found),
             *packages_of(monitors, robot.platform, None)[1],
         ]
     if not has_errors(problems):
         for robots in _meetings(fleet.robots):
-            problems += _check_together([one for of in robots for one in _members(fleet, of)])
+            problems += _check_together([member for of in robots for member in _members(fleet, of)])
             together = [one for of in robots for one in members[of]]
             problems += check_hidden([one.participant for one in together])
             problems += check_ages(deployment(together))  # words have ages of their own: D015
@@ -123,14 +123,14 @@ def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
 
 def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:
     monitors, _ = fleet.monitors(robot, lambda seat: read_directly(fleet, seat))
-    return [Member(one, robot.form.prefix) for one in monitors]
+    return [Member(monitor, robot.form.prefix) for monitor in monitors]
 
 
 def _meetings(robots: Sequence[FleetRobot]) -> list[list[FleetRobot]]:
     """Return the robots in groups that hear each other."""
     groups: dict[object, list[FleetRobot]] = {}
-    for one in robots:
-        groups.setdefault(one.graph or one.name, []).append(one)
+    for robot in robots:
+        groups.setdefault(robot.graph or robot.name, []).append(robot)
     return list(groups.values())
 
 
@@ -145,7 +145,7 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
     """Report topics of sensors that several robots read (D014)."""
     first: dict[str, Member] = {}
     for member in together.members:
-        used = {one.id for binding in member.monitor.inputs for one in binding.requires}
+        used = {require.id for binding in member.monitor.inputs for require in binding.requires}
         for index, source in enumerate(member.config.config.SimulatorOutputs):
             if source.id not in used or member.topic(source.topic) in together.publishers:
                 continue
@@ -162,8 +162,8 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
     """Report monitors of one robot whose words nobody could tell apart (D010)."""
-    relied = {one.seat for bond in fleet.bonds for one in bond.offers}
-    first: dict[tuple[str, str], Seat] = {}
+    relied = {offer.seat for bond in fleet.bonds for offer in bond.offers}
+    first: dict[tuple[str, str], RobotMonitor] = {}
     for seat in fleet.seats:
         if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
             continue
@@ -187,7 +187,7 @@ def _check_ages(fleet: Fleet) -> Iterator[Problem]:
             limit = entry.max_age
             if entry.id != bond.demand or not isinstance(limit, float):
                 continue
-            for seat in dict.fromkeys(one.seat for one in bond.offers):
+            for seat in dict.fromkeys(offer.seat for offer in bond.offers):
                 least = _OWN_PERIODS / bond.user.frequency + 1 / seat.frequency
                 if limit < least:
                     message = (

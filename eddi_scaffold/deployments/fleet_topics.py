@@ -14,8 +14,8 @@ from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, PeersSection, SimulatorOutput
 from eddi_scaffold.deployments.fleet import Fleet
-from eddi_scaffold.deployments.offers import Bond, Seat
-from eddi_scaffold.deployments.robots import GuaranteeSource, fed
+from eddi_scaffold.deployments.offers import DemandBinding, RobotMonitor
+from eddi_scaffold.deployments.robots import GuaranteeSource, with_demand_inputs
 from eddi_scaffold.monitors.robots import MESSAGE, fleet_message
 
 Digests = Mapping[tuple[str, int], str]
@@ -46,7 +46,9 @@ def _digests(fleet: Fleet, known: Digests) -> Iterator[tuple[tuple[str, int], st
             yield (robot.name, index), json.loads(monitor.model_json)["sha256"]
 
 
-def among_others(fleet: Fleet, seat: Seat, digests: Digests, *, closed: bool = False) -> ConfigFile:
+def among_others(
+    fleet: Fleet, seat: RobotMonitor, digests: Digests, *, closed: bool = False
+) -> ConfigFile:
     """Return the configuration of a monitor on its robot, one of a fleet.
 
     Args:
@@ -69,18 +71,18 @@ def among_others(fleet: Fleet, seat: Seat, digests: Digests, *, closed: bool = F
     config = replace(config, config=form, places=places)
     for bond in fleet.bonds_of(seat):
         sources = _sources(bond, shared.topic, digests)
-        config = fed(config, bond.demand, sources, shared.lease, bond.place)
+        config = with_demand_inputs(config, bond.demand, sources, shared.lease, bond.place)
     return config
 
 
-def _sources(bond: Bond, topic: str, digests: Digests) -> list[GuaranteeSource]:
+def _sources(bond: DemandBinding, topic: str, digests: Digests) -> list[GuaranteeSource]:
     """Return a source for each guarantee of each robot, or, of any robot, of each model."""
     found: dict[PeersSection, None] = {}
-    for one in bond.offers:
-        robot, model = one.seat.robot.name, one.seat.monitor.model.name
-        digest = digests.get((robot, one.seat.index), _NOT_YET)
+    for offer in bond.offers:
+        robot, model = offer.seat.robot.name, offer.seat.monitor.model.name
+        digest = digests.get((robot, offer.seat.index), _NOT_YET)
         whose: tuple[str, ...] | Literal["any"] = "any" if bond.of_any else (robot,)
-        section = PeersSection(robots=whose, model=model, digest=digest, guarantee=one.guarantee)
+        section = PeersSection(robots=whose, model=model, digest=digest, guarantee=offer.guarantee)
         found[section] = None
     return [_source(topic, section) for section in found]
 

@@ -16,7 +16,7 @@ from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import Accepted, acceptances
 from eddi_scaffold.deployments.topics import deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
-from eddi_scaffold.kinds import Model, Reading, kinds
+from eddi_scaffold.kinds import Model, ReadResult, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.connections import check_ids, check_limits
 from eddi_scaffold.monitors.loading import candidates, checked_models, model_for
@@ -26,7 +26,7 @@ from eddi_scaffold.platforms import PackageAnswers, Platform
 def join(
     models: Sequence[Model],
     configs: Sequence[ConfigFile],
-    read: Callable[[Path], Reading],
+    read: Callable[[Path], ReadResult],
     marks: Sequence[str] = (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join each configuration with its model; without configurations, every model by itself.
@@ -186,8 +186,8 @@ def accepted_of(
     if wrong:
         return [], list(models), wrong
     accepted = acceptances([member.participant for member in members_of(monitors)])
-    made = {_identity(one.model): one.model for one in monitors}
-    return accepted, [made.get(_identity(one), one) for one in models], []
+    made = {_identity(monitor.model): monitor.model for monitor in monitors}
+    return accepted, [made.get(_identity(model), model) for model in models], []
 
 
 def _identity(model: Model) -> tuple[str, str, str]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, error, warning
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import Participant, reads_of, supports
+from eddi_scaffold.deployments.support import WiredMonitor, supports, topics_read
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
 
@@ -58,11 +58,15 @@ _Times = dict[str, tuple[float, float]]
 """Source -> bound while all monitors live, and bound whatever dies."""
 
 
-def bounds(participants: Sequence[Participant]) -> list[ClaimLifetime]:
+def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
     """Return the bounds of all claims, in the order of the participants; claims have no ring."""
     support = supports(participants)
-    owners = {one.claim(output): (one, output) for one in participants for output in one.outputs}
-    published = {topic for one in participants for topic in one.published()}
+    owners = {
+        participant.claim(output): (participant, output)
+        for participant in participants
+        for output in participant.outputs
+    }
+    published = {topic for participant in participants for topic in participant.published()}
     known: dict[str, _Times] = {}
     for claim in in_order(support):
         one, output = owners[claim]
@@ -75,7 +79,7 @@ def bounds(participants: Sequence[Participant]) -> list[ClaimLifetime]:
 
 
 def _times(
-    one: Participant,
+    one: WiredMonitor,
     output: str,
     published: set[str],
     known: Mapping[str, _Times],
@@ -86,7 +90,7 @@ def _times(
     inputs = one.outputs[output]
     found: _Times = {}
     ages = [0.0]
-    for name, reads in reads_of(one).items():
+    for name, reads in topics_read(one).items():
         if name not in inputs:
             continue
         age = limit_of(one, name)
@@ -106,7 +110,7 @@ def _raise(found: _Times, source: str, times: tuple[float, float]) -> None:
     found[source] = max(first, times[0]), max(second, times[1])
 
 
-def limit_of(one: Participant, name: str) -> float:
+def limit_of(one: WiredMonitor, name: str) -> float:
     """Return the seconds after which an input is unknown: the smallest limit that it has."""
     spec = next(spec for spec in one.document["inputs"] if spec["id"] == name)
     limits = [one.kind.functions.limits(one.document).get(name), spec["max_age"]]
@@ -114,7 +118,7 @@ def limit_of(one: Participant, name: str) -> float:
         timeouts = [variable.get("timeout") for variable in part["form"]["variables"]]
         if timeouts and None not in timeouts:
             limits.append(max(timeouts) / 1e9)
-    return min((one for one in limits if isinstance(one, int | float)), default=math.inf)
+    return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
 
 
 def _number(seconds: float) -> float | None:
@@ -131,10 +135,10 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
 
     Nobody has decided on a limit that is not written: where it does not fit, that is an error.
     """
-    publishers: dict[str, list[Participant]] = {}
-    for one in together.participants:
-        for topic in one.published():
-            publishers.setdefault(topic, []).append(one)
+    publishers: dict[str, list[WiredMonitor]] = {}
+    for participant in together.participants:
+        for topic in participant.published():
+            publishers.setdefault(topic, []).append(participant)
     there = set(map(id, together.others))  # what is between these was told when they were made
     for reader in together.participants:
         for index, source in _reads(reader):
@@ -143,7 +147,7 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
                     yield from _check(reader, index, source, provider)
 
 
-def _reads(reader: Participant) -> Iterator[tuple[int, SimulatorOutput]]:
+def _reads(reader: WiredMonitor) -> Iterator[tuple[int, SimulatorOutput]]:
     """Yield each entry of ``EDDIInputs``, by its index, with each message that it reads."""
     config = reader.config.config
     required = {spec["id"]: spec["requires"] for spec in reader.document["inputs"]}
@@ -154,7 +158,7 @@ def _reads(reader: Participant) -> Iterator[tuple[int, SimulatorOutput]]:
 
 
 def _check(
-    reader: Participant, index: int, source: SimulatorOutput, provider: Participant
+    reader: WiredMonitor, index: int, source: SimulatorOutput, provider: WiredMonitor
 ) -> Iterator[Problem]:
     entry, period = reader.config.config.EDDIInputs[index], 1 / provider.frequency
     limit = source.limit if entry.max_age is None else entry.max_age

@@ -73,8 +73,8 @@ class _Reader:
         self.inverted: dict[str, None] = {}
         self._config = config
         self._bindings = {binding.attribute: binding for binding in monitor.inputs}
-        self._entries = {one.id: k for k, one in enumerate(config.config.EDDIInputs)}
-        self._sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
+        self._entries = {entry.id: k for k, entry in enumerate(config.config.EDDIInputs)}
+        self._sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
 
     def of(self, binding: InputBinding, used: Sequence[Use]) -> Iterator[FieldReading]:
         """Yield what an input reads when it is used in some ways."""
@@ -177,7 +177,7 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
 
 
 def _inverted(member: Member, input_: str) -> Problem:
-    ids = [one.id for one in member.config.config.EDDIInputs]
+    ids = [entry.id for entry in member.config.config.EDDIInputs]
     place = member.config.place("EDDIInputs", ids.index(input_), "polarity")
     message = f"input {input_!r}: `polarity: HAZARD` makes UNKNOWN true, and true is good here"
     hint = "leave `polarity: HAZARD` out: UNKNOWN then stays unknown"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.common.problems import NearNames, Place, Problem, error
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error
 from eddi_scaffold.config.deployment_file import Binding, FleetFile
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.robots import FleetRobot
@@ -19,7 +19,7 @@ _COMPOSE = "`eddi-scaffold compose` shows which guarantees would"
 
 
 @dataclass(frozen=True, eq=False)
-class Seat:
+class RobotMonitor:
     """A monitor on its robot.
 
     Attributes:
@@ -56,7 +56,7 @@ class Seat:
     @property
     def demands(self) -> Sequence[str]:
         """Ids of its demands."""
-        return [one.model.id for one in self.monitor.inputs if one.model.is_demand]
+        return [input_.model.id for input_ in self.monitor.inputs if input_.model.is_demand]
 
     @property
     def guarantees(self) -> Sequence[str]:
@@ -68,15 +68,15 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class Offer:
+class Fulfilment:
     """A guarantee that may fulfil a demand."""
 
-    seat: Seat
+    seat: RobotMonitor
     guarantee: str
 
 
 @dataclass(frozen=True)
-class Bond:
+class DemandBinding:
     """A demand, and what may fulfil it.
 
     Attributes:
@@ -87,14 +87,16 @@ class Bond:
         place: in the deployment file.
     """
 
-    user: Seat
+    user: RobotMonitor
     demand: str
-    offers: tuple[Offer, ...]
+    offers: tuple[Fulfilment, ...]
     of_any: bool
     place: Place
 
 
-def bonds_of(file: FleetFile, seats: Sequence[Seat]) -> tuple[list[Bond], list[Problem]]:
+def bonds_of(
+    file: FleetFile, seats: Sequence[RobotMonitor]
+) -> tuple[list[DemandBinding], list[Problem]]:
     """Return every bound demand, and what is wrong with the bindings (D011 to D013, D018)."""
     binder = _Binder(file, seats)
     for index, binding in enumerate(file.form.Bindings):
@@ -106,14 +108,14 @@ def bonds_of(file: FleetFile, seats: Sequence[Seat]) -> tuple[list[Bond], list[P
 @dataclass
 class _Binder:
     file: FleetFile
-    seats: Sequence[Seat]
-    bonds: dict[tuple[str, int, str], Bond] = field(default_factory=dict)
+    seats: Sequence[RobotMonitor]
+    bonds: dict[tuple[str, int, str], DemandBinding] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
     offers: int = 0
 
     def __post_init__(self) -> None:
         """Note which monitors each robot has."""
-        self._of: dict[FleetRobot, list[Seat]] = {}
+        self._of: dict[FleetRobot, list[RobotMonitor]] = {}
         for seat in self.seats:
             self._of.setdefault(seat.robot, []).append(seat)
 
@@ -123,12 +125,12 @@ class _Binder:
         if unknown:
             self.problems += unknown
             return True
-        users = [one for one in self._askers(binding) if binding.demand in one.demands]
+        users = [asker for asker in self._askers(binding) if binding.demand in asker.demands]
         if not users:
-            known = list(dict.fromkeys(d for one in self._askers(binding) for d in one.demands))
+            known = list(dict.fromkeys(d for asker in self._askers(binding) for d in asker.demands))
             of = binding.robot or "any robot"
             message = f"{binding.demand!r} is no demand of {of}"
-            hint = NearNames(known, "the demands are").hint(binding.demand)
+            hint = SimilarNames(known, "the demands are").hint(binding.demand)
             self.problems.append(error("D011", message, self._place(index, "demand"), hint))
         for user in users:
             self._bind(index, binding, user)
@@ -139,7 +141,7 @@ class _Binder:
                 return False
         return True
 
-    def _bind(self, index: int, binding: Binding, user: Seat) -> None:
+    def _bind(self, index: int, binding: Binding, user: RobotMonitor) -> None:
         place = self._place(index, "demand")
         key = (user.robot.name, user.index, binding.demand)
         if key in self.bonds:
@@ -148,7 +150,7 @@ class _Binder:
             hint = "name all robots that may fulfil it in one list: `from: [FIRST, SECOND]`"
             self.problems.append(error("D011", message, place, hint))
             return
-        offers: list[Offer] = []
+        offers: list[Fulfilment] = []
         reasons: dict[str, None] = {}
         for robot in self._providers(index, binding, user):
             found, misses = _offers(user, binding, self._of[robot])
@@ -159,10 +161,10 @@ class _Binder:
         if not offers and binding.from_ == "any" and user.robot.graph is not None:
             self._refuse(index, binding, user, "any robot that it hears", list(reasons))
         of_any = binding.from_ == "any"
-        self.bonds[key] = Bond(user, binding.demand, tuple(offers), of_any, place)
+        self.bonds[key] = DemandBinding(user, binding.demand, tuple(offers), of_any, place)
         self.offers += len(offers)
 
-    def _providers(self, index: int, binding: Binding, user: Seat) -> Iterator[FleetRobot]:
+    def _providers(self, index: int, binding: Binding, user: RobotMonitor) -> Iterator[FleetRobot]:
         """Yield the robots that may fulfil a demand and are heard by the one that has it (D013)."""
         names = binding.from_
         if user.robot.graph is None:
@@ -184,7 +186,7 @@ class _Binder:
                 self.problems.append(error("D013", message, self._place(index, "from"), hint))
 
     def _refuse(
-        self, index: int, binding: Binding, user: Seat, who: str, reasons: Sequence[str]
+        self, index: int, binding: Binding, user: RobotMonitor, who: str, reasons: Sequence[str]
     ) -> None:
         shown = "; ".join(reasons[:_MOST_REASONS]) or "there is no other ConSert"
         message = f"no guarantee of {who} fulfils {binding.demand!r} of {user.name}: {shown}"
@@ -194,8 +196,8 @@ class _Binder:
 
     def _unknown(self, index: int, binding: Binding) -> Iterator[Problem]:
         """Report names that nothing has (D011)."""
-        robots = list(dict.fromkeys(one.robot.name for one in self.seats))
-        near = NearNames(robots, "the robots are")
+        robots = list(dict.fromkeys(seat.robot.name for seat in self.seats))
+        near = SimilarNames(robots, "the robots are")
         if binding.robot is not None and binding.robot not in robots:
             message = f"there is no robot {binding.robot!r}"
             yield error("D011", message, self._place(index, "robot"), near.hint(binding.robot))
@@ -208,31 +210,33 @@ class _Binder:
                 message = f"{name} cannot fulfil its own demand"
                 own = "wire it in the configuration: monitors of one robot share its topics"
                 yield error("D011", message, self._place(index, "from"), own)
-        monitors = [one.id for one in self.seats if binding.robot in (None, one.robot.name)]
+        monitors = [seat.id for seat in self.seats if binding.robot in (None, seat.robot.name)]
         if binding.monitor is not None and binding.monitor not in monitors:
             message = f"there is no monitor {binding.monitor!r}"
-            place, near = self._place(index, "monitor"), NearNames(monitors, "the monitors are")
+            place, near = self._place(index, "monitor"), SimilarNames(monitors, "the monitors are")
             yield error("D011", message, place, near.hint(binding.monitor))
-        known = [name for one in self.seats for name in one.guarantees]
+        known = [name for seat in self.seats for name in seat.guarantees]
         if binding.guarantee is not None and binding.guarantee not in known:
             message = f"there is no guarantee {binding.guarantee!r}"
-            place, near = self._place(index, "guarantee"), NearNames(known, "the guarantees are")
+            place, near = self._place(index, "guarantee"), SimilarNames(known, "the guarantees are")
             yield error("D011", message, place, near.hint(binding.guarantee))
 
-    def _askers(self, binding: Binding) -> list[Seat]:
+    def _askers(self, binding: Binding) -> list[RobotMonitor]:
         return [
-            one
-            for one in self.seats
-            if binding.robot in (None, one.robot.name) and binding.monitor in (None, one.id)
+            seat
+            for seat in self.seats
+            if binding.robot in (None, seat.robot.name) and binding.monitor in (None, seat.id)
         ]
 
     def _place(self, index: int, key: str) -> Place:
         return self.file.place(BINDINGS, index, key)
 
 
-def _offers(user: Seat, binding: Binding, seats: Sequence[Seat]) -> tuple[list[Offer], list[str]]:
+def _offers(
+    user: RobotMonitor, binding: Binding, seats: Sequence[RobotMonitor]
+) -> tuple[list[Fulfilment], list[str]]:
     """Return the guarantees of a robot that fulfil a demand, and why others do not."""
-    offers: list[Offer] = []
+    offers: list[Fulfilment] = []
     misses: list[str] = []
     for seat in seats:
         unfulfilled = seat.monitor.kind.functions.unfulfilled
@@ -242,7 +246,7 @@ def _offers(user: Seat, binding: Binding, seats: Sequence[Seat]) -> tuple[list[O
             if binding.guarantee in (None, name):
                 why = unfulfilled(seat.monitor.model, name, user.monitor.model, binding.demand)
                 if why is None:
-                    offers.append(Offer(seat, name))
+                    offers.append(Fulfilment(seat, name))
                 else:
                     misses.append(why)
     return offers, misses

@@ -13,7 +13,7 @@ from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, Stati
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
-from eddi_scaffold.kinds import Model, Reading
+from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.loading import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 
@@ -45,7 +45,7 @@ class FleetRobot:
 
 
 def read_robots(
-    file: FleetFile, read: Callable[[Path], Reading]
+    file: FleetFile, read: Callable[[Path], ReadResult]
 ) -> tuple[list[FleetRobot], list[Problem]]:
     """Return the robots of a deployment file; one that cannot be used whole is left out.
 
@@ -55,7 +55,7 @@ def read_robots(
     """
     reader = _Reader(file, read)
     robots = [reader.robot(number) for number in range(len(file.form.Robots))]
-    found = [one for one in robots if one is not None]
+    found = [robot for robot in robots if robot is not None]
     reader.station()
     return found, [*reader.problems, *_check_namespaces(file, found)]
 
@@ -63,9 +63,9 @@ def read_robots(
 @dataclass
 class _Reader:
     file: FleetFile
-    read: Callable[[Path], Reading]
+    read: Callable[[Path], ReadResult]
     problems: list[Problem] = field(default_factory=list)
-    known: dict[Path, Reading] = field(default_factory=dict)
+    known: dict[Path, ReadResult] = field(default_factory=dict)
 
     def station(self) -> None:
         form = self.file.form.Station
@@ -121,7 +121,7 @@ class _Reader:
                 place = self.file.place(ROBOTS, robot, "monitors", index)
                 yield error("G004", message, place, hint)
 
-    def _models(self, path: Path) -> Reading:
+    def _models(self, path: Path) -> ReadResult:
         if path not in self.known:
             self.known[path] = self.read(path)
             self.problems += self.known[path].problems
@@ -153,16 +153,16 @@ def misplaced(
 def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
     """Report robots that nobody could tell apart (D010)."""
     first: dict[tuple[MeetingPlace, str], FleetRobot] = {}
-    for one in robots:
-        if one.graph is None:
+    for robot in robots:
+        if robot.graph is None:
             continue
-        before = first.setdefault((one.graph, one.form.prefix), one)
-        if before is not one:
+        before = first.setdefault((robot.graph, robot.form.prefix), robot)
+        if before is not robot:
             message = (
-                f"{before.name} and {one.name} have the same namespace {one.form.prefix or '/'}"
+                f"{before.name} and {robot.name} have the same namespace {robot.form.prefix or '/'}"
             )
             hint = "give each a namespace of its own; by default it is the name of the robot"
-            keys = (ROBOTS, one.number)
+            keys = (ROBOTS, robot.number)
             yield error("D010", message, file.place(*keys, "namespace"), hint)
 
 
@@ -183,7 +183,7 @@ class GuaranteeSource:
     guarantee: str
 
 
-def fed(
+def with_demand_inputs(
     config: ConfigFile,
     demand: str,
     sources: Sequence[GuaranteeSource],
@@ -213,7 +213,7 @@ def fed(
         words = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
         how = {"expression": " OR ".join(words)}
     entries = list(form.EDDIInputs)
-    index = next((k for k, one in enumerate(entries) if one.id == demand), len(entries))
+    index = next((k for k, entry in enumerate(entries) if entry.id == demand), len(entries))
     old = entries[index] if index < len(entries) else InputEntry(id=demand, type="bool")
     computed = {"field": None, "expression": None, "expression_file": None, "states": None}
     age = max_age if old.max_age is None else old.max_age

@@ -13,7 +13,7 @@ from eddi_scaffold.deployments.fleet_checks import problems_of
 from eddi_scaffold.deployments.fleet_topics import among_others, digests_of
 from eddi_scaffold.deployments.robots import FleetRobot
 from eddi_scaffold.deployments.station import is_closed, with_station
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import Platform
 
@@ -46,14 +46,16 @@ class Site:
         Args:
             place: the workspace, or folder.
         """
-        packages = [one.package for one in self.monitors]
+        packages = [monitor.package for monitor in self.monitors]
         meeting, robot = self.platform.meeting, self.robot
         if meeting is None or robot.graph is None:
             return self.platform.next_steps(place, packages)
         return meeting.next_steps(robot.graph, place, robot.form.prefix, packages)
 
 
-def sites_of(source: Source, read: Callable[[Path], Reading]) -> tuple[list[Site], list[Problem]]:
+def sites_of(
+    source: Source, read: Callable[[Path], ReadResult]
+) -> tuple[list[Site], list[Problem]]:
     """Return what is to be generated, and the warnings.
 
     Args:

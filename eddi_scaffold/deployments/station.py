@@ -11,9 +11,9 @@ from eddi_scaffold.common.problems import EddiError, Problem, error
 from eddi_scaffold.config.deployment_file import Robot
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.fleet import Fleet
-from eddi_scaffold.deployments.offers import Bond, Offer, Seat
+from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
-from eddi_scaffold.deployments.support import Participant
+from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.deployments.topics import Member
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import monitor_of
@@ -44,10 +44,10 @@ def with_station(fleet: Fleet) -> Fleet:
     monitor, problems = monitor_of(model, kinds()[_KIND], config)
     if monitor is None:
         raise EddiError(*problems)
-    seat, place = Seat(robot, 0, monitor), fleet.file.place(STATION)
+    seat, place = RobotMonitor(robot, 0, monitor), fleet.file.place(STATION)
     bonds = [
-        Bond(seat, f"{_FOUND}{name}", (one,), of_any=False, place=place)
-        for name, one in offers.items()
+        DemandBinding(seat, f"{_FOUND}{name}", (offer,), of_any=False, place=place)
+        for name, offer in offers.items()
     ]
     return replace(
         fleet,
@@ -73,7 +73,7 @@ def _place(fleet: Fleet) -> tuple[Platform | None, MeetingPlace | None]:
         EddiError: there is no such platform (G008).
     """
     form = fleet.file.form.Station
-    first = next((one for one in fleet.robots if one.graph is not None), None)
+    first = next((robot for robot in fleet.robots if robot.graph is not None), None)
     if form.platform is not None:
         platform = chosen(form.platform)
     elif first is not None:
@@ -95,31 +95,31 @@ def _reached(graph: MeetingPlace, platform: Platform) -> MeetingPlace | None:
     return graph if meeting.has_partitions or not graph.partition else None
 
 
-def _heard(fleet: Fleet) -> list[Offer]:
+def _heard(fleet: Fleet) -> list[Fulfilment]:
     """Return the guarantees of all robots where the station is."""
     graph = _place(fleet)[1]
-    heard = [one for one in fleet.seats if graph is not None and one.robot.graph == graph]
-    return [Offer(seat, name) for seat in heard for name in seat.guarantees]
+    heard = [seat for seat in fleet.seats if graph is not None and seat.robot.graph == graph]
+    return [Fulfilment(seat, name) for seat in heard for name in seat.guarantees]
 
 
-def _named(offers: Sequence[Offer]) -> Mapping[str, Offer]:
+def _named(offers: Sequence[Fulfilment]) -> Mapping[str, Fulfilment]:
     """Return guarantees by a name that tells whose they are."""
-    names: dict[str, Offer] = {}
-    for one in offers:
-        wanted = f"{one.seat.robot.name}_{attribute(one.guarantee)}"
-        names[free_name(wanted, names)] = one
+    names: dict[str, Fulfilment] = {}
+    for offer in offers:
+        wanted = f"{offer.seat.robot.name}_{attribute(offer.guarantee)}"
+        names[free_name(wanted, names)] = offer
     return names
 
 
-def _pair(name: str, offers: Mapping[str, Offer]) -> Pair:
+def _pair(name: str, offers: Mapping[str, Fulfilment]) -> Pair:
     model = {
         "guarantees": [
             {
                 "id": id_,
-                "description": f"{one.seat.name} guarantees {one.guarantee}",
+                "description": f"{offer.seat.name} guarantees {offer.guarantee}",
                 "dimensions": [_binary("Active")],
             }
-            for id_, one in offers.items()
+            for id_, offer in offers.items()
         ],
         "demands": [{"id": f"{_FOUND}{id_}", "dimensions": [_binary("Active")]} for id_ in offers],
         "evidence": [],
@@ -132,7 +132,7 @@ def _pair(name: str, offers: Mapping[str, Offer]) -> Pair:
         "Model": {
             "id": name,
             "type": "ConSert",
-            "frequency": max(one.seat.frequency for one in offers.values()),
+            "frequency": max(offer.seat.frequency for offer in offers.values()),
         },
         "EDDIOutputs": [{"id": "station", "topic": "guarantees"}],
     }
@@ -161,13 +161,13 @@ def is_closed(fleet: Fleet) -> bool:
     if not offers:
         return True
     seats = {seat: Member(seat.monitor, seat.robot.form.prefix).participant for seat in fleet.seats}
-    published = {topic for one in seats.values() for topic in one.published()}
-    bound: dict[Seat, set[str]] = {}
+    published = {topic for seat in seats.values() for topic in seat.published()}
+    bound: dict[RobotMonitor, set[str]] = {}
     for bond in fleet.bonds:
         bound.setdefault(bond.user, set()).add(bond.demand)
 
-    def rests_on_others(offer: Offer) -> bool:
-        one: Participant = seats[offer.seat]
+    def rests_on_others(offer: Fulfilment) -> bool:
+        one: WiredMonitor = seats[offer.seat]
         inputs = one.outputs[offer.guarantee]
         read = {topic for input_ in inputs for topic in one.topics(input_)}
         return not (inputs.isdisjoint(bound.get(offer.seat, ())) and read.isdisjoint(published))

@@ -28,7 +28,7 @@ from eddi_scaffold.monitors.input_rules import of_input
 
 
 @dataclass(frozen=True)
-class Participant:
+class WiredMonitor:
     """A monitor, as far as rings are concerned.
 
     Attributes:
@@ -76,11 +76,11 @@ class Participant:
 
     def published(self) -> Sequence[str]:
         """Return the full names of the topics that it publishes."""
-        return [topic for topic, _ in published(self)]
+        return [topic for topic, _ in topics_published(self)]
 
     def topics(self, input_: str) -> Sequence[str]:
         """Return the full names of the topics that an input reads."""
-        return list(dict.fromkeys(topic for topic, _ in reads_of(self).get(input_, ())))
+        return list(dict.fromkeys(topic for topic, _ in topics_read(self).get(input_, ())))
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic of this monitor's node."""
@@ -88,15 +88,15 @@ class Participant:
 
 
 @dataclass(frozen=True)
-class Published:
+class PublishedTopic:
     """What a participant publishes on one topic: a part of its result, one value, or all."""
 
-    of: Participant
+    of: WiredMonitor
     part: str | None
     path: FieldPath
 
 
-def remembered(package: str, answers: Mapping[str, Any]) -> Participant | None:
+def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
     """Return a monitor as the answers of its package have it; ``None`` for other packages."""
     if not answers.get("model_json") or not answers.get("config_json"):
         return None
@@ -104,16 +104,20 @@ def remembered(package: str, answers: Mapping[str, Any]) -> Participant | None:
         config = from_json(answers["config_json"], package)
         document = json.loads(answers["model_json"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
-        outputs = [one for one in answers.get("outputs") or () if "topic_text" in one]
-        bare = [one["topic_text"] for one in outputs if one["type_text"].startswith("std_msgs/")]
+        outputs = [output for output in answers.get("outputs") or () if "topic_text" in output]
+        bare = [
+            output["topic_text"]
+            for output in outputs
+            if output["type_text"].startswith("std_msgs/")
+        ]
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return None
     alone = dict.fromkeys(bare, "the same field")
-    found = Participant(config.config.Model.id, package, "", kind, config, document, file, alone)
+    found = WiredMonitor(config.config.Model.id, package, "", kind, config, document, file, alone)
     return found if _is_whole(found) else None
 
 
-def _is_whole(found: Participant) -> bool:
+def _is_whole(found: WiredMonitor) -> bool:
     """Return whether what a package remembers can be followed; answers may be damaged."""
     try:
         supports([found])
@@ -123,9 +127,13 @@ def _is_whole(found: Participant) -> bool:
     return True
 
 
-def check_rings(participants: Sequence[Participant]) -> Iterator[Problem]:
+def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report each ring of claims once (D003)."""
-    owners = {one.claim(output): one for one in participants for output in one.outputs}
+    owners = {
+        participant.claim(output): participant
+        for participant in participants
+        for output in participant.outputs
+    }
     for ring in cycles(supports(participants)):
         first, *others = ring  # in the direction of support
         chain = ", which needs ".join([*reversed(others), first])
@@ -134,32 +142,37 @@ def check_rings(participants: Sequence[Participant]) -> Iterator[Problem]:
         yield error("D003", message, owners[first].config.place("EDDIInputs"), hint)
 
 
-def supports(participants: Sequence[Participant]) -> Mapping[str, tuple[str, ...]]:
+def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
     """Return for each claim the claims of other monitors that it rests on."""
-    by_topic: dict[str, list[Published]] = {}
-    for one in participants:
-        for topic, item in published(one):
+    by_topic: dict[str, list[PublishedTopic]] = {}
+    for participant in participants:
+        for topic, item in topics_published(participant):
             by_topic.setdefault(topic, []).append(item)
     graph: dict[str, tuple[str, ...]] = {}
-    for one in participants:
-        below = {name: _below(one, read, by_topic) for name, read in reads_of(one).items()}
-        for output, inputs in one.outputs.items():
+    for participant in participants:
+        below = {
+            name: _below(participant, read, by_topic)
+            for name, read in topics_read(participant).items()
+        }
+        for output, inputs in participant.outputs.items():
             rests = [claims for name, claims in below.items() if name in inputs]
-            graph[one.claim(output)] = tuple(dict.fromkeys(c for claims in rests for c in claims))
+            graph[participant.claim(output)] = tuple(
+                dict.fromkeys(c for claims in rests for c in claims)
+            )
     return graph
 
 
-def published(of: Participant) -> Iterator[tuple[str, Published]]:
+def topics_published(of: WiredMonitor) -> Iterator[tuple[str, PublishedTopic]]:
     """Yield the full names of the topics of a participant, with what is on them."""
     for output in of.config.config.EDDIOutputs:
         path = parse_field(output.field) if output.field is not None else ()
-        item = Published(of, output.event, path)
+        item = PublishedTopic(of, output.event, path)
         yield of.topic(output.topic), item
         for name in ("status", "evidence"):
             yield of.topic(f"{output.topic}/{name}"), item
 
 
-def reads_of(of: Participant) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
+def topics_read(of: WiredMonitor) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
     """Return for each input the topics that it reads, with the path into each message."""
     topics = {one.id: of.topic(one.topic) for one in of.config.config.SimulatorOutputs}
     entries = {one.id: one for one in of.config.config.EDDIInputs}
@@ -187,9 +200,9 @@ def reads_of(of: Participant) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
 
 
 def _below(
-    user: Participant,
+    user: WiredMonitor,
     reads: Sequence[tuple[str, FieldPath]],
-    by_topic: Mapping[str, Sequence[Published]],
+    by_topic: Mapping[str, Sequence[PublishedTopic]],
 ) -> Sequence[str]:
     return [
         claim
@@ -200,7 +213,7 @@ def _below(
     ]
 
 
-def _claims(item: Published, path: FieldPath) -> Sequence[str]:
+def _claims(item: PublishedTopic, path: FieldPath) -> Sequence[str]:
     """Return the claims that a field carries: the one that it names, else all of the monitor."""
     outputs = item.of.outputs
     keys = [str(step.wanted) for step in (item.path or path) if isinstance(step, ByKey)]
@@ -248,27 +261,31 @@ class Accepted:
         return f"{who}, `{self.what.key}`: {claims} {rest} on {on} {self.what.lasts}"
 
 
-def acceptances(participants: Sequence[Participant]) -> list[Accepted]:
+def acceptances(participants: Sequence[WiredMonitor]) -> list[Accepted]:
     """Return every acceptance on which a claim rests; claims rest on no ring."""
     users = reversed_graph(supports(participants))
     found = []
-    for one in participants:
-        for what in _of(one):
-            above = reached(users, [one.claim(name) for name in _outputs(one, what)])
+    for participant in participants:
+        for what in _of(participant):
+            above = reached(
+                users, [participant.claim(name) for name in _outputs(participant, what)]
+            )
             if above:
                 claims = tuple(claim for claim in users if claim in above)
-                topics = tuple(one.topics(what.input)) if what.input else ()
-                found.append(Accepted(one.name, what, topics, claims, _place(one, what)))
+                topics = tuple(participant.topics(what.input)) if what.input else ()
+                found.append(
+                    Accepted(participant.name, what, topics, claims, _place(participant, what))
+                )
     return found
 
 
-def check_acceptances(participants: Sequence[Participant]) -> Iterator[Problem]:
+def check_acceptances(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report each acceptance (D009)."""
-    for one in acceptances(participants):
-        yield warning("D009", one.as_text(), one.place)
+    for acceptance in acceptances(participants):
+        yield warning("D009", acceptance.as_text(), acceptance.place)
 
 
-def _of(one: Participant) -> Iterator[Acceptance]:
+def _of(one: WiredMonitor) -> Iterator[Acceptance]:
     yield from one.kind.functions.accepted(one.document, one.frequency)
     specs = {spec["id"]: spec for spec in one.document["inputs"]}
     for index, entry in enumerate(one.config.config.EDDIInputs):
@@ -276,7 +293,7 @@ def _of(one: Participant) -> Iterator[Acceptance]:
             yield from of_input(entry, specs[entry.id], index)
 
 
-def _outputs(of: Participant, one: Acceptance) -> Sequence[str]:
+def _outputs(of: WiredMonitor, one: Acceptance) -> Sequence[str]:
     if one.outputs is not None:
         return one.outputs
     return [
@@ -286,7 +303,7 @@ def _outputs(of: Participant, one: Acceptance) -> Sequence[str]:
     ]
 
 
-def _place(of: Participant, one: Acceptance) -> Place:
+def _place(of: WiredMonitor, one: Acceptance) -> Place:
     if one.at is not None:
         return Place(of.model_file, *one.at)
     return of.config.place(*one.path)

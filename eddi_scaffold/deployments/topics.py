@@ -7,10 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.common.problems import Place, Problem, error, nearest, warning
+from eddi_scaffold.common.problems import Place, Problem, error, most_similar, warning
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import Participant, Published, published, reads_of
+from eddi_scaffold.deployments.support import (
+    PublishedTopic,
+    WiredMonitor,
+    topics_published,
+    topics_read,
+)
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import (
@@ -34,10 +39,10 @@ class Member:
     namespace: str = ""
 
     @cached_property
-    def participant(self) -> Participant:
+    def participant(self) -> WiredMonitor:
         """The same, as far as a package remembers it."""
         monitor = self.monitor
-        return Participant(
+        return WiredMonitor(
             self.name,
             monitor.package,
             self.namespace,
@@ -94,10 +99,10 @@ class Deployment:
 
     members: tuple[Member, ...]
     publishers: Mapping[str, Sequence[Publisher]]
-    others: tuple[Participant, ...] = ()
+    others: tuple[WiredMonitor, ...] = ()
 
     @property
-    def participants(self) -> Sequence[Participant]:
+    def participants(self) -> Sequence[WiredMonitor]:
         """All monitors, as far as a package remembers them."""
         return [*(member.participant for member in self.members), *self.others]
 
@@ -106,14 +111,16 @@ class Deployment:
         found = self.publishers.get(member.topic(source.topic), ())
         return next((one for one in found if one.publication.type == source.type), None)
 
-    def other(self, member: Member, source: SimulatorOutput) -> Published | None:
+    def other(self, member: Member, source: SimulatorOutput) -> PublishedTopic | None:
         """Return who of the others publishes what a member listens to."""
         topic = member.topic(source.topic)
-        found = (item for one in self.others for at, item in published(one) if at == topic)
+        found = (
+            item for other in self.others for at, item in topics_published(other) if at == topic
+        )
         return next(found, None)
 
 
-def deployment(members: Sequence[Member], others: Sequence[Participant] = ()) -> Deployment:
+def deployment(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> Deployment:
     """Return the members with what each of them publishes where."""
     publishers: dict[str, list[Publisher]] = {}
     for member in members:
@@ -133,11 +140,15 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
     yield from _shared_with_others(deployment)
 
 
-def check_alone(participants: Sequence[Participant]) -> Iterator[Problem]:
+def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report who reads a value alone (D001): an unknown false would be passed on as known."""
-    alone = {one.topic(name): (one, of) for one in participants for name, of in one.alone.items()}
+    alone = {
+        participant.topic(name): (participant, of)
+        for participant in participants
+        for name, of in participant.alone.items()
+    }
     for reader in participants:
-        reads = reads_of(reader)
+        reads = topics_read(reader)
         for index, entry in enumerate(reader.config.config.EDDIInputs):
             for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
                 if topic in alone:
@@ -171,14 +182,14 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
     """Report messages of ours that are read, and whose fields get other names (G026)."""
     respelt = {
         name
-        for one in deployment.members
-        for name in one.monitor.kind.respelt(one.config.config.Model.model_extra or {})
+        for member in deployment.members
+        for name in member.monitor.kind.respelt(member.config.config.Model.model_extra or {})
     }
-    for one in deployment.members:
-        for index, source in enumerate(one.config.config.SimulatorOutputs):
+    for member in deployment.members:
+        for index, source in enumerate(member.config.config.SimulatorOutputs):
             package, _, name = source.type.partition("/")
             if package == MESSAGE_PACKAGE and name in respelt:
-                place = one.config.place("SimulatorOutputs", index, "type")
+                place = member.config.place("SimulatorOutputs", index, "type")
                 yield read_respelt(name, place)
 
 
@@ -217,7 +228,7 @@ def _shared(topic: str, first: Publisher, second: Publisher) -> Problem:
 
 def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
     """Report topics that a package which is there publishes as well."""
-    first: dict[str, tuple[Participant, Place]] = {}
+    first: dict[str, tuple[WiredMonitor, Place]] = {}
     new = {member.monitor.package for member in deployment.members}
     for topic, found in deployment.publishers.items():
         publisher = next((o for o in found if o.publication.of == "" or o.publication.path), None)
@@ -248,8 +259,8 @@ def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
 
 def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
     config = member.config
-    required = {name for one in config.config.EDDIInputs for name in one.requires}
-    required |= {one.id for binding in member.monitor.inputs for one in binding.requires}
+    required = {name for entry in config.config.EDDIInputs for name in entry.requires}
+    required |= {require.id for binding in member.monitor.inputs for require in binding.requires}
     for index, source in enumerate(config.config.SimulatorOutputs):
         topic = member.topic(source.topic)
         if source.id not in required or kind_of_message(source.type) is None or source.peers:
@@ -273,5 +284,5 @@ def _alike(deployment: Deployment, member: Member, topic: str, type_: str) -> st
         for one in found
         if one.publication.type == type_ and one.member is not member
     }
-    near = nearest(topic, known)
+    near = most_similar(topic, known)
     return f"did you mean {near} ({known[near]})?" if near is not None else None

@@ -15,7 +15,7 @@ from eddi_scaffold.common.problems import Problem, error
 from eddi_scaffold.config.field_paths import ByKey
 from eddi_scaffold.config.schema import InputQos, OutputEntry
 from eddi_scaffold.deployments.meanings import FieldReading, check_meanings, readings
-from eddi_scaffold.deployments.support import Participant, check_acceptances, check_rings, supports
+from eddi_scaffold.deployments.support import WiredMonitor, check_acceptances, check_rings, supports
 from eddi_scaffold.deployments.topics import (
     Deployment,
     Member,
@@ -59,14 +59,14 @@ def _output(publisher: Publisher, reading: FieldReading) -> str | None:
     return next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
 
 
-def check_hidden(participants: Sequence[Participant]) -> Iterator[Problem]:
+def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report what is told to other robots and rests by topics on a word of one (D017).
 
     Args:
         participants: the monitors that read each other's topics.
     """
-    telling = [one for one in participants if _tells(one)]
-    relying = {claim: one for one in participants for claim in one.by_words}
+    telling = [participant for participant in participants if _tells(participant)]
+    relying = {claim: participant for participant in participants for claim in participant.by_words}
     if not telling or not relying:
         return
     graph = supports(participants)
@@ -80,13 +80,13 @@ def check_hidden(participants: Sequence[Participant]) -> Iterator[Problem]:
                 break
 
 
-def _tells(one: Participant) -> bool:
+def _tells(one: WiredMonitor) -> bool:
     """Return whether other robots may rely on a monitor, among which nobody looked for circles."""
     fleet = one.config.config.Fleet
     return fleet is not None and not fleet.closed
 
 
-def _hidden(one: Participant, claim: str, hidden: str) -> Problem:
+def _hidden(one: WiredMonitor, claim: str, hidden: str) -> Problem:
     message = (
         f"{claim} is told to other robots and rests on a topic of {hidden}, which rests on the word"
         " of another robot: if that one relies on this robot, no word shows the circle"
@@ -105,13 +105,13 @@ _LESS_THAN = {
 """What a reader may ask for -> what does not fulfil it."""
 
 
-def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
+def check_qualities(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report topics of which a monitor asks for more than another one offers (D016)."""
     written = [
-        (topic, one, output)
-        for one in participants
-        for output in one.config.config.EDDIOutputs
-        for topic in _topics(one, output)
+        (topic, participant, output)
+        for participant in participants
+        for output in participant.config.config.EDDIOutputs
+        for topic in _topics(participant, output)
     ]
     for reader in participants:
         for index, source in enumerate(reader.config.config.SimulatorOutputs):
@@ -126,7 +126,7 @@ def check_qualities(participants: Sequence[Participant]) -> Iterator[Problem]:
                     yield error("D016", f"{message} {given}", place, hint)
 
 
-def _topics(one: Participant, output: OutputEntry) -> Iterator[str]:
+def _topics(one: WiredMonitor, output: OutputEntry) -> Iterator[str]:
     """Yield the full names of the topics that have the quality of an output."""
     topic = one.topic(output.topic)
     yield topic
@@ -143,7 +143,7 @@ def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
             yield name, wanted
 
 
-def check_wiring(members: Sequence[Member], others: Sequence[Participant] = ()) -> list[Problem]:
+def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> list[Problem]:
     """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D017, D019).
 
     Args:

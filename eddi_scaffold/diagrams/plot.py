@@ -63,10 +63,10 @@ def shown_time(tracks: Iterable[Track]) -> tuple[float, float]:
     times = [track.times for track in tracks if track.times]
     if not times:
         return 0.0, 1.0
-    start, end = min(one[0] for one in times), max(one[-1] for one in times)
+    start, end = min(time[0] for time in times), max(time[-1] for time in times)
     if not end > start:
         return start, start + 1.0
-    step = max((one[-1] - one[-2] for one in times if len(one) > 1), default=0.0)
+    step = max((time[-1] - time[-2] for time in times if len(time) > 1), default=0.0)
     return start, end + max(step, (end - start) / 100)
 
 

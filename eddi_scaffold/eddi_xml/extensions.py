@@ -66,7 +66,7 @@ class ExtensionMap:
 
     def of(self, *tags: str) -> list[Value]:
         """Return the values with one of some tags."""
-        return [one for one in self.values if one.tag in tags]
+        return [value for value in self.values if value.tag in tags]
 
 
 def extension_maps(document: EddiDocument, *keys: str) -> Iterator[ExtensionMap]:
@@ -77,8 +77,8 @@ def extension_maps(document: EddiDocument, *keys: str) -> Iterator[ExtensionMap]
             if owner is not None and (not keys or key in keys):
                 values = document.children(element, _VALUES)[: _MOST_VALUES + 1]
                 found = tuple(
-                    Value(one.get("tag") or "", one.get("value") or "", document.place(one))
-                    for one in values
+                    Value(value.get("tag") or "", value.get("value") or "", document.place(value))
+                    for value in values
                 )
                 yield ExtensionMap(key, element, owner, document.place(element), found)
 
@@ -87,16 +87,20 @@ def check_maps(document: EddiDocument) -> list[Problem]:
     """Check what does not depend on the kind of a model: keys, names and sizes (X030, X031)."""
     problems: list[Problem] = []
     first: dict[str, Place] = {}
-    for one in extension_maps(document):
-        if one.key not in KEYS:
-            hint = did_you_mean(one.key, KEYS) or f"keys: {', '.join(KEYS)}"
-            problems.append(error("X031", f"the key {one.key!r} is not known", one.place, hint))
+    for extension_map in extension_maps(document):
+        if extension_map.key not in KEYS:
+            hint = did_you_mean(extension_map.key, KEYS) or f"keys: {', '.join(KEYS)}"
+            problems.append(
+                error(
+                    "X031", f"the key {extension_map.key!r} is not known", extension_map.place, hint
+                )
+            )
             continue
-        if len(one.values) > _MOST_VALUES:
-            message = f"{one.key} has more than {_MOST_VALUES} values"
-            problems.append(error("X003", message, one.place, "split it"))
-        if one.key != MONITORED_BY:
-            problems += _check_name(one, first)
+        if len(extension_map.values) > _MOST_VALUES:
+            message = f"{extension_map.key} has more than {_MOST_VALUES} values"
+            problems.append(error("X003", message, extension_map.place, "split it"))
+        if extension_map.key != MONITORED_BY:
+            problems += _check_name(extension_map, first)
     return problems
 
 

@@ -70,7 +70,11 @@ def with_map(
         raise EddiError(error("X036", message, Place(document.name), "save it as UTF-8"))
     span = dict(zip(elements, spans, strict=True))
     model = values[0][1]
-    own = [one for one in extension_maps(document, key) if one.owner is at and one.model == model]
+    own = [
+        extension_map
+        for extension_map in extension_maps(document, key)
+        if extension_map.owner is at and extension_map.model == model
+    ]
     if own:
         old = span[own[0].element]
         tags = {tag for tag, _ in values}

@@ -88,7 +88,7 @@ class Linked:
             "element": self.element,
             "id": self.id,
             "line": self.line,
-            "links": [one.as_json() for one in self.links],
+            "links": [link.as_json() for link in self.links],
             **({"cut": True} if self.is_cut else {}),
         }
 
@@ -125,7 +125,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
     if element is None:
         return {}
     own = document.references.path(element)
-    return {path: one for path, one in links.items() if f"{path}/".startswith(f"{own}/")}
+    return {path: link for path, link in links.items() if f"{path}/".startswith(f"{own}/")}
 
 
 def _linked(
@@ -229,7 +229,7 @@ class _LinkGraph:
 
     def _trace(self, ours: Sequence[Element], others: Sequence[Element]) -> None:
         """Note a trace, which is a link between two elements without a name of its own."""
-        for start, ends in [*((one, others) for one in ours), *((one, ours) for one in others)]:
+        for start, ends in [*((our, others) for our in ours), *((other, ours) for other in others)]:
             self._link(start, [end for end in ends if self._is_end(end)])
             for end in ends if self._is_end(start) else ():
                 self._refer(start, self._path(end))

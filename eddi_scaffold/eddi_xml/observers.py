@@ -91,7 +91,7 @@ def observed(document: EddiDocument) -> Observed:
             used = [own[name].path for name in event.uses if name in own]
             found.events[event.path] = [path for path in used if path != event.path]
     maps = list(extension_maps(document, MONITORED_BY))
-    named = [value for one in maps for value in one.values]
+    named = [value for map_ in maps for value in map_.values]
     if any(value.tag in _KINDS or value.tag == "subject" for value in named):
         _name_models(document, models)
     for one in maps:

@@ -18,7 +18,7 @@ from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint, local_name
 from eddi_scaffold.eddi_xml.xml_text import HEAD_BYTES, looks_like_xml
 
 
-def sniff(source: Source) -> bool:
+def recognises(source: Source) -> bool:
     """Return whether a file looks like XML."""
     with source.open() as stream:
         return looks_like_xml(stream.read(HEAD_BYTES))

@@ -73,7 +73,7 @@ class Survey:
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``show --json``."""
         return {
-            "models": [dict(vars(one)) for one in self.models],
+            "models": [dict(vars(model)) for model in self.models],
             "packages": [
                 {"class": p.class_name, "name": p.name, "path": p.path, "line": p.line}
                 for p in self.packages
@@ -105,7 +105,7 @@ def survey(document: EddiDocument) -> Survey:
                 if fragment is not None:
                     total += 1
                     unresolved += references.resolve(fragment) is None
-    models += [_of_map(one) for one in extension_maps(document, EVENTS, SAFEML)]
+    models += [_of_map(extension_map) for extension_map in extension_maps(document, EVENTS, SAFEML)]
     packages = tuple(_package(document, element) for element in document.packages())
     return Survey(tuple(models), packages, elements, total, unresolved)
 
@@ -183,7 +183,8 @@ def is_chain(document: EddiDocument, machine: Element) -> bool:
     """Tell whether every transition has a rate, and none a trigger."""
     transitions = document.children(machine, word.TRANSITIONS)
     return bool(transitions) and all(
-        has_rate(document, one) and not has_trigger(document, one) for one in transitions
+        has_rate(document, transition) and not has_trigger(document, transition)
+        for transition in transitions
     )
 
 

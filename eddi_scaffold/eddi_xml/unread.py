@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, counted, error, info, warning
+from eddi_scaffold.common.problems import Place, Problem, error, info, plural, warning
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, feature_of, select
 from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model
@@ -100,7 +100,7 @@ class Unread:
     def problem(self) -> Problem:
         """Return the warning (X021)."""
         name = local_name(self.class_name)
-        elements = counted(self.elements, "element")
+        elements = plural(self.elements, "element")
         if self.inside:
             elements += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
         what = elements if name == self.class_name else f"{self.class_name}, {elements}"
@@ -127,7 +127,7 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
     if found:
         names = [str(one.get("variableName")) for one in found]
         shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-        message = f"{counted(len(found), 'EventMonitor')} ({shown}) not used by itself"
+        message = f"{plural(len(found), 'EventMonitor')} ({shown}) not used by itself"
         hint = "name topic and field in the configuration"
         yield info("X021", message, document.place(found[0]), hint)
 
@@ -135,7 +135,11 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
 def unused_design(document: EddiDocument) -> Iterator[Problem]:
     """Yield an info (X021) on what the design holds besides systems and services."""
     found: list[Element] = []
-    waiting = [one for one in document.packages() if document.class_of(one).name == "designpackage"]
+    waiting = [
+        package
+        for package in document.packages()
+        if document.class_of(package).name == "designpackage"
+    ]
     for element in waiting:
         for child in element.iterchildren():
             feature = fold(feature_of(child))
@@ -223,7 +227,7 @@ def _class_of(document: EddiDocument, element: Element) -> str:
 
 
 def _described(document: EddiDocument, stated: str, same: Sequence[Element]) -> Unread:
-    below = [one for element in same for one in element.iterdescendants()]
+    below = [iterdescendant for element in same for iterdescendant in element.iterdescendants()]
     inside = Counter(
         local_name(_class_of(document, one)) for one in below if _is_left_out(document, one)
     )

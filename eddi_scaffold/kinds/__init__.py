@@ -142,7 +142,7 @@ M = TypeVar("M", bound=Model)
 
 
 @dataclass(frozen=True)
-class Reading:
+class ReadResult:
     """What a reader found: models and everything that is wrong with them.
 
     Attributes:
@@ -379,14 +379,14 @@ class Functions(Generic[M]):
             are not all in the model; an option may still be ``TODO``.
     """
 
-    read_file: Callable[[Source, Sequence[str]], Reading]
+    read_file: Callable[[Source, Sequence[str]], ReadResult]
     counts: Callable[[M], Mapping[str, int]]
     outline: Callable[[M], Sequence[str]]
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
     runtime_model: Callable[[M], JsonObject]
     in_map: Callable[[M], tuple[str, Sequence[tuple[str, str]]]] | None = None
-    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], Reading] | None = None
+    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], ReadResult] | None = None
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing
     configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is

@@ -14,9 +14,9 @@ from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
-    NearNames,
     Place,
     Problem,
+    SimilarNames,
     error,
     has_errors,
     warning,
@@ -60,7 +60,7 @@ _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 
 @dataclass(frozen=True)
-class UntilWritten(Problem):
+class UnwrittenInput(Problem):
     """A problem that ends when a person writes a region.
 
     Attributes:
@@ -190,7 +190,7 @@ def monitor_of(
     if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
-    entries = {one.id: one for one in config.config.EDDIInputs} if config is not None else {}
+    entries = {entry.id: entry for entry in config.config.EDDIInputs} if config is not None else {}
     inputs = [_input_document(binding, entries.get(binding.model.id)) for binding in bindings]
     try:
         text = model_document(model, kind, inputs, place)
@@ -220,7 +220,9 @@ def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor,
         known: type -> its fields.
     """
     inputs, problems = bind_inputs(monitor.model, monitor.kind, monitor.config, known)
-    errors = [one for one in problems if one.level == "error"]  # the rest was told before
+    errors = [
+        problem for problem in problems if problem.level == "error"
+    ]  # the rest was told before
     return replace(monitor, inputs=tuple(inputs)), errors
 
 
@@ -272,7 +274,7 @@ def bind_inputs(
     left = {item.id: item for item in inputs}
     types = {item.id: item.type for item in inputs}
     bindings: list[InputBinding] = []
-    near = NearNames([item.id for item in inputs], "the inputs are")
+    near = SimilarNames([item.id for item in inputs], "the inputs are")
     for index, entry in enumerate(config.config.EDDIInputs):
         item = left.pop(entry.id, None)
         if item is None:
@@ -440,11 +442,13 @@ class _InputBinder:
         """
         fleet = self.config.config.Fleet
         lease = fleet.lease if fleet is not None else None
-        limits = [lease if one.peers else one.limit for one in self.requires]
+        limits = [lease if require.peers else require.limit for require in self.requires]
         written = self.entry.is_computed and None in limits
         allowed = (
-            one.max_age if one.max_age is not None or (written and not one.peers) else limit
-            for one, limit in zip(self.requires, limits, strict=True)
+            require.max_age
+            if require.max_age is not None or (written and not require.peers)
+            else limit
+            for require, limit in zip(self.requires, limits, strict=True)
         )
         ages = [age for age in allowed if age is not None]
         numbers = [age for age in ages if not isinstance(age, str)]
@@ -485,7 +489,7 @@ class _InputBinder:
             own = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
             package = package_name(self.config.config.Model.id)
             place = self._place("requires")
-            found = UntilWritten("warning", "K062", text, place, hint, None, package, own)
+            found = UnwrittenInput("warning", "K062", text, place, hint, None, package, own)
             self.problems.append(found)
 
     def _numbers(self) -> str | None:
@@ -594,7 +598,7 @@ class _InputBinder:
         if factor is None:
             fitting = [unit or '""' for unit in self.item.units or {}]
             message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
-            near = NearNames(fitting, "units that can be").hint(given)
+            near = SimilarNames(fitting, "units that can be").hint(given)
             self._error("K022", message, "unit", _shifted(given, wanted) or near)
             return None
         return None if factor[0] == factor[1] else factor
@@ -639,8 +643,8 @@ def _only_fitting_field(
 def holds(message: str, wanted: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
     """Return whether a message has a value for an input, ``None`` where that is not known."""
     types, is_known = [message], True
-    for one in types:  # grows: a type is looked into once, however often it occurs
-        inside = fields_of(one)
+    for type_name in types:  # grows: a type is looked into once, however often it occurs
+        inside = fields_of(type_name)
         is_known = is_known and inside is not None
         for name, of in (inside or {}).items():
             single = element(of) or of

@@ -104,7 +104,7 @@ class ExpressionNames:
         """Return the hint at what can be read of a list or a message."""
         if of.endswith("]"):
             return f"its elements: MIN({name}[*])"
-        known = [f"{name}.{one}" for one in self._fields_of(of) or ()]
+        known = [f"{name}.{field}" for field in self._fields_of(of) or ()]
         return f"there are: {', '.join(known)}" if known else None
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:

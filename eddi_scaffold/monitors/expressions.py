@@ -74,11 +74,11 @@ class _ExpressionBinder:
         self.types = types
         self.entry: InputEntry = config.config.EDDIInputs[index]
         self.problems: list[Problem] = []
-        self.sources = {attribute(one.id): one for one in config.config.SimulatorOutputs}
+        self.sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
         before = config.config.EDDIInputs[:index]
         self.inputs = {attribute(one.id): one for one in before}
         self.polarity = self.entry.polarity
-        below = {attribute(one.id) for one in config.config.EDDIInputs[index + 1 :]}
+        below = {attribute(entry.id) for entry in config.config.EDDIInputs[index + 1 :]}
         self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of, below)
 
     def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
@@ -194,17 +194,17 @@ class _ExpressionBinder:
         declared = parse(
             "\n".join(self.config.config.declarations), TextFindings("", lambda _: Place())
         )
-        known = {one.name for one in declared.constants}
-        known |= {literal.name for one in declared.enums for literal in one.literals}
+        known = {constant.name for constant in declared.constants}
+        known |= {literal.name for enum in declared.enums for literal in enum.literals}
         typed = {one.name: one.unit for one in declared.variables}
         found: dict[str, Variable] = {}
-        for one in texts:
-            findings = TextFindings(one.text, one.locate)
-            file = parse(one.text, findings)
+        for text in texts:
+            findings = TextFindings(text.text, text.locate)
+            file = parse(text.text, findings)
             if has_errors(findings.problems):
                 self.problems += findings.problems
                 continue
-            file = file if one.event is None else file.reduced_to(one.event)
+            file = file if text.event is None else file.reduced_to(text.event)
             local = {event.name for event in file.events if not event.anonymous}
             local |= {v.name for v in file.constants}
             local |= {literal.name for enum in file.enums for literal in enum.literals}
@@ -213,16 +213,16 @@ class _ExpressionBinder:
             names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
             for name, at in names.items():
                 if name in local_typed:
-                    self.names.declared(name, local_typed[name], one.locate, at)
+                    self.names.declared(name, local_typed[name], text.locate, at)
                 elif name not in {*known, *local, *found}:
-                    variable = self.names.variable(name, one.locate, at)
+                    variable = self.names.variable(name, text.locate, at)
                     if variable is not None:
                         found[name] = variable
         return found
 
     def _requires(self, compiled: CompiledExpression) -> tuple[SimulatorOutput, ...]:
         used = [self.sources[name] for name in compiled.requires if name in self.sources]
-        given = {one.id: one for one in self.config.config.SimulatorOutputs}
+        given = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
         for one in used:
             if self.entry.requires and one.id not in self.entry.requires:
                 message = f"the expression uses {one.id!r}, which `requires` does not name"

@@ -71,7 +71,7 @@ def taken(argument: str, path: FieldPath, message: str) -> str:
     """Return the Python expression that takes a field of a message, where that is known."""
     parts = [expression(argument, path)]
     for beside, values in _known(path, message):
-        literals = [python_literal(one) for one in values]
+        literals = [python_literal(value) for value in values]
         told = [] if beside == path else [expression(argument, beside)]
         parts.append(f"({', '.join([*told, *literals])})" if told else ", ".join(literals))
     return f"given({', '.join(parts)})" if parts[1:] else parts[0]

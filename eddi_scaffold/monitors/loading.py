@@ -17,8 +17,8 @@ from eddi_scaffold.common.problems import (
     did_you_mean,
     error,
     has_errors,
-    listed,
-    nearest,
+    most_similar,
+    shortened_list,
 )
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
@@ -29,7 +29,7 @@ from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.observers import observed
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import sniff as is_xml
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.eddi_xml.unread import (
     check_features,
     event_monitors,
@@ -37,7 +37,7 @@ from eddi_scaffold.eddi_xml.unread import (
     unread,
     unused_design,
 )
-from eddi_scaffold.kinds import Kind, Model, Options, Reading, kinds
+from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")
@@ -74,7 +74,7 @@ def named_like_mros(name: str) -> bool:
     return name.endswith((SYSTEM_SUFFIX, *MODEL_SUFFIXES))
 
 
-def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Reading:
+def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadResult:
     """Read every model of every kind in one file, with all problems."""
     for kind in kinds().values():
         if kind.sniff(source):
@@ -82,7 +82,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
     with source.open() as stream:
         head = stream.read(_HEAD)
     if len(head) < _HEAD and not head.strip():
-        return Reading((), (error("F003", "this file is empty", Place(source.name)),))
+        return ReadResult((), (error("F003", "this file is empty", Place(source.name)),))
     if is_xml(source):
         return _read_eddi(source, default_guarantees)
     if is_config(source):
@@ -92,31 +92,31 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> Readi
             named = named_model_path(config) if config is not None else None
             hint = f"name its model: {named}" if named is not None else hint
         message = "this is an eddi_config.yml, not a model"
-        return Reading((), (error("F008", message, Place(source.name), hint),))
+        return ReadResult((), (error("F008", message, Place(source.name), hint),))
     if is_fleet(source):
         hint = "`check`, `generate` and `diagram` read it"
         message = "this is a deployment file, not a model"
-        return Reading((), (error("F008", message, Place(source.name), hint),))
+        return ReadResult((), (error("F008", message, Place(source.name), hint),))
     if is_mros(source):
         message = "this describes the robot's nodes, it is not a model of its dependability"
         hint = "parse-rossystem, or generate --system with --models, reads it"
-        return Reading((), (error("F003", message, Place(source.name), hint),))
+        return ReadResult((), (error("F003", message, Place(source.name), hint),))
     if source.name.lower().endswith(YAML_SUFFIXES):
         stranger = _of_no_kind(source)
         if stranger is not None:
-            return Reading((), (stranger,))
+            return ReadResult((), (stranger,))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     if source.name.lower().endswith(".csv"):
         message = "this is a recording, not a model"
         hint = "`run` takes it with --inputs, beside a model or a configuration"
-        return Reading((), (error("F003", message, Place(source.name), hint),))
+        return ReadResult((), (error("F003", message, Place(source.name), hint),))
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):
         message = f"this is not text, so it is not a model ({known})"
-        return Reading((), (error("F003", message, Place(source.name)),))
+        return ReadResult((), (error("F003", message, Place(source.name)),))
     message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
-    return Reading((), (error("F003", message, Place(source.name)),))
+    return ReadResult((), (error("F003", message, Place(source.name)),))
 
 
 def _of_no_kind(source: Source) -> Problem | None:
@@ -127,20 +127,22 @@ def _of_no_kind(source: Source) -> Problem | None:
     keys = [key for key, _ in (node.entries if node else ())]
     if not keys or any(key.text in consert for key in keys):
         return None
-    meant = [(key, nearest(key.text, known.keys() - consert)) for key in keys]
+    meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
     key, near = next((one for one in meant if one[1]), meant[0])
     if near is not None:
         text = f"there is no section {key.text!r}, and no other key tells what this file is"
         return error("F003", text, key.place, f"did you mean {near!r}, of {known[near]}?")
-    text = f"this is no file of ours: it has the keys {listed([one.text for one, _ in meant])}"
+    text = (
+        f"this is no file of ours: it has the keys {shortened_list([one.text for one, _ in meant])}"
+    )
     hint = ", ".join(f"{of} has `{keys[0]}`" for of, keys in _YAML_KEYS.items())
     return error("F003", text, key.place, hint)
 
 
-def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
+def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     document, problems = read_document(source)
     if document is None:
-        return Reading((), tuple(problems))
+        return ReadResult((), tuple(problems))
     problems += check_maps(document)
     models: list[Model] = []
     for kind in kinds().values():
@@ -163,10 +165,10 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> Reading:
     ]
     found = foreign(document) if not models else None
     if found is not None:
-        return Reading((), (found,))
+        return ReadResult((), (found,))
     not_read = [one.problem() for one in unread(document)]
     not_read += (*event_monitors(document), *unused_design(document))
-    return Reading(tuple(models), tuple(problems), tuple(not_read))
+    return ReadResult(tuple(models), tuple(problems), tuple(not_read))
 
 
 def _is_in(document: EddiDocument, kind: Kind[Model]) -> bool:
@@ -181,17 +183,17 @@ def _is_utf8(data: bytes) -> bool:
     return True
 
 
-def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> Reading:
+def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> ReadResult:
     """Read the models of a file for a command that needs them whole.
 
     Raises:
         EddiError: a problem is an error, or there is no model in the file (F004).
     """
     source = read_source(path)
-    return whole(source, read_models(source, default_guarantees))
+    return complete_reading(source, read_models(source, default_guarantees))
 
 
-def whole(source: Source, reading: Reading) -> Reading:
+def complete_reading(source: Source, reading: ReadResult) -> ReadResult:
     """Return what was read of a file if it is of use.
 
     Raises:
@@ -284,8 +286,8 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
 def _of_other_type(models: Sequence[Model]) -> str:
     """Return the hint for a configuration with another type than that of each model."""
     known = kinds()
-    found = [f"the {known[one.kind].config_types[0]} {one.name!r}" for one in models]
-    return f"{models[0].source.file_name} holds {listed(found)}: is `type` right?"
+    found = [f"the {known[model.kind].config_types[0]} {model.name!r}" for model in models]
+    return f"{models[0].source.file_name} holds {shortened_list(found)}: is `type` right?"
 
 
 def _kinds_of(config: ConfigFile) -> Sequence[Kind[Model]]:
@@ -299,18 +301,18 @@ def _kinds_of(config: ConfigFile) -> Sequence[Kind[Model]]:
 
 
 def candidates(
-    config: ConfigFile, models: Sequence[Model], read: Callable[[Path], Reading]
-) -> Reading:
+    config: ConfigFile, models: Sequence[Model], read: Callable[[Path], ReadResult]
+) -> ReadResult:
     """Return the models among which a configuration chooses: those given, else what it names."""
     fitting = {kind.name for kind in _kinds_of(config)}
     if any(model.kind in fitting for model in models):
-        return Reading(tuple(models), ())
+        return ReadResult(tuple(models), ())
     path = named_model_path(config)
     if path is not None:
         return read(path)
     if not models:
         raise EddiError(without_model(config))
-    return Reading(tuple(models), ())
+    return ReadResult(tuple(models), ())
 
 
 def without_model(config: ConfigFile) -> Problem:

@@ -44,7 +44,7 @@ def model_document(
         "settings": kind.functions.settings(model),
     }
     if model.links:
-        data["links"] = {path: one.as_json() for path, one in model.links.items()}
+        data["links"] = {path: link.as_json() for path, link in model.links.items()}
     data["sha256"] = digest_of(data)
     text = canonical(data).rstrip("\n")
     try:

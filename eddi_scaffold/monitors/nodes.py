@@ -53,10 +53,10 @@ class MonitorNode:
 
     @cached_property
     def _required(self) -> list[SimulatorOutput]:
-        used = {one.id for binding in self.monitor.inputs for one in binding.requires}
+        used = {require.id for binding in self.monitor.inputs for require in binding.requires}
         first: dict[str, SimulatorOutput] = {}
-        for one in self.config.config.SimulatorOutputs:
-            first.setdefault(one.id, one)
+        for entry in self.config.config.SimulatorOutputs:
+            first.setdefault(entry.id, entry)
         return [one for name, one in first.items() if name in used]
 
     @property
@@ -186,7 +186,7 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
         yield error("K030", message, config.place("EDDIOutputs"), hint)
     yield from check_fleet(monitor, config)
-    heard = {monitor.topic(one.topic) for one in config.config.SimulatorOutputs}
+    heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
     for one in node.published:
         written = one.output.topic

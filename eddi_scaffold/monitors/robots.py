@@ -71,7 +71,7 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
     """Find inputs whose value is not that of the guarantee by which their word is chosen (K081)."""
     wanted = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
     by_name = {attribute(id_): guarantee for id_, guarantee in wanted.items()}
-    bound = {one.model.id: one for one in monitor.inputs}
+    bound = {input_.model.id: input_ for input_ in monitor.inputs}
     for index, entry in enumerate(config.config.EDDIInputs):
         computed = bound[entry.id].computed
         if computed is not None:
@@ -117,7 +117,7 @@ def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -
 
 def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
     """Find words that would count for longer than their lease, and in circles for ever (K083)."""
-    fed = {one.model.id for one in monitor.inputs if any(s.peers for s in one.requires)}
+    fed = {input_.model.id for input_ in monitor.inputs if any(s.peers for s in input_.requires)}
     if not fed:
         return
     frequency = config.config.Model.frequency
@@ -125,18 +125,18 @@ def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem
         text = "a filter by majority lets words of other robots count after their lease"
         hint = "`filter: {kind: debounce, regain_after: n}` is late only where something is gained"
         yield error("K083", text, config.place("Model", "filter"), hint)
-    sources = {one.id for one in config.config.SimulatorOutputs if one.peers}
+    sources = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
     words = {attribute(one) for one in (*sources, *fed)}
-    index = {one.id: k for k, one in enumerate(config.config.EDDIInputs)}
-    for one in monitor.inputs:
-        remembering = _remembering(one.computed or {}, words)
+    index = {entry.id: k for k, entry in enumerate(config.config.EDDIInputs)}
+    for input_ in monitor.inputs:
+        remembering = _remembering(input_.computed or {}, words)
         if remembering is not None:
             text = (
-                f"{remembering.upper()} lets {one.model.id!r} rest on the word of another robot "
+                f"{remembering.upper()} lets {input_.model.id!r} rest on the word of another robot "
                 "after its lease"
             )
             hint = "read the word as it is now; `TIME` is late only where something is gained"
-            yield error("K083", text, config.place("EDDIInputs", index[one.model.id]), hint)
+            yield error("K083", text, config.place("EDDIInputs", index[input_.model.id]), hint)
 
 
 def _remembering(computed: Mapping[str, Any], words: Container[str]) -> str | None:
@@ -185,4 +185,4 @@ def fleet_answers(
 
 
 def _tuple(names: Iterable[str]) -> str:
-    return "(" + " ".join(f"{python_literal(one)}," for one in names) + ")"
+    return "(" + " ".join(f"{python_literal(name)}," for name in names) + ")"

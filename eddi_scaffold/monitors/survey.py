@@ -13,7 +13,7 @@ from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import sniff as is_xml
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.unread import foreign, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
@@ -119,7 +119,7 @@ def configured(source: Source, more: Sequence[Source]) -> Configured:
 
 def only(survey: Mapping[str, Any], chosen: Sequence[Model]) -> dict[str, Any]:
     """Return a survey with no more than the chosen models; the facts of the file stay."""
-    return {**survey, "models": [one for one in survey["models"] if is_one_of(one, chosen)]}
+    return {**survey, "models": [model for model in survey["models"] if is_one_of(model, chosen)]}
 
 
 def is_one_of(found: Mapping[str, Any], models: Sequence[Model]) -> bool:
@@ -166,7 +166,9 @@ def inputs_beside(configs: Sequence[Path]) -> dict[str, str]:
             if config is None:
                 continue
             advice = f"it is an input of {config.config.Model.id}: run both, with -c {path}"
-            found |= {one.id: advice for one in config.config.EDDIInputs if one.id not in found}
+            found |= {
+                entry.id: advice for entry in config.config.EDDIInputs if entry.id not in found
+            }
     return found
 
 

@@ -48,19 +48,21 @@ class Filters:
             return "infrastructure"
         if not self.wants(topic.topic):
             return "topics"
-        if self.components and not any(matches(topic.components, one) for one in self.components):
+        if self.components and not any(
+            matches(topic.components, component) for component in self.components
+        ):
             return "components"
         return None
 
     def __str__(self) -> str:
         """Return the filters as they are given on the command line."""
-        words = [f"{OPTIONS['topics']} {one!r}" for one in self.topics]
-        words += [f"{OPTIONS['components']} {one!r}" for one in self.components]
+        words = [f"{OPTIONS['topics']} {topic!r}" for topic in self.topics]
+        words += [f"{OPTIONS['components']} {component!r}" for component in self.components]
         return " ".join([*words, OPTIONS["infrastructure"]] if self.no_infrastructure else words)
 
     def wants(self, name: str) -> bool:
         """Return whether the name of a topic is wanted."""
-        return not self.topics or any(matches([name], one) for one in self.topics)
+        return not self.topics or any(matches([name], topic) for topic in self.topics)
 
 
 def matches(names: Iterable[str], pattern: str) -> bool:
@@ -137,7 +139,7 @@ def give_ids(
     for group in (published, included):
         found |= _given([one for one in group if one.topic not in kept], group, taken)
     by_id = {entry.id: entry for entry in old}
-    current = {one.topic for one in wishes}
+    current = {wish.topic for wish in wishes}
     for topic, name in found.items():
         before = by_id.get(name)
         if before is not None and before.topic != topic and before.topic not in current:
@@ -147,7 +149,7 @@ def give_ids(
     for entry in changed:
         message = f"the id {entry.id!r} of {entry.topic} becomes {found[entry.topic]!r}"
         problems.append(warning("M021", message, entry.place))
-    return [kept.get(one.topic) or found[one.topic] for one in wishes], problems
+    return [kept.get(wish.topic) or found[wish.topic] for wish in wishes], problems
 
 
 def _kept(wishes: Iterable[Wish], existing: Sequence[Existing]) -> dict[str, str]:

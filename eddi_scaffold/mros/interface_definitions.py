@@ -160,7 +160,7 @@ class Definitions:
         ]
         if not named:
             return self._no_node(reference)
-        same = [one for model in named for one in model.node.interfaces]
+        same = [interface for model in named for interface in model.node.interfaces]
         others = sorted({one.kind for one in same if one.name == reference.interface})
         where = f"{named[0].artifact} ({named[0].file})"
         if others:

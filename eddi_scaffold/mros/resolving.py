@@ -226,7 +226,7 @@ class _Join:
 
 
 def _interfaces(model: NodeModel) -> set[tuple[str, str, str]]:
-    return {(one.kind, one.name, one.type) for one in model.node.interfaces}
+    return {(interface.kind, interface.name, interface.type) for interface in model.node.interfaces}
 
 
 SUBSYSTEM_MISSING = "M024"

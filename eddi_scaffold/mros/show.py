@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from eddi_scaffold.common.problems import counted
+from eddi_scaffold.common.problems import plural
 from eddi_scaffold.mros.model import (
     Artifact,
     Component,
@@ -30,11 +30,12 @@ def system_json(system: System) -> dict[str, Json]:
         "dialect": system.dialect,
         "name": system.name,
         "fromFile": system.from_file,
-        "subsystems": [one.name for one in system.subsystems],
+        "subsystems": [subsystem.name for subsystem in system.subsystems],
         "processes": system.processes,
-        "components": [_component(one) for one in system.components],
+        "components": [_component(component) for component in system.components],
         "connections": [
-            [one.kind, one.name, list(one.sources), list(one.targets)] for one in system.connections
+            [connection.kind, connection.name, list(connection.sources), list(connection.targets)]
+            for connection in system.connections
         ],
     }
     return found | _notices(system.notices)
@@ -45,7 +46,7 @@ def model_json(model: RosModel) -> dict[str, Json]:
     found: dict[str, Json] = {
         "result": "ok",
         "dialect": model.dialect,
-        "packages": [_package(one) for one in model.packages],
+        "packages": [_package(package) for package in model.packages],
     }
     return found | _notices(model.notices)
 
@@ -62,7 +63,7 @@ def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
 
 
 def _notices(notices: tuple[Notice, ...]) -> dict[str, Json]:
-    rows = [[one.line, one.col, one.code] for one in notices]
+    rows = [[notice.line, notice.col, notice.code] for notice in notices]
     return {"warnings": rows} if rows else {}
 
 
@@ -73,7 +74,8 @@ def _component(component: Component) -> dict[str, Json]:
         "from": component.from_node,
         "parameters": component.parameters,
         "interfaces": [
-            [one.kind, one.name, one.ref, one.ns, one.line] for one in component.interfaces
+            [interface.kind, interface.name, interface.ref, interface.ns, interface.line]
+            for interface in component.interfaces
         ],
     }
 
@@ -81,9 +83,12 @@ def _component(component: Component) -> dict[str, Json]:
 def _package(package: Package) -> dict[str, Json]:
     return {
         "name": package.name,
-        "artifacts": [_artifact(one) for one in package.artifacts],
+        "artifacts": [_artifact(artifact) for artifact in package.artifacts],
         "specs": [
-            [spec.name, {part: [_field(one) for one in fields] for part, fields in spec.sections}]
+            [
+                spec.name,
+                {part: [_field(field) for field in fields] for part, fields in spec.sections},
+            ]
             for spec in package.specs
         ],
     }
@@ -139,10 +144,10 @@ def _component_tree(component: Component) -> Iterator[str]:
     space = f" in {component.namespace}" if component.namespace else ""
     of = f" from {component.from_node}" if component.from_node else ""
     yield f"component {component.name}{space}{of}"
-    for one in component.interfaces:
-        yield f"  {_VERBS[one.kind]:{_WIDTH}} {one.name} = {one.ref}"
+    for interface in component.interfaces:
+        yield f"  {_VERBS[interface.kind]:{_WIDTH}} {interface.name} = {interface.ref}"
     if component.parameters:
-        yield f"  {counted(component.parameters, 'parameter')}"
+        yield f"  {plural(component.parameters, 'parameter')}"
 
 
 def _connection(connection: Connection) -> str:
@@ -169,7 +174,7 @@ def _package_tree(package: Package) -> Iterator[str]:
 
 
 def _node(node: RosNode) -> Iterator[str]:
-    for one in node.interfaces:
-        yield f"{_VERBS[one.kind]:{_WIDTH}} {one.name}: {one.type}"
+    for interface in node.interfaces:
+        yield f"{_VERBS[interface.kind]:{_WIDTH}} {interface.name}: {interface.type}"
     if node.parameters:
-        yield counted(node.parameters, "parameter")
+        yield plural(node.parameters, "parameter")

@@ -16,13 +16,13 @@ from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
-from eddi_scaffold.deployments.support import Participant, remembered
+from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package
 from eddi_scaffold.deployments.topics import absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import checked_models, select_models
-from eddi_scaffold.packages.handwritten import until_written
+from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.renaming import aside
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import check_answers, existing, needed_parts
@@ -38,7 +38,7 @@ from eddi_scaffold.regions.package import manifest_of
 
 
 @dataclass(frozen=True)
-class Assembly:
+class PackagePlan:
     """What is to be rendered.
 
     Attributes:
@@ -99,12 +99,12 @@ def monitors_of(
     configs = [with_types(one, _remembered_types(one, root, former)) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
     monitors, found = join(models, configs, read, default_guarantees)
-    configured = [one.model for one in monitors if one.config is not None]
+    configured = [monitor.model for monitor in monitors if monitor.config is not None]
     problems = unanswered([*problems, *found], configured)
     if has_errors(problems):
         raise EddiError(*problems)
     if root is not None:
-        made = {*(package_name(one.config.Model.id) for one in configs), *former.values()}
+        made = {*(package_name(config.config.Model.id) for config in configs), *former.values()}
         made |= {*map(aside, former.values())}
         others = _beside(existing(root, made), made)
         problems += absent_publishers(deployment(members_of(monitors), others))
@@ -157,7 +157,7 @@ def assemble(
     problems: Sequence[Problem],
     chosen: Choices | None = None,
     gone: Container[str] = (),
-) -> Assembly:
+) -> PackagePlan:
     """Turn monitors into packages, next to those that exist below ``root``.
 
     Args:
@@ -178,7 +178,9 @@ def assemble(
     before = existing(root, renewed)
     present = {name: of for name, of in before.items() if name not in gone}
     found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
-    packages, more = packages_of([_cross_checked(one, found) for one in monitors], platform, root)
+    packages, more = packages_of(
+        [_cross_checked(monitor, found) for monitor in monitors], platform, root
+    )
     found += more
     if packages and any(monitor.config is None for monitor in monitors):
         named = (name for name in before if name in renewed or name in gone)
@@ -205,8 +207,8 @@ def assemble(
     ]
     wanted = {package.folder: package.answers for package in packages}
     shared = support(platform, root, before, wanted, gone)
-    told = until_written(found, lambda package: [root / package])
-    return Assembly([*packages, *shared], new, told, before)
+    told = without_written_inputs(found, lambda package: [root / package])
+    return PackagePlan([*packages, *shared], new, told, before)
 
 
 def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterator[Problem]:
@@ -379,7 +381,9 @@ def _rejoined(
     return monitor, problems
 
 
-def _beside(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> Sequence[Participant]:
+def _beside(
+    present: Mapping[str, Mapping[str, Any]], new: Container[str]
+) -> Sequence[WiredMonitor]:
     """Return the monitors of the packages that are not made anew."""
-    found = (remembered(name, of) for name, of in present.items() if name not in new)
+    found = (facts_of_package(name, of) for name, of in present.items() if name not in new)
     return [one for one in found if one is not None]

@@ -16,7 +16,7 @@ from eddi_scaffold.packages.workspace import linked_package
 
 
 @dataclass(frozen=True)
-class Drift:
+class PackageState:
     """The state of one package.
 
     Attributes:
@@ -63,7 +63,9 @@ class Drift:
         }
 
 
-def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -> list[Drift]:
+def drift_of(
+    group: PackageGroup, model: Path | None, configs: Sequence[Path]
+) -> list[PackageState]:
     """Compare the packages of a group with a dry run of their regeneration."""
     packages, _ = targets(group, model, configs)
     outcome = write_packages(group.root, packages, own_template(), dry_run=True)
@@ -78,15 +80,15 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             and not path.endswith(f"/{ANSWERS_FILE}")
         )
         regions = looked_at(root)
-        edited = [one.file for one in regions if one.state == "outside"]
-        states = Counter(one.state for one in regions if one.id)
+        edited = [region.file for region in regions if region.state == "outside"]
+        states = Counter(region.state for region in regions if region.id)
         findings = [
-            ": ".join(filter(None, (one.file, one.id, "; ".join(one.notes))))
-            for one in regions
-            if one.review and (one.state != "outside" or ADOPT in one.notes)
+            ": ".join(filter(None, (region.file, region.id, "; ".join(region.notes))))
+            for region in regions
+            if region.review and (region.state != "outside" or ADOPT in region.notes)
         ]
         reports.append(
-            Drift(
+            PackageState(
                 group.shown(folder),
                 [path for path in changed if path not in edited],
                 edited,
@@ -95,6 +97,7 @@ def drift_of(group: PackageGroup, model: Path | None, configs: Sequence[Path]) -
             )
         )
     links = (
-        Drift(group.shown(link.name), [], [], {}, [linked_package(link)]) for link in group.links
+        PackageState(group.shown(link.name), [], [], {}, [linked_package(link)])
+        for link in group.links
     )
     return [*reports, *links]

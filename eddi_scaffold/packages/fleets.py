@@ -8,8 +8,8 @@ from pathlib import Path
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.sites import Site
-from eddi_scaffold.packages.assembly import Assembly, assemble
-from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.assembly import PackagePlan, assemble
+from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.handwritten import unwritten
 from eddi_scaffold.packages.identity import left_behind
 from eddi_scaffold.packages.rendering import Template
@@ -18,7 +18,7 @@ from eddi_scaffold.packages.workspace import existing, root_below
 
 def places_of(sites: Sequence[Site], folder: Path) -> list[Path]:
     """Return the folders that are written: of all robots, and of the packages of each."""
-    return [folder, *(_root(one, folder) for one in sites)]
+    return [folder, *(_root(site, folder) for site in sites)]
 
 
 def write_sites(
@@ -29,7 +29,7 @@ def write_sites(
     force: bool = False,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
-) -> tuple[Outcome, list[Problem]]:
+) -> tuple[WriteResult, list[Problem]]:
     """Write a workspace for each robot into a folder, as one step.
 
     Args:
@@ -64,16 +64,16 @@ def write_sites(
 
 def open_inputs(sites: Sequence[Site], folder: Path) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
-    return [where for one in sites for where in unwritten(_root(one, folder), one.monitors)]
+    return [where for site in sites for where in unwritten(_root(site, folder), site.monitors)]
 
 
 def _root(site: Site, folder: Path) -> Path:
     return root_below(folder / site.name, site.platform.root)
 
 
-def _look(site: Site, assembly: Assembly) -> Iterator[str]:
+def _look(site: Site, assembly: PackagePlan) -> Iterator[str]:
     """Yield what a person should look at in the workspace of one robot."""
-    packages, own = assembly.packages, {one.package for one in site.monitors}
+    packages, own = assembly.packages, {monitor.package for monitor in site.monitors}
     for name, answers in assembly.present.items():
         if "model_json" in answers and name not in own:
             yield (
@@ -86,8 +86,8 @@ def _look(site: Site, assembly: Assembly) -> Iterator[str]:
 
 def _strangers(sites: Sequence[Site], folder: Path) -> Iterator[str]:
     """Yield the workspaces of robots that are no longer in the deployment file."""
-    known = {one.name for one in sites}
-    roots = {one.platform.root for one in sites}
+    known = {site.name for site in sites}
+    roots = {site.platform.root for site in sites}
     for place in sorted(folder.iterdir()) if folder.is_dir() else []:
         is_ours = place.is_dir() and not place.is_symlink() and place.name not in known
         if is_ours and any(existing(place / root) for root in roots):

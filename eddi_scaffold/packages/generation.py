@@ -39,7 +39,7 @@ _CHANGED = b"# The templates had changes that were not committed.\n"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class WriteResult:
     """What a command did, or would do.
 
     Attributes:
@@ -90,7 +90,7 @@ def write_packages(
     force: bool = False,
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
-) -> Outcome:
+) -> WriteResult:
     """Render the packages, and bring what is below ``root`` to the renderings.
 
     Args:
@@ -148,7 +148,7 @@ def write_packages(
     work.attention = work.attention or bool(mentions)
     notes = [*dict.fromkeys(work.notes), *renames.notes(written), *mentions]
     editable = frozenset(work.editable)
-    return Outcome(root, work.changes, work.before, notes, work.attention, (), editable)
+    return WriteResult(root, work.changes, work.before, notes, work.attention, (), editable)
 
 
 def _planned(
@@ -200,9 +200,9 @@ def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> Non
 
 
 def _tell_open(package: PackageAnswers, target: Path, work: _Work) -> None:
-    for one in list_regions(target):
-        if one.review:
-            words = (f"{package.folder}/{one.file}", one.id, "; ".join(one.notes))
+    for region in list_regions(target):
+        if region.review:
+            words = (f"{package.folder}/{region.file}", region.id, "; ".join(region.notes))
             work.notes.append(": ".join(filter(None, words)))
             work.attention = True
 
@@ -210,10 +210,10 @@ def _tell_open(package: PackageAnswers, target: Path, work: _Work) -> None:
 def _refuse(plans: Iterable[Plan]) -> None:
     problems = []
     for plan in plans:
-        for one in plan.refusals:
-            file = plan.root / one.file
+        for refusal in plan.refusals:
+            file = plan.root / refusal.file
             hint = ADOPT if is_of_d72(file) else None
-            problems.append(error("H010", one.text, Place(str(file), one.line), hint))
+            problems.append(error("H010", refusal.text, Place(str(file), refusal.line), hint))
     if problems:
         last = problems[-1]
         hint = last.hint or "Nothing was changed; mend this, and run the command again"

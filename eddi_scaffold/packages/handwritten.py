@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, error
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import TIMES, known_messages
-from eddi_scaffold.monitors.binding import BoundMonitor, UntilWritten
+from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
 from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
@@ -116,10 +116,10 @@ def _marker(entry: Mapping[str, Any]) -> Marker | None:
 
 def written(package: Path) -> list[str]:
     """Return the ids of the regions of a package in which somebody has written."""
-    return [one.id for one in list_regions(package) if one.state == "edited"]
+    return [region.id for region in list_regions(package) if region.state == "edited"]
 
 
-def until_written(
+def without_written_inputs(
     problems: Iterable[Problem], packages: Callable[[str], Sequence[Path]]
 ) -> list[Problem]:
     """Leave out what is not true any more, because a person has written the region of the input.
@@ -134,7 +134,7 @@ def until_written(
         return [written(one) for one in packages(package)]
 
     def is_written(problem: Problem) -> bool:
-        if not isinstance(problem, UntilWritten):
+        if not isinstance(problem, UnwrittenInput):
             return False
         regions = set(problem.regions)
         there = edited(problem.package)
@@ -146,7 +146,7 @@ def until_written(
 def until_written_near(problems: Iterable[Problem], files: Iterable[Path]) -> list[Problem]:
     """Return the same, where the packages are looked for near the files that were checked."""
     near = list(dict.fromkeys(file.resolve().parent for file in files))
-    return until_written(problems, partial(packages_of, near=near))
+    return without_written_inputs(problems, partial(packages_of, near=near))
 
 
 def packages_of(package: str, near: Iterable[Path]) -> list[Path]:
@@ -199,7 +199,7 @@ def doubts_of(package: Path) -> Doubts:
         return doubtful_names
     partly = {*config.config.MessageTypes, *TIMES}
     whole = {name: of for name, of in known_messages().items() if name not in partly}
-    types = {attribute(one.id): one.type for one in config.config.SimulatorOutputs}
+    types = {attribute(entry.id): entry.type for entry in config.config.SimulatorOutputs}
     return partial(doubtful_names, messages=Messages(types, whole))
 
 
@@ -207,8 +207,10 @@ def looked_at(package: Path) -> list[RegionStatus]:
     """List the regions of a package with what a person should look at; a pasted file as a whole."""
     pasted = cache(lambda file: is_of_d72(package / file))
     return [
-        replace(one, notes=(*one.notes, ADOPT), review=True) if pasted(one.file) else one
-        for one in list_regions(package, doubts_of(package))
+        replace(region, notes=(*region.notes, ADOPT), review=True)
+        if pasted(region.file)
+        else region
+        for region in list_regions(package, doubts_of(package))
     ]
 
 
@@ -240,7 +242,7 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
             accepted |= {*found}
     for missing in sorted(wanted - accepted):
         message = f"there is nothing {missing!r} to accept below {folder}"
-        known = [one.id for package in packages for one in list_regions(package) if one.id]
+        known = [region.id for package in packages for region in list_regions(package) if region.id]
         hint = did_you_mean(missing, known) if missing not in known else None
         raise EddiError(error("U004", message, Place(str(folder)), hint))
     return sorted(accepted)

@@ -39,7 +39,7 @@ def left_behind(
             continue
         if not known:
             sources = {monitor.model.source.name: monitor.model.source for monitor in monitors}
-            models = (model for one in sources.values() for model in read_models(one).models)
+            models = (model for source in sources.values() for model in read_models(source).models)
             known = {(model.kind, model.name) for model in models}
         if (answers["kind"], model_id(answers)) not in known:
             new = [one for one in heirs if one.folder not in present]

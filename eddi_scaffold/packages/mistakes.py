@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple, TypeGuard
 
-from eddi_scaffold.common.problems import did_you_mean, listed
+from eddi_scaffold.common.problems import did_you_mean, shortened_list
 from eddi_scaffold.config.message_types import element
 
 _KNOWN = {*dir(builtins), "__file__", "__class__"}
@@ -45,7 +45,7 @@ class Inputs:
                     if isinstance(one, ast.FunctionDef) and one.name.startswith(_PREFIX):
                         self._methods[f"{owner.name}.{one.name}"] = one
                         self._owners[f"{owner.name}.{one.name}"] = owner
-        self._inputs = {one.name.removeprefix(_PREFIX) for one in self._methods.values()}
+        self._inputs = {method.name.removeprefix(_PREFIX) for method in self._methods.values()}
 
     def mistakes(self, function: str, lines: range, messages: Messages) -> Iterator[str]:
         """Yield what is wrong with the body of an input.
@@ -81,10 +81,10 @@ class Inputs:
             return
         nodes = _nodes(method, lines)
         own = method.name.removeprefix(_PREFIX)
-        attributes = [one for one in nodes if isinstance(one, ast.Attribute)]
-        plain = sum(map(is_self, nodes)) - sum(is_self(one.value) for one in attributes)
+        attributes = [node for node in nodes if isinstance(node, ast.Attribute)]
+        plain = sum(map(is_self, nodes)) - sum(is_self(attribute.value) for attribute in attributes)
         called = any(isinstance(n, ast.Call) and _is_method(n.func) for n in nodes)
-        names = {getattr(one, "id", getattr(one, "attr", "")) for one in nodes}
+        names = {getattr(node, "id", getattr(node, "attr", "")) for node in nodes}
         told = {*_assigned(nodes), *self._set_elsewhere[self._owners[function].name]}
         if own not in told and not plain and not called and not names & _INDIRECT:
             yield f"nothing here assigns 'self.{own}', so the input stays unknown"
@@ -112,7 +112,9 @@ class Inputs:
         Empty where nobody can tell, as after ``from x import *``.
         """
         for node in ast.walk(self._tree):
-            stars = isinstance(node, ast.ImportFrom) and any(one.name == "*" for one in node.names)
+            stars = isinstance(node, ast.ImportFrom) and any(
+                name.name == "*" for name in node.names
+            )
             if stars or (isinstance(node, ast.Name) and node.id in {"exec", "globals"}):
                 return set()
         try:
@@ -121,12 +123,12 @@ class Inputs:
             return set()
         bound = _KNOWN | set(_bound(self._tree))
         return {
-            (method.get_lineno(), one.get_name())
+            (method.get_lineno(), symbol.get_name())
             for owner in module.get_children()
             for method in owner.get_children()
             for table in _tables(method)
-            for one in table.get_symbols()
-            if one.is_referenced() and one.is_global() and one.get_name() not in bound
+            for symbol in table.get_symbols()
+            if symbol.is_referenced() and symbol.is_global() and symbol.get_name() not in bound
         }
 
 
@@ -134,23 +136,23 @@ def _no_fields(
     method: ast.FunctionDef, nodes: Sequence[ast.AST], messages: Messages
 ) -> Iterator[str]:
     """Yield what is read of a message as if it were a field, and is none."""
-    bound = {one.id for one in nodes if isinstance(one, ast.Name) and _is_stored(one)}
+    bound = {node.id for node in nodes if isinstance(node, ast.Name) and _is_stored(node)}
     types = {
-        one.arg: messages.types[one.arg]
-        for one in method.args.args
-        if one.arg in messages.types and one.arg not in bound
+        argument.arg: messages.types[argument.arg]
+        for argument in method.args.args
+        if argument.arg in messages.types and argument.arg not in bound
     }
-    called = {id(one.func) for one in nodes if isinstance(one, ast.Call)}
-    for one in nodes:
-        if not isinstance(one, ast.Attribute) or one.attr.startswith("_"):
+    called = {id(node.func) for node in nodes if isinstance(node, ast.Call)}
+    for node in nodes:
+        if not isinstance(node, ast.Attribute) or node.attr.startswith("_"):
             continue
-        message = _type_of(one.value, types, messages.fields) or ""
+        message = _type_of(node.value, types, messages.fields) or ""
         fields = messages.fields.get(message)
-        if fields is None or _field_type(fields, one.attr) is not None:
+        if fields is None or _field_type(fields, node.attr) is not None:
             continue
-        if not one.attr.isupper() and id(one) not in called:  # constant, method
-            hint = did_you_mean(one.attr, fields) or f"its fields: {listed(fields)}"
-            yield f"'{ast.unparse(one)}': {message} has no such field; {hint}"
+        if not node.attr.isupper() and id(node) not in called:  # constant, method
+            hint = did_you_mean(node.attr, fields) or f"its fields: {shortened_list(fields)}"
+            yield f"'{ast.unparse(node)}': {message} has no such field; {hint}"
 
 
 def _type_of(
@@ -186,11 +188,11 @@ def _overwritten(method: ast.FunctionDef, lines: range, own: str) -> Iterator[st
     sets = [number for number, one in enumerate(above) if own in _assigned(ast.walk(one))]
     between = [node for one in above[sets[-1] + 1 :] for node in ast.walk(one)] if sets else []
     is_read = any(
-        isinstance(one, ast.Attribute) and one.attr == own and isinstance(one.ctx, ast.Load)
+        isinstance(node, ast.Attribute) and node.attr == own and isinstance(node.ctx, ast.Load)
         for statement in above
-        for one in ast.walk(statement)
+        for node in ast.walk(statement)
     )
-    ends = any(isinstance(one, ast.Return) for statement in above for one in ast.walk(statement))
+    ends = any(isinstance(node, ast.Return) for statement in above for node in ast.walk(statement))
     if sets and not is_read and not ends and not any(map(is_self, between)):
         yield (
             f"'self.{own}' is assigned, then overwritten by the placeholder in line {last.lineno}: "
@@ -203,7 +205,7 @@ def _is_stored(name: ast.Name) -> bool:
 
 
 def _nodes(method: ast.FunctionDef, lines: range) -> list[ast.AST]:
-    return [one for one in ast.walk(method) if getattr(one, "lineno", 0) in lines]
+    return [node for node in ast.walk(method) if getattr(node, "lineno", 0) in lines]
 
 
 def _tables(table: symtable.SymbolTable) -> Iterator[symtable.SymbolTable]:
@@ -245,9 +247,11 @@ def _is_method(node: ast.AST) -> TypeGuard[ast.Attribute]:
 
 def _assigned(nodes: Iterable[ast.AST]) -> list[str]:
     return [
-        one.attr
-        for one in nodes
-        if isinstance(one, ast.Attribute) and isinstance(one.ctx, ast.Store) and is_self(one.value)
+        node.attr
+        for node in nodes
+        if isinstance(node, ast.Attribute)
+        and isinstance(node.ctx, ast.Store)
+        and is_self(node.value)
     ]
 
 

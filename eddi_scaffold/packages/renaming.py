@@ -118,7 +118,7 @@ def _mentions(package: Path, old: str) -> Iterator[str]:
         file = read_file(package, name)
         if file is None:
             continue
-        texts = [one.body for one in file.sides[0].regions.values()]
+        texts = [region.body for region in file.sides[0].regions.values()]
         if any(word.search(text) for text in (texts if name in generated else [file.text])):
             yield f"{package.name}/{name}: the name {old!r} of the package is still in it"
 
@@ -198,5 +198,5 @@ def _is_as_made(package: Path) -> bool:
     made = {*manifest_of(package).files, ANSWERS_FILE}
     own = (name for name, _ in entries(package) if name not in made)
     return all(name.startswith(f"{EDDI}/") for name in own) and all(
-        one.state == "untouched" for one in list_regions(package)
+        region.state == "untouched" for region in list_regions(package)
     )

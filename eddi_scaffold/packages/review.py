@@ -114,10 +114,10 @@ def _known(owner: ast.ClassDef, inside: Iterable[ast.AST]) -> set[str] | None:
     if len(owner.bases) != 1 or not own or names & _SETTERS or "__getattr__" in methods:
         return None
     assigned = {
-        one.id
+        node.id
         for line in owner.body
         if isinstance(line, ast.Assign | ast.AnnAssign)
-        for one in ast.walk(line)
-        if isinstance(one, ast.Name)
+        for node in ast.walk(line)
+        if isinstance(node, ast.Name)
     }
     return {*methods, *assigned, *_INHERITED}

@@ -113,7 +113,7 @@ class Trace:
         rows: list[JsonValue] = [
             {
                 **dict(zip(COLUMNS, self.cells(row), strict=True)),
-                "links": [one.as_json() for one in row.links],
+                "links": [link.as_json() for link in row.links],
             }
             for row in self.rows
         ]
@@ -127,13 +127,13 @@ class Trace:
             "outputs": list(self.outputs),
             "facts": list(self.facts),
             "elements": rows,
-            "links": [one.as_json() for one in self.links],
+            "links": [link.as_json() for link in self.links],
         }
 
     def cells(self, row: TraceRow) -> tuple[JsonValue, ...]:
         """Return the values of one row in the order of ``COLUMNS``."""
         topics = " ".join(row.topics)
-        links = "; ".join(one.as_text(self.file) for one in row.links)
+        links = "; ".join(link.as_text(self.file) for link in row.links)
         file = None if row.is_configured else self.file
         return (row.element, row.id, file, row.line, row.path, row.code, topics, links)
 
@@ -151,7 +151,7 @@ class Trace:
         ]
         head += [f"  publishes {topic}" for topic in self.outputs]
         head += [f"  {fact}" for fact in self.facts]
-        head += [f"  linked with {one.as_text(self.file)}" for one in self.links]
+        head += [f"  linked with {link.as_text(self.file)}" for link in self.links]
         shown = [
             (row.element, row.id, self._place(row), row.path, row.code, *row.topics)
             for row in self.rows
@@ -167,7 +167,7 @@ class Trace:
         lines = []
         for row, line in zip(self.rows, body, strict=True):
             lines.append(f"  {line}")
-            lines += [f"      linked with {one.as_text(self.file)}" for one in row.links]
+            lines += [f"      linked with {link.as_text(self.file)}" for link in row.links]
         return "\n".join([*head, *lines])
 
 
@@ -194,8 +194,8 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     topics = {item["id"]: item.get("topic", "") for item in config.get("SimulatorOutputs", ())}
     section = config.get("Model") or {}
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
-    configured = {one["id"] for one in limits} | inputs.keys()
-    links = {path: _linked(one) for path, one in document.get("links", {}).items()}
+    configured = {limit["id"] for limit in limits} | inputs.keys()
+    links = {path: _linked(link) for path, link in document.get("links", {}).items()}
     rows: list[TraceRow] = []
     published: dict[str, str] = {}
     elements = list(_elements(document["model"], in_eddi=bool(document["source"]["path"])))
@@ -219,9 +219,9 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
         )
     paths = [row.path for row in rows if row.path]
     whole = document["source"]["path"]
-    for path, one in document.get("links", {}).items():
+    for path, link in document.get("links", {}).items():
         if path != whole and not any(f"{path}/".startswith(f"{at}/") for at in paths):
-            row = TraceRow(one["element"], one["id"], one["line"], path, links=links[path])
+            row = TraceRow(link["element"], link["id"], link["line"], path, links=links[path])
             rows = [other for other in rows if other.path or other.id != row.id] + [row]
     return Trace(
         package=answers["package"],
@@ -237,9 +237,9 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
             if line and "|" not in line and not line.startswith("#")
         )
         + tuple(
-            f"{one['element']} {one['id']} has more links: the nearest are listed"
-            for one in document.get("links", {}).values()
-            if one.get("cut")
+            f"{link['element']} {link['id']} has more links: the nearest are listed"
+            for link in document.get("links", {}).values()
+            if link.get("cut")
         ),
         rows=_with_support(rows, document, published),
         links=links.get(whole, ()),

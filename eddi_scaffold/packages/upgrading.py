@@ -15,7 +15,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.deployments.joining import unanswered
-from eddi_scaffold.deployments.support import remembered
+from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models
@@ -26,7 +26,7 @@ from eddi_scaffold.packages.assembly import (
     wiring_with,
     with_choices,
 )
-from eddi_scaffold.packages.handwritten import until_written
+from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import check_answers, existing, linked, model_id, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
@@ -77,7 +77,9 @@ def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
 
 
 def _roots(workspace: Path) -> list[Path]:
-    return list(dict.fromkeys(root_below(workspace, one.root) for one in platforms().values()))
+    return list(
+        dict.fromkeys(root_below(workspace, platform.root) for platform in platforms().values())
+    )
 
 
 def _workspaces(place: Path) -> list[Path]:
@@ -98,9 +100,9 @@ def _is_robot(workspace: Path) -> bool:
         packages = [one for root in _roots(workspace) for one in existing(root).items()]
     except EddiError:  # told where it is one of several robots
         return False
-    monitors = (remembered(name, answers) for name, answers in packages)
-    fleets = (one.config.config.Fleet for one in monitors if one is not None)
-    return any(one is not None and one.robot == workspace.name for one in fleets)
+    monitors = (facts_of_package(name, answers) for name, answers in packages)
+    fleets = (monitor.config.config.Fleet for monitor in monitors if monitor is not None)
+    return any(fleet is not None and fleet.robot == workspace.name for fleet in fleets)
 
 
 def _named(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
@@ -137,7 +139,7 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
 
 def _workspace_above(place: Path) -> Path | None:
     """Return the nearest folder above that has packages where workspaces have them."""
-    roots = {one.root for one in platforms().values() if one.workspace is not None}
+    roots = {platform.root for platform in platforms().values() if platform.workspace is not None}
     for above in place.resolve().parents:
         if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in roots):
             return Path(os.path.relpath(above))
@@ -221,7 +223,7 @@ def targets(
     problems = unanswered(problems, [one.model for one in joined if one.config is not None])
     if has_errors(problems):
         raise EddiError(*problems)
-    return packages, until_written(problems, lambda package: [group.root / package])
+    return packages, without_written_inputs(problems, lambda package: [group.root / package])
 
 
 def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:

@@ -12,7 +12,7 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.common.files import stays
 from eddi_scaffold.common.problems import EddiError, Place, error
-from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
@@ -63,7 +63,9 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
             answers["model_file"]
             if answers.get("config_json"):
                 from_json(answers["config_json"], package.name)
-            "".join(one[key] for one in answers["inputs"] for key in _OF_INPUTS)  # all are texts
+            "".join(
+                input_[key] for input_ in answers["inputs"] for key in _OF_INPUTS
+            )  # all are texts
     except (KeyError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
         message = f"the answers of the package are damaged: {reason}"
@@ -138,7 +140,9 @@ def needed_parts(package: Path) -> Sequence[str]:
     """
     names = [name for name in manifest_of(package).files if name.endswith("compiled.py")]
     try:
-        return [part for name in names for part in needed_by((package / name).read_text("ascii"))]
+        return [
+            part for name in names for part in runtime_parts_of((package / name).read_text("ascii"))
+        ]
     except (OSError, SyntaxError, ValueError):
         return []
 

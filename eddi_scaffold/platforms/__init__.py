@@ -53,7 +53,7 @@ def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:
     Args:
         monitors: package -> its answers.
     """
-    where = [one.get(RUNTIME, VENDORED) for one in monitors.values()]
+    where = [monitor.get(RUNTIME, VENDORED) for monitor in monitors.values()]
     return VENDORED if VENDORED in where else INSTALLED
 
 

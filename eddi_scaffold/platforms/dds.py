@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, error
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.parts import PEERS, needed_by
+from eddi_scaffold.compiling.parts import PEERS, runtime_parts_of
 from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
@@ -51,7 +51,7 @@ def type_hash(name: str, known: MessageFields) -> str:
     parts = sorted(_parts(name, known) - {name})
     document = {
         "type_description": _described(name, known[name]),
-        "referenced_type_descriptions": [_described(one, known[one]) for one in parts],
+        "referenced_type_descriptions": [_described(part, known[part]) for part in parts],
     }
     return f"RIHS01_{hashlib.sha256(json.dumps(document).encode()).hexdigest()}"
 
@@ -99,8 +99,8 @@ def definitions_of(
     problems: list[Problem] = []
     found: dict[str, Fields] = {}
     places = {
-        one.type: node.config.place("SimulatorOutputs", index, "type")
-        for index, one in enumerate(node.config.config.SimulatorOutputs)
+        entry.type: node.config.place("SimulatorOutputs", index, "type")
+        for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
     for type_ in _wanted(node):
         for name in with_parts(type_, known):
@@ -161,7 +161,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["definitions"] = definitions
     answers["hashes"] = hashes_of(node, known)
     answers[RUNTIME] = VENDORED
-    needed = needed_by(compile_model(parse_model(monitor.model_json)))
+    needed = runtime_parts_of(compile_model(parse_model(monitor.model_json)))
     answers["parts"] = [*needed, PEERS] if answers["fleet"] else [*needed]
     return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
 
@@ -176,7 +176,10 @@ def _taken_names(_root: Path | None) -> Mapping[str, str]:
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}", *monitors]
+    return [
+        f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}",
+        *monitors,
+    ]
 
 
 def _steps_of_robot(

@@ -11,7 +11,7 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
@@ -30,7 +30,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     files = dict(monitor.kind.functions.data_files(monitor.model))
     answers["package_data"] = ["model.json", *sorted(files)]
     answers[RUNTIME] = VENDORED
-    answers["parts"] = list(needed_by(compile_model(parse_model(monitor.model_json))))
+    answers["parts"] = list(runtime_parts_of(compile_model(parse_model(monitor.model_json))))
     return PackageAnswers(monitor.package, answers, files), []
 
 
@@ -49,7 +49,7 @@ def _taken_names(_root: Path | None) -> Mapping[str, str]:
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [f"pip install {' '.join(quote(str(place / one)) for one in monitors)}"]
+    return [f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}"]
 
 
 PLATFORM = Platform(

@@ -95,7 +95,7 @@ def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[Pac
     """Return the answers of messages, launcher, metapackage, and of the runtime if one needs it."""
     texts = messages_of(monitors)
     messages = [{"name": name, "text": texts[name]} for name in sorted(texts)]
-    single = all(one.get(platforms.SINGLE_PROCESS) is True for one in monitors.values())
+    single = all(monitor.get(platforms.SINGLE_PROCESS) is True for monitor in monitors.values())
     runtime = platforms.runtime_of(monitors)
     listed = sorted(monitors)
 

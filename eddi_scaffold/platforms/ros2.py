@@ -74,8 +74,8 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     """Refuse names that ROS 1 takes and ROS 2 does not."""
     config = node.config.config
     sections = {
-        "EDDIOutputs": [one.topic for one in config.EDDIOutputs],
-        "SimulatorOutputs": [one.topic for one in config.SimulatorOutputs],
+        "EDDIOutputs": [entry.topic for entry in config.EDDIOutputs],
+        "SimulatorOutputs": [entry.topic for entry in config.SimulatorOutputs],
     }
     places = {
         topic: node.config.place(section, index, "topic")
@@ -128,7 +128,7 @@ _IMPORTED_BY_RCLPY = (
 
 def _taken_names(root: Path | None) -> Mapping[str, str]:
     prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-    environment = [os.path.join(one, "share") for one in prefixes if one]  # noqa: PTH118 - as text
+    environment = [os.path.join(prefix, "share") for prefix in prefixes if prefix]  # noqa: PTH118 - as text
     return packages.taken_names(root, environment, "COLCON_IGNORE", _IMPORTED_BY_RCLPY)
 
 

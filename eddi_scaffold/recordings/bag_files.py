@@ -98,9 +98,11 @@ class Bag:
         with ExitStack() as stack:
             self._readers = [stack.enter_context(of(one)) for one in paths]
             self._close = stack.pop_all().close
-        self.connections = [one for reader in self._readers for one in reader.connections]
-        self.start_time = min(one.start_time for one in self._readers)
-        self.end_time = max(one.end_time for one in self._readers)
+        self.connections = [
+            connection for reader in self._readers for connection in reader.connections
+        ]
+        self.start_time = min(reader.start_time for reader in self._readers)
+        self.end_time = max(reader.end_time for reader in self._readers)
 
     def close(self) -> None:
         """Close its files."""
@@ -111,7 +113,11 @@ class Bag:
         readers = [
             reader.messages(own)
             for reader in self._readers
-            if (own := [one for one in reader.connections if one in connections])
+            if (
+                own := [
+                    connection for connection in reader.connections if connection in connections
+                ]
+            )
         ]
         return merge(*readers, key=itemgetter(1))
 
@@ -138,7 +144,7 @@ class Bag:
             store.register(get_types_from_msg(text, connection.msgtype))
         else:
             parts = filter(str.strip, _IDL_FILE.split(text))
-            store.register({k: v for one in parts for k, v in get_types_from_idl(one).items()})
+            store.register({k: v for part in parts for k, v in get_types_from_idl(part).items()})
         if connection.digest:
             ros1, name = self.is_ros1, connection.msgtype
             digest = store.generate_msgdef(name)[1] if ros1 else store.hash_rihs01(name)
@@ -192,7 +198,7 @@ def check_fields(
         there: full names of the topics in the bag: others cannot be checked.
     """
     assert monitor.config is not None
-    entries = {one.id: k for k, one in enumerate(monitor.config.config.EDDIInputs)}
+    entries = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
     for binding in monitor.inputs:
         if binding.model.id not in entries:
             continue
@@ -222,7 +228,7 @@ def _reads(
 ) -> Iterator[tuple[SimulatorOutput, FieldPath, bool]]:
     """Yield message, path, and whether what is there is the value itself."""
     if binding.computed is not None:
-        sources = {attribute(one.id): one for one in binding.requires}
+        sources = {attribute(require.id): require for require in binding.requires}
         document: Any = binding.computed
         names = (n for p in document["parts"] for v in p["form"]["variables"] for n in inputs_of(v))
         for name in dict.fromkeys(names):

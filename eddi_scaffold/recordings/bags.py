@@ -23,7 +23,7 @@ from eddi_scaffold.common.problems import (
     error,
     has_errors,
     info,
-    nearest,
+    most_similar,
     warning,
 )
 from eddi_scaffold.config.message_types import MessageFields
@@ -77,11 +77,15 @@ def read_bag(
     wanted = _wanted(monitors)
     outside = {topic: of for topic, of in wanted.items() if topic not in own}
     with opened(path, monitors) as reader:
-        found = [one for one in reader.connections if _absolute(one.topic) in outside]
+        found = [
+            connection
+            for connection in reader.connections
+            if _absolute(connection.topic) in outside
+        ]
         _refuse(_wrong_types(found, outside))
         known = _tables(reader, found)
         there = {_absolute(one.topic) for one in found}
-        _refuse(p for one in monitors for p in check_fields(one, known, there))
+        _refuse(p for monitor in monitors for p in check_fields(monitor, known, there))
         for one in found:
             _name_times_as_rospy(reader.types(one).types)
         start = _start(reader)
@@ -91,13 +95,15 @@ def read_bag(
             if t >= start
         )
         strange = _strange_times(place, samples, is_cut=start != reader.start_time)
-        twice = {_absolute(one.topic) for one in reader.connections} & (wanted.keys() - outside)
+        twice = {_absolute(connection.topic) for connection in reader.connections} & (
+            wanted.keys() - outside
+        )
         end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
         tape = Tape(0, end, samples)
         topics = {
-            _absolute(one.topic): one.msgtype.replace("/msg/", "/")
-            for one in reader.connections
-            if one.msgcount
+            _absolute(connection.topic): connection.msgtype.replace("/msg/", "/")
+            for connection in reader.connections
+            if connection.msgcount
         }
         return tape, [*_absent(place, topics, outside), *_computed(place, twice), *strange]
 
@@ -122,12 +128,12 @@ def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> 
         yield warning("I011", message, place, "it was recorded before the clock was set")
     latest: dict[str, int] = {}
     back: dict[str, None] = {}
-    for one in samples:
-        made = _stamp(one.message)
+    for sample in samples:
+        made = _stamp(sample.message)
         if made:
-            if made < latest.get(one.topic, made) - _BACK_NS:
-                back[one.topic] = None
-            latest[one.topic] = made
+            if made < latest.get(sample.topic, made) - _BACK_NS:
+                back[sample.topic] = None
+            latest[sample.topic] = made
     if back:
         message = f"the time in the messages of {', '.join(back)} jumps back"
         hint = "was a simulation reset? Record each run by itself: a node forgets all at a jump"
@@ -143,7 +149,9 @@ def _stamp(message: Any) -> int:
 
 def _tables(bag: Any, connections: Iterable[Any]) -> MessageFields:
     """Return message type -> its fields, of the definitions of some channels."""
-    return tables({k: v for one in connections for k, v in bag.types(one).fielddefs.items()})
+    return tables(
+        {k: v for connection in connections for k, v in bag.types(connection).fielddefs.items()}
+    )
 
 
 @dataclass(frozen=True)
@@ -181,7 +189,7 @@ def read_contents(path: Path) -> Contents:
             if of.partition("/")[0] not in _NO_SENSORS:
                 topics[topic] = of
         types = _tables(reader, known)
-    return Contents(topics, types, {topic: sorted(one) for topic, one in times.items()})
+    return Contents(topics, types, {topic: sorted(time) for topic, time in times.items()})
 
 
 def _is_known(bag: Any, connection: Any) -> bool:
@@ -236,8 +244,8 @@ def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
     """Return the texts of our messages, and of those that configurations define."""
     own = (item for kind in kinds().values() for item in kind.all_messages.items())
     texts = {f"{MESSAGE_PACKAGE}/{name}": text for name, text in own}
-    for one in monitors:
-        for name, fields in known_types(one.config, {}).items():
+    for monitor in monitors:
+        for name, fields in known_types(monitor.config, {}).items():
             texts[name] = "\n".join(f"{of} {field}" for field, of in ros2_fields(fields).items())
     return texts
 
@@ -246,7 +254,9 @@ def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]
     """Return full name of a topic -> who listens to it."""
     found: dict[str, list[_Wanted]] = {}
     for monitor in monitors:
-        sources = {one.id: one for binding in monitor.inputs for one in binding.requires}
+        sources = {
+            require.id: require for binding in monitor.inputs for require in binding.requires
+        }
         for source in sources.values():
             found.setdefault(monitor.topic(source.topic), []).append(_Wanted(monitor, source))
     return found
@@ -294,7 +304,7 @@ def _absent(
     hints = []
     for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
         alike = [name for name, of in topics.items() if of == source.type]
-        near = nearest(topic, alike) or nearest(topic, topics)
+        near = most_similar(topic, alike) or most_similar(topic, topics)
         hints += [f"the bag has {near} ({topics[near]})"] if near else []
     message = f"no message of {', '.join(one.topic for one in lacking.values())} in the bag"
     return [warning("I013", message, place, ", ".join(dict.fromkeys(hints)) or None)]
@@ -326,4 +336,4 @@ def _wrong_types(
 
 def written_by_hand(monitor: BoundMonitor) -> list[str]:
     """Return the inputs whose values only code of a person gives: they stay unknown here."""
-    return [one.model.id for one in monitor.inputs if one.requires and not one.is_given]
+    return [input_.model.id for input_ in monitor.inputs if input_.requires and not input_.is_given]

@@ -156,7 +156,7 @@ class Publications:
     @property
     def topics(self) -> frozenset[str]:
         """The full names of its topics."""
-        return frozenset(one.topic for one in self.channels)
+        return frozenset(channel.topic for channel in self.channels)
 
     def messages(
         self, running: RuntimeMonitor[Any], output: Any, wanted: Collection[str]
@@ -164,13 +164,17 @@ class Publications:
         """Return topic and message of all that a step publishes on the wanted topics."""
         made: dict[str, Sequence[Message]] = {}
         published: list[tuple[str, Message]] = []
-        for one in self.channels:
-            if one.topic not in wanted:
+        for channel in self.channels:
+            if channel.topic not in wanted:
                 continue
-            if one.of not in made:
-                made[one.of] = _make_messages(running, output, one.of)
-            fitting = [m for m in made[one.of] if one.only in (None, getattr(m, "id", None))]
-            published += [(one.topic, picked) for m in fitting for picked in _picked(m, one)]
+            if channel.of not in made:
+                made[channel.of] = _make_messages(running, output, channel.of)
+            fitting = [
+                m for m in made[channel.of] if channel.only in (None, getattr(m, "id", None))
+            ]
+            published += [
+                (channel.topic, picked) for m in fitting for picked in _picked(m, channel)
+            ]
         return published
 
 

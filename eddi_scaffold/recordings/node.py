@@ -47,7 +47,7 @@ class Received:
 
 
 @dataclass(frozen=True)
-class Frame:
+class Step:
     """One step of a node.
 
     Attributes:
@@ -68,12 +68,14 @@ class GivenInput(EDDIInputBase):
 
     def __init__(self, bindings: Sequence[InputBinding]) -> None:
         super().__init__()
-        self.__bound = [(one, self.__updater(one), _process(self, one)) for one in bindings]
+        self.__bound = [
+            (binding, self.__updater(binding), _process(self, binding)) for binding in bindings
+        ]
 
     def processing(self, simulator_outputs: Mapping[str, Any]) -> None:
         """Update every input with the messages that are there."""
         for binding, update, process in self.__bound:
-            requires = [one.id for one in binding.requires]
+            requires = [require.id for require in binding.requires]
             update(binding.model.id, process, simulator_outputs, requires)
 
     def __updater(self, binding: InputBinding) -> Callable[..., None]:
@@ -106,7 +108,7 @@ class ReplayedNode:
         self._latest: dict[str, Received] = {}
         self.raised: dict[str, tuple[str, str]] = {}
 
-    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
+    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Step:
         """Take messages over, update every input, and evaluate.
 
         Args:
@@ -115,9 +117,9 @@ class ReplayedNode:
             clock: nanoseconds of the step itself, where another clock counts for it.
         """
         new: dict[str, list[Any]] = defaultdict(list)
-        for one in messages:
-            self._latest[one.source] = one
-            new[one.source].append(one.message)
+        for message in messages:
+            self._latest[message.source] = message
+            new[message.source].append(message.message)
         now = t if clock is None else clock
         self._eddi_input.begin_step(self._ages(t), new, now)
         self._eddi_input.processing({name: one.message for name, one in self._latest.items()})
@@ -127,9 +129,10 @@ class ReplayedNode:
                 self.raised.setdefault(name, (state.reason, state.detail))
         output = self._execute(self._eddi_input, now)
         values = {
-            one.id: getattr(self._eddi_input, one.attribute, None) for one in self._running.inputs
+            input_.id: getattr(self._eddi_input, input_.attribute, None)
+            for input_ in self._running.inputs
         }
-        return Frame(t / SECOND, values, output)
+        return Step(t / SECOND, values, output)
 
     def _ages(self, t: int) -> dict[str, float]:
         return {
@@ -168,7 +171,7 @@ def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:
     if isinstance(tree, ast.Attribute):
         return getattr(_value(tree.value, names), tree.attr)
     if isinstance(tree, ast.Tuple):
-        return tuple(_value(one, names) for one in tree.elts)
+        return tuple(_value(elt, names) for elt in tree.elts)
     if isinstance(tree, ast.Subscript):
         return _value(tree.value, names)[_value(tree.slice, names)]
     if isinstance(tree, ast.Call) and isinstance(tree.func, ast.Name):

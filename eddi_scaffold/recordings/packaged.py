@@ -29,8 +29,8 @@ from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.recordings.messages import Message, blank
-from eddi_scaffold.recordings.node import Frame, Received, ReplayedNode
-from eddi_scaffold.recordings.playing import Play
+from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
+from eddi_scaffold.recordings.playing import Playback
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
@@ -69,8 +69,8 @@ class Packaged:
         if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
             eddi_input = EDDIInputBase()
         updates = [
-            (one.model, self._process(one, eddi_input), [one.model.id])
-            for one in self.monitor.inputs
+            (input_.model, self._process(input_, eddi_input), [input_.model.id])
+            for input_ in self.monitor.inputs
         ]
 
         def processing(values: Mapping[str, Any]) -> None:
@@ -85,9 +85,9 @@ class Packaged:
     def without_lines(self) -> list[Problem]:
         """Warn of hand-written lines that a CSV file cannot reach (I021)."""
         left = [
-            one.model.id
-            for one in self.monitor.inputs
-            if one.model.id in self.by_hand and _message_for(one) is None
+            input_.model.id
+            for input_ in self.monitor.inputs
+            if input_.model.id in self.by_hand and _message_for(input_) is None
         ]
         if not left:
             return []
@@ -95,7 +95,7 @@ class Packaged:
         hint = "use --bag, or test them: docs/how-to/test-a-body.md"
         return [warning("I021", f"{message}: they are not used", hint=hint)]
 
-    def raising(self, play: Play, report: Callable[[Problem], None]) -> Play:
+    def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
         """Warn of the first exception of each hand-written method when it was raised (I023)."""
         said: set[str] = set()
         for part, frame in play:
@@ -127,7 +127,7 @@ class Packaged:
 class _HandwrittenNode(ReplayedNode):
     """A node of hand-written code, which may print: data are ours alone."""
 
-    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Frame:
+    def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Step:
         with redirect_stdout(sys.stderr):
             return super().step(t, messages, clock)
 
@@ -212,13 +212,16 @@ def _remembered(
 ) -> BoundMonitor:
     """Return a monitor as its package remembers it: without the elements of its model."""
     document = json.loads(answers["model_json"])
-    types = {one["attribute"]: one["type"] for one in answers["inputs"]}
-    sources = {} if config is None else {one.id: one for one in config.config.SimulatorOutputs}
+    types = {input_["attribute"]: input_["type"] for input_ in answers["inputs"]}
+    sources = (
+        {} if config is None else {entry.id: entry for entry in config.config.SimulatorOutputs}
+    )
     place = Place(str(folder))
     kind = kinds()[answers["kind"]]
     model = Model(kind.name, document["id"], None, Source(str(folder / ANSWERS_FILE), b""), place)
     inputs = [
-        _binding(one, types[one["attribute"]], sources, by_hand) for one in document["inputs"]
+        _binding(input_, types[input_["attribute"]], sources, by_hand)
+        for input_ in document["inputs"]
     ]
     return BoundMonitor(
         answers["package"], model, kind, config, tuple(inputs), answers["model_json"]

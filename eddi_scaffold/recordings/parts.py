@@ -13,7 +13,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
 from eddi_scaffold.recordings.csv_recording import Tape
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.node import SECOND, GivenInput, ReplayedNode
-from eddi_scaffold.recordings.playing import ROWS, Part, Rhythm, rhythm_of
+from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor, StepRule, rhythm_of
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
@@ -28,7 +28,7 @@ def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
     return made
 
 
-def rhythm(monitor: BoundMonitor) -> Rhythm:
+def rhythm(monitor: BoundMonitor) -> StepRule:
     """Return how the node of a monitor steps; without a configuration, for each row."""
     if monitor.config is None:
         return ROWS
@@ -40,7 +40,9 @@ def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
     """Return the topics that monitors publish which are played together; of one alone, none."""
     if len(monitors) < 2:
         return frozenset()
-    return frozenset(topic for one in monitors for topic in Publications(one, one.topic).topics)
+    return frozenset(
+        topic for monitor in monitors for topic in Publications(monitor, monitor.topic).topics
+    )
 
 
 Made = tuple["RuntimeMonitor[Any]", ReplayedNode]
@@ -57,18 +59,24 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
     owners: dict[str, tuple[str, object]] = {}
     found: dict[str, InputType] = {}
     for monitor in monitors:
-        for one in monitor.inputs:
-            if _is_received(one, monitor, shared):
+        for input_ in monitor.inputs:
+            if _is_received(input_, monitor, shared):
                 continue
-            id_ = one.model.id
-            topics = [monitor.topic(source.topic) for source in one.requires]
-            meaning = (one.model.type, one.unit, one.expression, one.computed_text, topics)
+            id_ = input_.model.id
+            topics = [monitor.topic(source.topic) for source in input_.requires]
+            meaning = (
+                input_.model.type,
+                input_.unit,
+                input_.expression,
+                input_.computed_text,
+                topics,
+            )
             first, same = owners.setdefault(id_, (monitor.id, meaning))
             if same != meaning:
                 message = f"{id_!r} of {first} and of {monitor.id} would be one column"
                 hint = "run one configuration alone, or use --bag, which knows topics"
                 raise EddiError(error("G020", message, hint=hint))
-            found[id_] = one.model.type
+            found[id_] = input_.model.type
     return found
 
 
@@ -78,7 +86,7 @@ _WHOLE = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
 
 def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Iterator[Problem]:
     """Warn of inputs that are more than all of what they are a part of (I024)."""
-    units = {one.model.id: one.unit for monitor in monitors for one in monitor.inputs}
+    units = {input_.model.id: input_.unit for monitor in monitors for input_ in monitor.inputs}
     told = set()
     for sample in tape.samples:
         unit = units.get(sample.topic)
@@ -98,8 +106,8 @@ def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collectio
 
 
 def of_values(
-    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
-) -> list[Part]:
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[StepRule], made: Made | None = None
+) -> list[PlayedMonitor]:
     """Return monitors that are given their ``columns``, and listen to each other.
 
     Args:
@@ -110,15 +118,18 @@ def of_values(
     """
     shared = published(monitors)
     inputs = [
-        [one if _is_received(one, monitor, shared) else by_value(one) for one in monitor.inputs]
+        [
+            input_ if _is_received(input_, monitor, shared) else by_value(input_)
+            for input_ in monitor.inputs
+        ]
         for monitor in monitors
     ]
     return _joined(monitors, inputs, rhythms, made)
 
 
 def of_messages(
-    monitors: Sequence[BoundMonitor], rhythms: Sequence[Rhythm], made: Made | None = None
-) -> list[Part]:
+    monitors: Sequence[BoundMonitor], rhythms: Sequence[StepRule], made: Made | None = None
+) -> list[PlayedMonitor]:
     """Return monitors that listen to topics, also to those of each other, in the order of steps.
 
     Args:
@@ -126,15 +137,15 @@ def of_messages(
         rhythms: how each steps.
         made: by the package of the only one.
     """
-    return _joined(monitors, [one.inputs for one in monitors], rhythms, made)
+    return _joined(monitors, [monitor.inputs for monitor in monitors], rhythms, made)
 
 
 def _joined(
     monitors: Sequence[BoundMonitor],
     inputs: Sequence[Sequence[InputBinding]],
-    rhythms: Sequence[Rhythm],
+    rhythms: Sequence[StepRule],
     made: Made | None,
-) -> list[Part]:
+) -> list[PlayedMonitor]:
     several = len(monitors) > 1
     parts = []
     for monitor, bindings, rhythm in zip(monitors, inputs, rhythms, strict=True):
@@ -158,25 +169,25 @@ def _made(monitor: BoundMonitor, bindings: Sequence[InputBinding]) -> Made:
 def _part(
     name: str,
     bindings: Sequence[InputBinding],
-    rhythm: Rhythm,
+    rhythm: StepRule,
     topics: Mapping[str, Sequence[str]],
     made: Made,
     publisher: Publications | None = None,
-) -> Part:
+) -> PlayedMonitor:
     limits: dict[str, set[int]] = {}
     for binding in bindings:
         if isinstance(binding.max_age, int | float):
             for source in binding.requires:
                 limits.setdefault(source.id, set()).add(round(binding.max_age * SECOND))
-    return Part(name, *made, rhythm, topics, limits, publisher)
+    return PlayedMonitor(name, *made, rhythm, topics, limits, publisher)
 
 
-def _in_order(parts: Sequence[Part]) -> list[Part]:
+def _in_order(parts: Sequence[PlayedMonitor]) -> list[PlayedMonitor]:
     """Return publishers before those who listen to them, as far as no two listen to each other."""
-    ordered: list[Part] = []
+    ordered: list[PlayedMonitor] = []
     begun: set[str] = set()
 
-    def visit(part: Part) -> None:
+    def visit(part: PlayedMonitor) -> None:
         if part.name in begun:
             return
         begun.add(part.name)

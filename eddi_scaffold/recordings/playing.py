@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from eddi_scaffold.common.problems import EddiError, error
 from eddi_scaffold.recordings.csv_recording import Tape
 from eddi_scaffold.recordings.messages import Publications
-from eddi_scaffold.recordings.node import Frame, Received, ReplayedNode
+from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
 
 @dataclass(frozen=True)
-class Rhythm:
+class StepRule:
     """How a node steps.
 
     Attributes:
@@ -31,13 +31,13 @@ class Rhythm:
     on_change: bool
 
 
-ROWS = Rhythm(None, on_change=True)
+ROWS = StepRule(None, on_change=True)
 """One step for each row, or message, and no other."""
 
 
-def rhythm_of(frequency: float, mode: str) -> Rhythm:
+def rhythm_of(frequency: float, mode: str) -> StepRule:
     """Return the rhythm of a configuration."""
-    return Rhythm(1e9 / frequency, mode == "on_change")
+    return StepRule(1e9 / frequency, mode == "on_change")
 
 
 class Steps:
@@ -51,7 +51,7 @@ class Steps:
     """
 
     def __init__(
-        self, rhythm: Rhythm, limits: Mapping[str, Collection[int]], start: int, end: int
+        self, rhythm: StepRule, limits: Mapping[str, Collection[int]], start: int, end: int
     ) -> None:
         self._rhythm, self._limits, self._start, self._end = rhythm, limits, start, end
         self._next: float = math.inf if rhythm.period is None else start
@@ -96,7 +96,7 @@ MAX_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
-class Part:
+class PlayedMonitor:
     """One monitor that is played.
 
     Attributes:
@@ -112,17 +112,17 @@ class Part:
     name: str
     running: RuntimeMonitor[Any]
     node: ReplayedNode
-    rhythm: Rhythm
+    rhythm: StepRule
     sources: Mapping[str, Sequence[str]]
     limits: Mapping[str, Collection[int]]
     publisher: Publications | None = None
 
 
-Play = Iterator[tuple[Part, Frame]]
+Playback = Iterator[tuple[PlayedMonitor, Step]]
 """The steps of a recording, in the order of time."""
 
 
-def play(parts: Sequence[Part], tape: Tape) -> Play:
+def play(parts: Sequence[PlayedMonitor], tape: Tape) -> Playback:
     """Play a recording to monitors, in the order in which they step.
 
     Raises:
@@ -138,21 +138,21 @@ def play(parts: Sequence[Part], tape: Tape) -> Play:
     return _Player(parts, tape).steps()
 
 
-def _count(rhythm: Rhythm, tape: Tape) -> float:
+def _count(rhythm: StepRule, tape: Tape) -> float:
     """Return about how many steps a rhythm makes."""
     return len(tape.rows) if rhythm.period is None else (tape.end - tape.start) / rhythm.period
 
 
 class _Player:
-    def __init__(self, parts: Sequence[Part], tape: Tape) -> None:
+    def __init__(self, parts: Sequence[PlayedMonitor], tape: Tape) -> None:
         self._parts = parts
-        self._steps = [Steps(one.rhythm, one.limits, tape.start, tape.end) for one in parts]
+        self._steps = [Steps(part.rhythm, part.limits, tape.start, tape.end) for part in parts]
         self._inboxes: list[list[Received]] = [[] for _ in parts]
-        self._wanted = {topic for one in parts for topic in one.sources}
+        self._wanted = {topic for part in parts for topic in part.sources}
         self._samples = deque(tape.samples)
         self._rows = deque(tape.rows)
 
-    def steps(self) -> Play:
+    def steps(self) -> Playback:
         while (t := self._next()) is not None:
             if self._rows and self._rows[0] <= t:
                 self._rows.popleft()
@@ -175,7 +175,7 @@ class _Player:
             times.append(self._rows[0])
         return min(times, default=None)
 
-    def _step(self, number: int, t: int) -> Frame:
+    def _step(self, number: int, t: int) -> Step:
         part = self._parts[number]
         frame = part.node.step(t, self._inboxes[number])
         self._inboxes[number] = []

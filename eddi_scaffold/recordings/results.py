@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.diagrams.plot import plot, tracks_of
-from eddi_scaffold.recordings.playing import Play
+from eddi_scaffold.recordings.playing import Playback
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
@@ -24,7 +24,7 @@ _NO_OTHER = "unknown inputs"
 """The reason of a result that only lacks inputs: their names are more precise."""
 
 
-def watched(play: Play, report: Callable[[str], None]) -> Play:
+def watched(play: Playback, report: Callable[[str], None]) -> Playback:
     """Report from time to time the progress of a long recording."""
     reported = time.monotonic()
     for part, frame in play:
@@ -34,7 +34,7 @@ def watched(play: Play, report: Callable[[str], None]) -> Play:
             report(f"{frame.t:.0f} s of the recording are played")
 
 
-def steps(play: Play) -> Iterator[dict[str, Any]]:
+def steps(play: Playback) -> Iterator[dict[str, Any]]:
     """Yield time in seconds, inputs and output as JSON for each step.
 
     A step without output has the reason, and ``blocked`` is there while it is not empty: input ->
@@ -60,7 +60,7 @@ def steps(play: Play) -> Iterator[dict[str, Any]]:
         yield row
 
 
-def changes(play: Play) -> Iterator[str]:
+def changes(play: Playback) -> Iterator[str]:
     """Yield a line for the first step of each monitor, and for each with a new verdict.
 
     A verdict is what the kind calls one, the reason why it is not to be relied on, and which
@@ -83,7 +83,7 @@ def changes(play: Play) -> Iterator[str]:
         yield f"{frame.t:10.3f}  {who}{shown}{beside}".rstrip()
 
 
-def table(play: Play) -> Iterator[str]:
+def table(play: Playback) -> Iterator[str]:
     """Yield the lines of a CSV: time, then every named value of the output in each step.
 
     Kinds whose results explain why they are not to be relied on have columns at the end:
@@ -98,7 +98,7 @@ def table(play: Play) -> Iterator[str]:
         yield _csv_line([repr(frame.t), *(_cell(value) for value in values.values())])
 
 
-def picture(title: str, play: Play) -> str:
+def picture(title: str, play: Playback) -> str:
     """Return an SVG of inputs and outputs over time; of several monitors, of their verdicts."""
     groups: dict[str, list[tuple[float, Mapping[str, object]]]] = {}
     for part, frame in play:

@@ -93,14 +93,14 @@ def run(plan: Plan) -> int:
 
 def described(notes: Sequence[Note], word: str) -> list[str]:
     """Return a line for each note, with a word for those that a person must look at."""
-    return [f"{one.place}: {word if one.attention else 'note'}: {one.text}" for one in notes]
+    return [f"{note.place}: {word if note.attention else 'note'}: {note.text}" for note in notes]
 
 
 def _open(root: Path) -> Iterator[str]:
-    for one in list_regions(root):
-        if one.review:
-            words = ": ".join(filter(None, (one.state, one.id, "; ".join(one.notes))))
-            yield f"{Note(one.file, one.line, '').place}: {words}"
+    for region in list_regions(root):
+        if region.review:
+            words = ": ".join(filter(None, (region.state, region.id, "; ".join(region.notes))))
+            yield f"{Note(region.file, region.line, '').place}: {words}"
 
 
 def _damage(root: Path) -> Iterator[str]:

@@ -161,8 +161,8 @@ def _in_texts(body: str) -> set[int]:
         tree = ast.parse(f"if 1:\n{lines}")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return set()
-    texts = (one for one in ast.walk(tree) if isinstance(one, ast.Constant | ast.JoinedStr))
-    return {line for one in texts for line in range(one.lineno, one.end_lineno or 0)}
+    texts = (node for node in ast.walk(tree) if isinstance(node, ast.Constant | ast.JoinedStr))
+    return {line for text in texts for line in range(text.lineno, text.end_lineno or 0)}
 
 
 def saved_text(region: Region) -> str:

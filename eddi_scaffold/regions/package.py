@@ -224,7 +224,7 @@ def is_as_made(
     if former.issuperset(digests):
         return True
     sides = side_bytes(root, name) if len(known) > 1 else [b""]
-    return all(one and parse(text_of(one))[0].digest in former for one in sides)
+    return all(side and parse(text_of(side))[0].digest in former for side in sides)
 
 
 # kept texts ---------------------------------------------------------------------------------------

@@ -206,17 +206,21 @@ class _Sync:
     def _held(self) -> set[tuple[str, str]]:
         """Return the bodies that are where the rendering has their regions, by each former id."""
         regions = [
-            one
+            region
             for name, file in self.files.items()
             for side in file.sides
-            for one in side.regions.values()
-            if self._has(Body(one, name))
+            for region in side.regions.values()
+            if self._has(Body(region, name))
         ]
-        return {(id_, normal(one.body)) for one in regions for id_ in (one.id, *one.was)}
+        return {
+            (id_, normal(region.body)) for region in regions for id_ in (region.id, *region.was)
+        }
 
     def _regions(self, name: str, file: PackageFile) -> dict[str, Body]:
         """Return the regions of a file; of a conflict, those that one side alone has written."""
-        found = [{id_: Body(one, name) for id_, one in side.regions.items()} for side in file.sides]
+        found = [
+            {id_: Body(region, name) for id_, region in side.regions.items()} for side in file.sides
+        ]
         if len(found) == 1:
             return found[0]
         ours, theirs = found

@@ -79,7 +79,7 @@ def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, st
             config = from_json(str(answers["config_json"]), "the configuration of a package").config
             wanted += kind.between_robots if config.Fleet is not None else ()
             respelt |= kind.respelt(config.Model.model_extra or {})
-            types = (one.type.partition("/") for one in config.SimulatorOutputs)
+            types = (entry.type.partition("/") for entry in config.SimulatorOutputs)
             heard |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
     for name in heard.keys() & respelt.keys():
         raise EddiError(read_respelt(name, Place(heard[name])))

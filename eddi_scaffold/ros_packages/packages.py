@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
-from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, needed_by, with_needed
+from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.config.message_types import element, fields_of, is_primitive
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
@@ -53,9 +53,9 @@ def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
         {
             "name": name,
             "interfaces": [
-                {"direction": _ARROWS[part["section"]], "topic": one["topic"]}
+                {"direction": _ARROWS[part["section"]], "topic": topic["topic"]}
                 for part in answers["interfaces"]
-                for one in part["topics"]
+                for topic in part["topics"]
             ],
         }
         for name, answers in sorted(monitors.items())
@@ -208,7 +208,7 @@ def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
 
 def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
     try:
-        needed = needed_by(compile_model(parse_model(str(answers["model_json"]))))
+        needed = runtime_parts_of(compile_model(parse_model(str(answers["model_json"]))))
     except ModelError as refused:
         raise EddiError(error("K028", refused.reason, Place(package))) from None
     asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}

@@ -6,14 +6,14 @@ from typing import Literal
 
 from eddi_scaffold.common.problems import EddiError, error
 from eddi_scaffold.targets.c import c_files
-from eddi_scaffold.targets.monitor_model import MonitorModel
+from eddi_scaffold.targets.monitor_model import StandaloneMonitor
 from eddi_scaffold.targets.python import python_module
 
 Target = Literal["python", "c"]
 _PRINTERS = {"python": python_module, "c": c_files}
 
 
-def printed(model: MonitorModel, target: Target) -> dict[str, str]:
+def printed(model: StandaloneMonitor, target: Target) -> dict[str, str]:
     """Return file name -> text of a standalone monitor.
 
     Args:
@@ -24,9 +24,9 @@ def printed(model: MonitorModel, target: Target) -> dict[str, str]:
         EddiError: the language has no lists or numbers in texts yet (E026).
     """
     given = [(read, model.sampling.uses[k]) for k, read in enumerate(model.program.reads)]
-    used = {one for read, uses in given if read.reduction is not None or read.text for one in uses}
+    used = {use for read, uses in given if read.reduction is not None or read.text for use in uses}
     inputs = [model.sampling.inputs[one] for one in sorted(used)]
-    lists = [one.name for one in inputs if one.list or one.type == "text"]
+    lists = [input_.name for input_ in inputs if input_.list or input_.type == "text"]
     if target == "c" and lists:
         message = f"the target c takes neither lists nor texts yet: {', '.join(lists)}"
         hint = "--target python, or give the reduced value as a variable: VAR nearest : NUMBER"

@@ -11,7 +11,7 @@ from eddi_scaffold.compiling.program.instructions import Read
 from eddi_scaffold.targets import c_step
 from eddi_scaffold.targets.c_functions import TYPES, functions
 from eddi_scaffold.targets.kept_bodies import HEADER, region
-from eddi_scaffold.targets.monitor_model import MonitorModel, describe
+from eddi_scaffold.targets.monitor_model import StandaloneMonitor, describe
 from eddi_scaffold.targets.names import unique_names
 
 _KLEENE = """\
@@ -41,7 +41,7 @@ static void publish(event_output *event, int verdict, bool hazard)
 """
 
 
-def c_files(model: MonitorModel) -> dict[str, str]:
+def c_files(model: StandaloneMonitor) -> dict[str, str]:
     """Return file name -> text of the monitor in C99."""
     return {
         f"{model.name}_{model.kind}.h": _text(_header(model)),
@@ -58,7 +58,7 @@ def _indented(lines: list[str]) -> list[str]:
     return [f"    {line}" for line in lines]
 
 
-def _banner(model: MonitorModel, what: str) -> list[str]:
+def _banner(model: StandaloneMonitor, what: str) -> list[str]:
     lines = [f"/* {what}, {HEADER}.", " *"]
     lines += [f" *     {line}" for line in model.source[:200]]
     return [*lines, " */"]
@@ -69,7 +69,7 @@ def _declared(read: Read, name: str) -> str:
     return f"{_TYPES.get(read.type, 'int ')}{name}"
 
 
-def _parameters(model: MonitorModel) -> str:
+def _parameters(model: StandaloneMonitor) -> str:
     found = ["int64_t t_ns"]
     for k, variable in enumerate(model.program.reads):
         found.append(f"{_declared(variable, 'v_' + model.variables[k])}")
@@ -78,17 +78,17 @@ def _parameters(model: MonitorModel) -> str:
     return ", ".join(found)
 
 
-def _result(model: MonitorModel) -> str:
+def _result(model: StandaloneMonitor) -> str:
     if model.numeric:
         return "double"
     return "event_kleene" if len(model.events) == 1 else "void"
 
 
-def _signature(model: MonitorModel) -> str:
+def _signature(model: StandaloneMonitor) -> str:
     return f"{_result(model)} {model.name}_step({model.name}_t *m, {_parameters(model)})"
 
 
-def _header(model: MonitorModel) -> list[str]:
+def _header(model: StandaloneMonitor) -> list[str]:
     name, guard = model.name, f"{model.name}_{model.kind}_H".upper()
     lines = [*_banner(model, "3. Types: do not edit"), f"#ifndef {guard}", f"#define {guard}", ""]
     lines += ["#include <stdbool.h>", "#include <stdint.h>", ""]
@@ -126,7 +126,7 @@ def _header(model: MonitorModel) -> list[str]:
     return [*lines, "#endif"]
 
 
-def _contract(model: MonitorModel) -> list[str]:
+def _contract(model: StandaloneMonitor) -> list[str]:
     period = model.program.period
     rate = f"Call it every {period} ns. " if period else ""
     lines = [f"/* One step. {rate}t_ns: any clock, within +-2^62; the same time again is ignored,"]
@@ -137,12 +137,12 @@ def _contract(model: MonitorModel) -> list[str]:
     return [*lines, " *", " * Compile with -ffp-contract=off and without -ffast-math. */"]
 
 
-def _enums(model: MonitorModel) -> dict[str, tuple[str, ...]]:
+def _enums(model: StandaloneMonitor) -> dict[str, tuple[str, ...]]:
     pairs = zip(model.enums, model.program.reads, strict=True)
     return {enum: variable.literals for enum, variable in sorted(pairs) if enum}
 
 
-def _implementation(model: MonitorModel) -> list[str]:
+def _implementation(model: StandaloneMonitor) -> list[str]:
     name = model.name
     forget, step, done = c_step.resets(model), _step(model), model.program.operations
     lines = [*_banner(model, "2. Functions: do not edit"), f'#include "{name}_{model.kind}.h"', ""]
@@ -169,11 +169,11 @@ def _implementation(model: MonitorModel) -> list[str]:
     return lines
 
 
-def _hazard(model: MonitorModel, k: int) -> str:
+def _hazard(model: StandaloneMonitor, k: int) -> str:
     return "true" if model.program.results[k].hazard else "false"
 
 
-def _step(model: MonitorModel) -> list[str]:
+def _step(model: StandaloneMonitor) -> list[str]:
     period = model.program.period
     windows = any(node.window for node in model.program.operations)
     lines = ["const int64_t t = t_ns;"]
@@ -205,7 +205,7 @@ def _step(model: MonitorModel) -> list[str]:
     return _indented([line for line in (*lines, back) if line != "return;"])
 
 
-def _main(model: MonitorModel) -> list[str]:
+def _main(model: StandaloneMonitor) -> list[str]:
     name = model.name
     lines = [*_banner(model, "1. Variables, 4. Main: edit between the markers only")]
     lines += [
@@ -237,7 +237,7 @@ def _main(model: MonitorModel) -> list[str]:
     return [*lines, *_loop(model)]
 
 
-def _loop(model: MonitorModel) -> list[str]:
+def _loop(model: StandaloneMonitor) -> list[str]:
     name, period = model.name, model.program.period or 10**9
     lines = [
         "/* ---- 4. Main ---- */",

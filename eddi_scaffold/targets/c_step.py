@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.program.instructions import (
     Program,
     must_be_finite,
 )
-from eddi_scaffold.targets.monitor_model import MonitorModel
+from eddi_scaffold.targets.monitor_model import StandaloneMonitor
 
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}
 _COMPARISONS = {
@@ -50,7 +50,7 @@ _EXTREMES = {"and": "least", "or": "greatest"}
 _UNKNOWN = {"number": "NAN", "bool": "1", "enum": "-1", "text": "NULL"}
 
 
-def fields(model: MonitorModel) -> list[str]:
+def fields(model: StandaloneMonitor) -> list[str]:
     """Return the members of the struct for windows and function states."""
     lines = []
     for k, node in enumerate(model.program.operations):
@@ -78,7 +78,7 @@ def fields(model: MonitorModel) -> list[str]:
     return lines
 
 
-def resets(model: MonitorModel) -> list[str]:
+def resets(model: StandaloneMonitor) -> list[str]:
     """Return the statements that make windows and function states as they are at the start."""
     lines = []
     for k, node in enumerate(model.program.operations):
@@ -101,7 +101,7 @@ def resets(model: MonitorModel) -> list[str]:
     return lines
 
 
-def statements(model: MonitorModel) -> list[str]:
+def statements(model: StandaloneMonitor) -> list[str]:
     """Return the statements that read the arguments and compute every node."""
     printer = _Printer(model)
     lines = []
@@ -116,13 +116,17 @@ def statements(model: MonitorModel) -> list[str]:
 
 def _unused(program: Program) -> list[str]:
     """Return the statements that tell a compiler which values no result depends on."""
-    used = {one.operation for one in program.results}
-    used.update(k for one in program.operations for k in one.args)
+    used = {result.operation for result in program.results}
+    used.update(k for operation in program.operations for k in operation.args)
     operations = enumerate(program.operations)
-    return [f"(void)r{k};" for k, one in operations if k not in used and one.op not in LEAVES]
+    return [
+        f"(void)r{k};"
+        for k, operation in operations
+        if k not in used and operation.op not in LEAVES
+    ]
 
 
-def declarations(model: MonitorModel) -> list[str]:
+def declarations(model: StandaloneMonitor) -> list[str]:
     """Return the registers."""
     kinds = {"number": "double", "bool": "int", "enum": "int"}
     return [
@@ -132,7 +136,7 @@ def declarations(model: MonitorModel) -> list[str]:
     ]
 
 
-def value(model: MonitorModel, k: int) -> str:
+def value(model: StandaloneMonitor, k: int) -> str:
     """Return the text of a node's value."""
     node = model.program.operations[k]
     if node.op == "variable":
@@ -149,7 +153,7 @@ def int64(number: int) -> str:
 
 
 class _Printer:
-    def __init__(self, model: MonitorModel) -> None:
+    def __init__(self, model: StandaloneMonitor) -> None:
         self._model = model
         self._program = model.program
         self._checked = must_be_finite(model.program)

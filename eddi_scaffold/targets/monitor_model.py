@@ -29,7 +29,7 @@ class HostArgument:
 
 
 @dataclass(frozen=True)
-class MonitorModel:
+class StandaloneMonitor:
     """One monitor to print.
 
     Attributes:
@@ -72,7 +72,7 @@ def named(
     kind: str = "event",
     units: Mapping[str, str] | None = None,
     enums: Mapping[str, str] | None = None,
-) -> MonitorModel:
+) -> StandaloneMonitor:
     """Return what is printed of a program.
 
     Args:
@@ -84,13 +84,14 @@ def named(
         units: value of the host -> its unit.
         enums: what is read -> name of its ENUM.
     """
-    model = MonitorModel(
+    model = StandaloneMonitor(
         name=module_name(name),
         kind=kind,
         program=program,
         variables=tuple(unique_names(read.name for read in program.reads)),
         events=tuple(unique_names(result.id for result in program.results)),
-        numeric=[program.operations[one.operation].type for one in program.results] == ["number"],
+        numeric=[program.operations[result.operation].type for result in program.results]
+        == ["number"],
         source=tuple(map(c_comment, source)),
         units=units or {},
         enums=tuple((enums or {}).get(read.name, "") for read in program.reads),
@@ -99,7 +100,7 @@ def named(
     return replace(model, given=_given(model))
 
 
-def _given(model: MonitorModel) -> tuple[HostArgument, ...]:
+def _given(model: StandaloneMonitor) -> tuple[HostArgument, ...]:
     """Return what the host gives: variables as they are, and the parts of reductions."""
     inputs = model.sampling.inputs
     plain = {
@@ -109,21 +110,21 @@ def _given(model: MonitorModel) -> tuple[HostArgument, ...]:
     }
     taken = [*model.variables]
     found = []
-    for number, one in enumerate(inputs):
-        if one.name not in plain:
-            taken.append(unique_names([*taken, one.name])[-1])
-            unit = f", in {model.units[one.name]}" if model.units.get(one.name) else ""
-            shown = f"{one.name}, {'list of ' if one.list else ''}{one.type}{unit}"
-            plain[one.name] = taken[-1], c_comment(shown)
+    for number, input_ in enumerate(inputs):
+        if input_.name not in plain:
+            taken.append(unique_names([*taken, input_.name])[-1])
+            unit = f", in {model.units[input_.name]}" if model.units.get(input_.name) else ""
+            shown = f"{input_.name}, {'list of ' if input_.list else ''}{input_.type}{unit}"
+            plain[input_.name] = taken[-1], c_comment(shown)
         stamped = any(
             read.stamped and number in used
             for read, used in zip(model.program.reads, model.sampling.uses, strict=True)
         )
-        found.append(HostArgument(one, *plain[one.name], stamped))
+        found.append(HostArgument(input_, *plain[input_.name], stamped))
     return tuple(found)
 
 
-def describe(model: MonitorModel, number: int) -> str:
+def describe(model: StandaloneMonitor, number: int) -> str:
     """Return one line on a variable: type, unit, range, timeout."""
     variable = model.program.reads[number]
     parts = [variable.name, variable.type if not model.enums[number] else model.enums[number]]

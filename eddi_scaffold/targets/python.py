@@ -15,20 +15,20 @@ from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read
 from eddi_scaffold.compiling.program.python import CLASSES, class_lines
 from eddi_scaffold.targets import values
 from eddi_scaffold.targets.kept_bodies import HEADER, region
-from eddi_scaffold.targets.monitor_model import HostArgument, MonitorModel
+from eddi_scaffold.targets.monitor_model import HostArgument, StandaloneMonitor
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
 _MODULES = {"hold": hold, "stacks": stacks, "windows": windows}
 _KIND = {"number": "NumVal", "bool": "BoolVal", "enum": "str", "text": "str"}
 
 
-def python_module(model: MonitorModel) -> dict[str, str]:
+def python_module(model: StandaloneMonitor) -> dict[str, str]:
     """Return file name -> text of the monitor's module."""
     parts = [_head(model), _variables(model), _functions(model), _types(), _main(model)]
     return {f"{model.name}_event.py": "\n\n".join("\n".join(part) for part in parts) + "\n"}
 
 
-def _head(model: MonitorModel) -> list[str]:
+def _head(model: StandaloneMonitor) -> list[str]:
     shown = [f"    {line}" for line in model.source[:200]]
     return [
         f'"""Monitor of events, {HEADER}; edit between the markers only.',
@@ -54,7 +54,7 @@ def _head(model: MonitorModel) -> list[str]:
     ]
 
 
-def _typing(model: MonitorModel) -> list[str]:
+def _typing(model: StandaloneMonitor) -> list[str]:
     names = {"Any", "Callable", "Deque", "List", "Optional", "Tuple"}
     more = {"Sequence", "Union"} if _needs_lists(model) else set()
     return sorted(names | more)
@@ -64,7 +64,7 @@ def _title(number: int, name: str) -> list[str]:
     return [f"# {'-' * 20} {number}. {name} {'-' * 20}", "", ""]
 
 
-def _variables(model: MonitorModel) -> list[str]:
+def _variables(model: StandaloneMonitor) -> list[str]:
     lines = _title(1, "Variables")
     lines += [
         "class Variables:",
@@ -91,7 +91,7 @@ def _variables(model: MonitorModel) -> list[str]:
     return lines
 
 
-def _functions(model: MonitorModel) -> list[str]:
+def _functions(model: StandaloneMonitor) -> list[str]:
     used: dict[type, None] = {}
     for node in model.program.operations:
         if node.op in WINDOWS:
@@ -113,7 +113,7 @@ def _functions(model: MonitorModel) -> list[str]:
     return lines
 
 
-def _needs_lists(model: MonitorModel) -> bool:
+def _needs_lists(model: StandaloneMonitor) -> bool:
     texts = any(variable.text for variable in model.program.reads)
     return model.has_lists or texts or any(node.op == "sqrt" for node in model.program.operations)
 
@@ -183,7 +183,7 @@ def as_samples(values, t_ns):
 '''
 
 
-def _main(model: MonitorModel) -> list[str]:
+def _main(model: StandaloneMonitor) -> list[str]:
     conversions = _CONVERSIONS + (_SAMPLES if model.has_lists else "")
     lines = [*_title(4, "Main"), *conversions.split("\n"), ""]
     lines += ["class Monitor(Variables):"]
@@ -212,7 +212,7 @@ def _main(model: MonitorModel) -> list[str]:
     return lines
 
 
-def _arguments(model: MonitorModel) -> tuple[list[str], list[str]]:
+def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
     """Return the lines that read what lists and stamps need, and the arguments of a step."""
     lines: list[str] = []
     calls: list[str] = []
@@ -254,7 +254,7 @@ def _conversion(variable: Read, value: str) -> str:
     return f"as_{'number' if variable.type == 'number' else 'truth'}({value})"
 
 
-def _results(model: MonitorModel) -> list[str]:
+def _results(model: StandaloneMonitor) -> list[str]:
     if model.numeric:
         return ["        return values[0]"]
     lines = ["        before, self.verdicts = self.verdicts, values"]

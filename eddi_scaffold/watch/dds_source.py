@@ -74,7 +74,9 @@ class DdsGraphs:
 
     def __init__(self, domains: Collection[int]) -> None:
         several = len(domains) > 1
-        self._domains = [_Domain(one, f"/domain{one}" if several else "") for one in domains]
+        self._domains = [
+            _Domain(domain, f"/domain{domain}" if several else "") for domain in domains
+        ]
         self._came: SimpleQueue[tuple[float, Sequence[Message]]] = SimpleQueue()
         self._trouble: tuple[str, ...] = ()
         self._notes: tuple[str, ...] = ()
@@ -90,8 +92,8 @@ class DdsGraphs:
     def _step(self) -> None:
         wait = _WAIT_S / len(self._domains)
         try:
-            found = [message for one in self._domains for message in one.receive(wait)]
-            self._notes = tuple(note for one in self._domains for note in one.notes())
+            found = [message for domain in self._domains for message in domain.receive(wait)]
+            self._notes = tuple(note for domain in self._domains for note in domain.notes())
         except Exception as problem:  # noqa: BLE001 - whatever a driver raises
             self._trouble = (f"dds: {type(problem).__name__}: {problem}",)
             time.sleep(_WAIT_S)
@@ -114,8 +116,8 @@ class DdsGraphs:
         """Leave the domains."""
         self._ended = True
         self._thread.join()
-        for one in self._domains:
-            one.close()
+        for domain in self._domains:
+            domain.close()
 
 
 class _Domain:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
 
-from eddi_scaffold.common.claims import Said, State, Verdict
+from eddi_scaffold.common.claims import State, StatusReading, Verdict
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,
     MAX_MONITORS,
@@ -135,8 +135,8 @@ class _Stream:
 
     last: float
     begun: bool = False  # a message came that was not kept
-    said: Said | None = None  # what the verdicts come from, unless it is silent
-    kept: Said | None = None  # a message of unknown age, until the next one comes
+    said: StatusReading | None = None  # what the verdicts come from, unless it is silent
+    kept: StatusReading | None = None  # a message of unknown age, until the next one comes
     content: object = None  # of the last message
     usual: float = 0.0  # seconds between two messages
     gaps: deque[float] = field(default_factory=lambda: deque(maxlen=_GAPS))
@@ -249,8 +249,8 @@ class FleetState:
     def snapshot(self, now: float) -> Snapshot:
         """Return what is known."""
         robots: dict[str, list[MonitorView]] = {}
-        for one in self._monitors.values():
-            robots.setdefault(one.robot, []).append(self._view(one))
+        for monitor in self._monitors.values():
+            robots.setdefault(monitor.robot, []).append(self._view(monitor))
         return Snapshot(
             now,
             tuple(
@@ -292,9 +292,9 @@ class FleetState:
     def _forget(self) -> bool:
         """Drop the monitor that has been silent for longest; return False when none is silent."""
         silent = [
-            (max(stream.last for stream in one.streams.values()), key)
-            for key, one in self._monitors.items()
-            if one.streams and all(stream.silent for stream in one.streams.values())
+            (max(stream.last for stream in monitor.streams.values()), key)
+            for key, monitor in self._monitors.items()
+            if monitor.streams and all(stream.silent for stream in monitor.streams.values())
         ]
         if not silent:
             return False
@@ -302,7 +302,7 @@ class FleetState:
         self._count -= sum(len(stream.verdicts) for stream in gone.streams.values())
         return True
 
-    def _heard(self, monitor: _Monitor, message: Message, said: Said) -> Iterable[Change]:
+    def _heard(self, monitor: _Monitor, message: Message, said: StatusReading) -> Iterable[Change]:
         stream = monitor.streams.get(message.topic)
         if stream is None:
             stream = monitor.streams[message.topic] = _Stream(message.t)
@@ -321,17 +321,23 @@ class FleetState:
         return list(self._told(monitor, stream, said, message.t, back=back))
 
     def _told(
-        self, monitor: _Monitor, stream: _Stream, said: Said, t: float, *, back: bool = False
+        self,
+        monitor: _Monitor,
+        stream: _Stream,
+        said: StatusReading,
+        t: float,
+        *,
+        back: bool = False,
     ) -> Iterator[Change]:
         """Take what was said; every verdict is told of a monitor that is back after silence."""
         told: dict[str, VerdictView] = {} if said.whole else stream.verdicts
-        for one in said.verdicts:
-            id_ = plain(one.id)
+        for verdict in said.verdicts:
+            id_ = plain(verdict.id)
             before = stream.verdicts.get(id_)
             if before is None and self._count >= MAX_VERDICTS:
                 self._note(f"only the first {MAX_VERDICTS} verdicts are shown")
                 continue
-            now = _next(before, id_, one, t)
+            now = _next(before, id_, verdict, t)
             self._count += id_ not in stream.verdicts
             told[id_] = now
             if before is None or before.state != now.state or back:
@@ -350,17 +356,19 @@ class FleetState:
             said, stream.kept = stream.kept, None
             monitor.model = monitor.model or plain(said.model)
             reason = f"its last message is of unknown age, {reason}"
-            unknown = tuple(replace(one, state="unknown", reasons=()) for one in said.verdicts)
+            unknown = tuple(
+                replace(verdict, state="unknown", reasons=()) for verdict in said.verdicts
+            )
             told = replace(said, verdicts=unknown, whole=False)
             for change in self._told(monitor, stream, told, now):
                 yield replace(change, reasons=(reason,))
-        for id_, one in stream.verdicts.items():
-            since = one.since if one.state == "unknown" else now
-            seen = one.seen if one.state == "unknown" else True
-            new = VerdictView(id_, "unknown", (reason,), one.text, since, seen)
+        for id_, verdict in stream.verdicts.items():
+            since = verdict.since if verdict.state == "unknown" else now
+            seen = verdict.seen if verdict.state == "unknown" else True
+            new = VerdictView(id_, "unknown", (reason,), verdict.text, since, seen)
             stream.verdicts[id_] = new
-            if one.since != now or one.state != "unknown":  # else it was told just now
-                yield _change(monitor, new, one.state, now)
+            if verdict.since != now or verdict.state != "unknown":  # else it was told just now
+                yield _change(monitor, new, verdict.state, now)
 
     def _view(self, one: _Monitor) -> MonitorView:
         accepted = dict.fromkeys(a for stream in one.streams.values() for a in stream.accepted)

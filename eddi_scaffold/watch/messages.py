@@ -60,7 +60,7 @@ class Source(Protocol):
 
 
 @dataclass(frozen=True)
-class Heard:
+class KnownMessage:
     """How messages of one type are understood.
 
     Attributes:
@@ -73,10 +73,10 @@ class Heard:
 
 
 @cache
-def heard() -> Mapping[str, Heard]:
+def heard() -> Mapping[str, KnownMessage]:
     """Return type of message -> how it is understood, for every kind."""
     return {
-        f"{MESSAGE_PACKAGE}/{name}": Heard(kind.title, listen)
+        f"{MESSAGE_PACKAGE}/{name}": KnownMessage(kind.title, listen)
         for kind in kinds().values()
         for name, listen in kind.verdicts.items()
     }
@@ -218,7 +218,7 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
         AttributeError, TypeError: it is none.
     """
     for status in array.status:
-        values = {str(one.key): str(one.value) for one in status.values}
+        values = {str(value.key): str(value.value) for value in status.values}
         if _OURS not in values:
             continue
         inputs = [key.removesuffix(_AGE) for key in values if key.endswith(_AGE)]

@@ -44,7 +44,7 @@ def families(snapshot: Snapshot) -> Iterator[Family]:
 
     Monitors of one name on one robot are one here: the worst of them counts.
     """
-    monitors = [(robot.name, one) for robot in snapshot.robots for one in robot.monitors]
+    monitors = [(robot.name, monitor) for robot in snapshot.robots for monitor in robot.monitors]
     yield from _guarantees(snapshot.t, monitors)
     yield from _monitors(snapshot.t, monitors)
     yield from _inputs(snapshot.t, monitors)
@@ -97,14 +97,14 @@ def _monitors(now: float, monitors: _Monitors) -> Iterator[Family]:
     longest = Family("eddi_monitor_longest_step_seconds", "gauge", "Of its node so far.", names)
     steps = Family("eddi_monitor_steps", "counter", "Steps of its node.", names)
     overruns = Family("eddi_monitor_overruns", "counter", "Steps left out by its node.", names)
-    for robot, one in monitors:
-        labels = (robot, one.name)
-        _worst(silent, labels, float(one.silent))
-        _worst(age, labels, now - one.last)
-        if one.report is not None:
-            _worst(longest, labels, one.report.longest_step)
-            _worst(steps, labels, one.report.steps)
-            _worst(overruns, labels, one.report.overruns)
+    for robot, monitor in monitors:
+        labels = (robot, monitor.name)
+        _worst(silent, labels, float(monitor.silent))
+        _worst(age, labels, now - monitor.last)
+        if monitor.report is not None:
+            _worst(longest, labels, monitor.report.longest_step)
+            _worst(steps, labels, monitor.report.steps)
+            _worst(overruns, labels, monitor.report.overruns)
     yield from (silent, age, longest, steps, overruns)
 
 
@@ -135,10 +135,10 @@ class _Collected:
         self._snapshot = snapshot
 
     def collect(self) -> Iterator[Any]:
-        for one in families(self._snapshot):
-            made = CounterMetricFamily if one.type == "counter" else GaugeMetricFamily
-            found: Any = made(one.name, one.help, labels=one.labels)
-            for labels, value in one.samples.items():
+        for family in families(self._snapshot):
+            made = CounterMetricFamily if family.type == "counter" else GaugeMetricFamily
+            found: Any = made(family.name, family.help, labels=family.labels)
+            for labels, value in family.samples.items():
                 found.add_metric(labels, value)
             yield found
 

@@ -78,10 +78,10 @@ class Sent:
         """Return what of a view was not sent yet, and take it as sent."""
         rows = {row.id: row.parts for group in view.groups for row in group.rows}
         new_rows = {id_: parts for id_, parts in rows.items() if self._rows.get(id_) != parts}
-        groups = [_heading(one) for one in view.groups if self._groups.get(one.id) != one]
-        changes = [one for one in view.changes if one[0] > self._change]
+        groups = [_heading(group) for group in view.groups if self._groups.get(group.id) != group]
+        changes = [change for change in view.changes if change[0] > self._change]
         self._rows = rows
-        self._groups = {one.id: one for one in view.groups}
+        self._groups = {group.id: group for group in view.groups}
         self._change = changes[0][0] if changes else self._change
         return {
             "time": view.time,

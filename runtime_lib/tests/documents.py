@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
-from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.consert.emission import FORMAT, STRAIGHT_LINE_LIMIT, lines_of
 from eddi_scaffold.compiling.document import check_document, digest_of
 from eddi_scaffold.compiling.execution import module_of
@@ -88,7 +88,7 @@ def compiled(data, *, allow_unsupported=False, limit=STRAIGHT_LINE_LIMIT):
     """Return the monitor of a model document."""
     model_file = check_document(data)
     lines = lines_of(model_file, allow_unsupported=allow_unsupported, limit=limit)
-    return module_of(whole_text(model_file, {"consert": FORMAT}, lines), data["id"]).Monitor()
+    return module_of(module_text(model_file, {"consert": FORMAT}, lines), data["id"]).Monitor()
 
 
 def give(**values):

@@ -12,7 +12,7 @@ from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.consert import emission
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
-from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.compiling.parts import runtime_parts_of
 from runtime_lib.tests.documents import categorical, document, give, numeric, signed
 from tests.compiling.formatting import objections
 
@@ -123,7 +123,7 @@ def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
     made = document(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges, specs={})
     text = compile_model(check_document(made))
     assert objections(text) == ""
-    assert needed_by(text) == ("consert", "consert/search")
+    assert runtime_parts_of(text) == ("consert", "consert/search")
     assert "    graph = search.Graph(\n" in text
     assert "paths=" not in text
 

@@ -13,7 +13,7 @@ from eddi_runtime import expressions
 
 from eddi_scaffold.compiling.program.instructions import Program, Read
 from eddi_scaffold.targets.c import c_files
-from eddi_scaffold.targets.monitor_model import MonitorModel
+from eddi_scaffold.targets.monitor_model import StandaloneMonitor
 from tests.conditions.formulas import Step
 
 FLAGS = [
@@ -37,7 +37,7 @@ def compiler() -> str:
     return found
 
 
-def build(model: MonitorModel, folder: Path, *options: str) -> Path:
+def build(model: StandaloneMonitor, folder: Path, *options: str) -> Path:
     """Compile a monitor with a main program that reads steps; return the program."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in c_files(model).items():
@@ -56,7 +56,7 @@ def compile_c(arguments: Sequence[str]) -> None:
     assert done.returncode == 0, done.stderr[:4000]
 
 
-def harness(model: MonitorModel) -> str:
+def harness(model: StandaloneMonitor) -> str:
     arguments, reads = ["t"], []
     for k, variable in enumerate(model.program.reads):
         kind, form = ("double", "%la") if variable.type == "number" else ("int", "%d")

@@ -16,8 +16,8 @@ from eddi_scaffold.config.undecided import undecided
 from eddi_scaffold.connect.draft import Age, age_of, entry, recorded_age
 from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import Need
-from eddi_scaffold.connect.topics import Leaf, RobotTopic, leaves
+from eddi_scaffold.connect.needs import InputNeed
+from eddi_scaffold.connect.topics import RobotTopic, TopicField, leaves
 from eddi_scaffold.yaml_text.nodes import Items, Map, read_map
 from tests.cli.command import ROOT, Result, files_below, run
 from tests.hostile_texts import HOSTILE
@@ -29,11 +29,13 @@ TYPES = {
 }
 CLEAR = RobotTopic("clear", "std_msgs/Bool", "/front/clear")
 CHARGE = RobotTopic("charge", "rover_msgs/Charge", "/power/charge")
-WAY = Need("WayIsClear", "bool")
-POWER = Need("Charge", "float")
+WAY = InputNeed("WayIsClear", "bool")
+POWER = InputNeed("Charge", "float")
 
 
-def draft(needs: list[Need], topics: list[RobotTopic], ages: dict[str, Age] | None = None) -> Draft:
+def draft(
+    needs: list[InputNeed], topics: list[RobotTopic], ages: dict[str, Age] | None = None
+) -> Draft:
     """Return what is drafted for some inputs."""
     entries = [entry(one, ages or {}) for one in decide(needs, topics, TYPES.get)]
     model = {"id": "Rover", "type": "ConSert"}
@@ -94,7 +96,7 @@ def test_what_a_person_decided_stays_and_the_rest_is_decided_anew() -> None:
         "  max_age: 5   # measured\r\n"
         "EDDIOutputs: [{id: out, topic: my/topic}]\r\n"
     )
-    after = written(mine, draft([WAY, POWER, Need("Speed", "float")], [CLEAR, CHARGE]))
+    after = written(mine, draft([WAY, POWER, InputNeed("Speed", "float")], [CLEAR, CHARGE]))
     kept = [line for line in mine.splitlines(keepends=True) if "# connect:" not in line]
     now = after.splitlines(keepends=True)
     assert [one for one in kept if one not in now] == ["  expression: TODO\r\n"]
@@ -118,7 +120,7 @@ def test_comments_of_a_person_behind_what_is_open_stay() -> None:
         "  note: |\n"
         "    # connect: eight\n"
     )
-    after = written(mine, draft([WAY, Need("Speed", "float")], [CLEAR]))
+    after = written(mine, draft([WAY, InputNeed("Speed", "float")], [CLEAR]))
     words = ("one", "two", "three", "four", "five", "six", "seven", "eight")
     assert [word for word in words if after.count(word) != 1] == []
     assert "  # TODO ask two\n  requires: [clear]\n  field: data\n  # three\n" in after
@@ -200,7 +202,7 @@ EVIL = [one for one in HOSTILE if "\ud800" not in one]  # no file has that
 @pytest.mark.parametrize("evil", [*EVIL, 'x\n# connect: y\u2028EDDIOutputs: [] # "*&!', "TODO"])
 def test_names_of_models_stay_data(evil: str) -> None:
     topics = [RobotTopic(evil, f"b/{evil}", evil), RobotTopic("c", "std_msgs/Bool", evil)]
-    needs = [Need(evil, "bool"), Need("Charge", "float", evil, description=evil)]
+    needs = [InputNeed(evil, "bool"), InputNeed("Charge", "float", evil, description=evil)]
     options = {evil or "-": {"map": {evil: evil}}, "later": {evil: {"bins": "TODO"}}}
     notes = {("later", evil, "bins"): evil}
     text = written("", replace(draft(needs, topics), options=options, notes=notes))
@@ -239,7 +241,7 @@ def test_where_topics_come_from_is_said_where_there_is_none(tmp_path: Path) -> N
 def test_messages_inside_of_themselves_end() -> None:
     found = leaves("rover_msgs/Loop", TYPES.get)
     assert [one.text for one in found] == ["end"]
-    assert leaves("gone_msgs/Gone", TYPES.get) == [Leaf((), "", None)]
+    assert leaves("gone_msgs/Gone", TYPES.get) == [TopicField((), "", None)]
 
 
 def test_messages_that_grow_without_end_are_read_in_part() -> None:

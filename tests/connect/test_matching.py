@@ -6,7 +6,7 @@ import pytest
 
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.matching import Decision, Offer, decide
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
 
 ROBOT = {
@@ -28,7 +28,7 @@ ROBOT = {
 TOPICS = [RobotTopic(name, *rest) for name, rest in ROBOT.items()]
 
 
-def decided(need: Need, offers: list[Offer] | None = None) -> Decision:
+def decided(need: InputNeed, offers: list[Offer] | None = None) -> Decision:
     given = {need.id: offers} if offers is not None else {}
     (decision,) = decide([need], TOPICS, known_messages().get, given)
     return decision
@@ -53,7 +53,7 @@ def decided(need: Need, offers: list[Offer] | None = None) -> Decision:
 def test_what_is_clear_is_taken(
     id_: str, type_: str, unit: str | None, topic: str, key: str, text: str, given: str | None
 ) -> None:
-    decision = decided(Need(id_, type_, unit))  # type: ignore[arg-type]
+    decision = decided(InputNeed(id_, type_, unit))  # type: ignore[arg-type]
     best = decision.candidates[0]
     assert (decision.state, best.topic.id, best.access.key) == ("taken", topic, key)
     assert best.access.text.startswith(text)
@@ -63,20 +63,28 @@ def test_what_is_clear_is_taken(
 @pytest.mark.parametrize(
     ("need", "listed", "text"),
     [
-        (Need("ArmJointPosition", "float", "rad"), "joints", "position[TODO]"),
-        (Need("LocalizationUncertainty", "float", "m"), "pose", "SQRT(pose.pose.covariance[0])"),
-        (Need("ObstacleDistance", "float", "m"), "scan_front", "MIN(scan_front.ranges[*], "),
-        (Need("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
-        (Need("RadioLink", "bool"), "link_lost", "data"),
-        (Need("MarkerVisible", "bool"), "gone", "TODO"),
-        (Need("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
-        (Need("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
-        (Need("CpuTemperature", "float", "degC"), "temperature", "temperature"),  # of the motor
-        (Need("DistanceToRearGoal", "float", "m"), "scan_rear", "MIN(scan_rear.ranges[*], "),
-        (Need("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
+        (InputNeed("ArmJointPosition", "float", "rad"), "joints", "position[TODO]"),
+        (
+            InputNeed("LocalizationUncertainty", "float", "m"),
+            "pose",
+            "SQRT(pose.pose.covariance[0])",
+        ),
+        (InputNeed("ObstacleDistance", "float", "m"), "scan_front", "MIN(scan_front.ranges[*], "),
+        (InputNeed("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
+        (InputNeed("RadioLink", "bool"), "link_lost", "data"),
+        (InputNeed("MarkerVisible", "bool"), "gone", "TODO"),
+        (InputNeed("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
+        (InputNeed("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
+        (
+            InputNeed("CpuTemperature", "float", "degC"),
+            "temperature",
+            "temperature",
+        ),  # of the motor
+        (InputNeed("DistanceToRearGoal", "float", "m"), "scan_rear", "MIN(scan_rear.ranges[*], "),
+        (InputNeed("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
     ],
 )
-def test_what_is_not_clear_is_left_to_a_person(need: Need, listed: str, text: str) -> None:
+def test_what_is_not_clear_is_left_to_a_person(need: InputNeed, listed: str, text: str) -> None:
     decision = decided(need)
     assert decision.state == "listed"
     found = {one.topic.id: one.access.text for one in decision.candidates}
@@ -86,11 +94,11 @@ def test_what_is_not_clear_is_left_to_a_person(need: Need, listed: str, text: st
 @pytest.mark.parametrize(
     ("need", "topic", "why"),
     [
-        (Need("GripperClosed", "float"), "gripper_closed", "it is a bool"),
-        (Need("MotorTemperature", "float", "Pa"), "temperature", "it is in degC"),
+        (InputNeed("GripperClosed", "float"), "gripper_closed", "it is a bool"),
+        (InputNeed("MotorTemperature", "float", "Pa"), "temperature", "it is in degC"),
     ],
 )
-def test_the_nearest_miss_is_named(need: Need, topic: str, why: str) -> None:
+def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> None:
     (decision,) = decide([need], [one for one in TOPICS if one.id == topic], known_messages().get)
     missed = decision.missed
     assert missed is not None
@@ -99,19 +107,19 @@ def test_the_nearest_miss_is_named(need: Need, topic: str, why: str) -> None:
 
 def test_the_size_of_the_cells_of_a_map_is_no_distance() -> None:
     grid = RobotTopic("map", "nav_msgs/OccupancyGrid", "/map")
-    (decision,) = decide([Need("MapDistance", "float", "m")], [grid], known_messages().get)
+    (decision,) = decide([InputNeed("MapDistance", "float", "m")], [grid], known_messages().get)
     assert "info.resolution" not in [one.leaf.text for one in decision.candidates]
 
 
 def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
     topics = [one for one in TOPICS if one.id != "scan_rear"]
-    (decision,) = decide([Need("nearest", "float", "m")], topics, known_messages().get)
+    (decision,) = decide([InputNeed("nearest", "float", "m")], topics, known_messages().get)
     assert decision.state == "taken"
     assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
 
 
 def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:
-    demand = Need("Demand", "bool", is_demand=True)
+    demand = InputNeed("Demand", "bool", is_demand=True)
     offer = Offer(TOPICS[-2], "guarantees[G].active", "G fulfils it")
     assert decided(demand, [offer]).state == "taken"
     assert decided(demand, [offer, Offer(TOPICS[-2], "guarantees[H].active", "")]).state == "listed"
@@ -123,7 +131,7 @@ def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() ->
         for key in ("PoseIsGood", "LastsTheShift")
     ]
     for name, keys in {"PoseKnown": ["PoseIsGood"], "Zzz": ["PoseIsGood", "LastsTheShift"]}.items():
-        found = decided(Need(name, "bool"), offers)
+        found = decided(InputNeed(name, "bool"), offers)
         assert [one.access.text for one in found.candidates] == [
             f"evidence[{k}].active" for k in keys
         ]

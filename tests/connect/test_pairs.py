@@ -10,7 +10,7 @@ import yaml
 
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.matching import Decision, Offer, decide
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
 from tests.data_files import data_file
 
@@ -33,7 +33,7 @@ def decided(pair: Mapping[str, Any]) -> Decision:
     robot, given = _DATA["robots"][pair["robot"]], dict(pair["input"])
     provided = given.pop("provided_by", {})
     types = {**known_messages(), **robot.get("types", {})}
-    need = Need(is_demand=given.pop("demand", False), **given)
+    need = InputNeed(is_demand=given.pop("demand", False), **given)
     topics = (
         robot.get("topics")
         or yaml.safe_load(data_file(robot["outputs"]).read_text("utf-8"))["SimulatorOutputs"]

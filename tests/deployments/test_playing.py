@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.recordings.csv_recording import Sample, Tape
 from eddi_scaffold.recordings.parts import of_messages
-from eddi_scaffold.recordings.playing import Rhythm, play
+from eddi_scaffold.recordings.playing import StepRule, play
 from tests.data_files import data_file
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.test_oracle import NAMES
@@ -36,7 +36,7 @@ def test_the_same_is_claimed(name: str, tmp_path: Path) -> None:
     if not is_played(case):
         return
     deployment = deployment_of(case)
-    rhythms = [Rhythm(one.every * MS, on_change=False) for one in deployment.members]
+    rhythms = [StepRule(one.every * MS, on_change=False) for one in deployment.members]
     parts = of_messages([one.monitor for one in deployment.members], rhythms)
     members = {one.monitor.config.config.Model.id: one for one in deployment.members}
     ordered = [members[part.name or next(iter(members))] for part in parts]

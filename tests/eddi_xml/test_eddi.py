@@ -9,7 +9,7 @@ from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.eddi_xml.parsing import Limits
-from eddi_scaffold.eddi_xml.reading import EddiDocument, read_document, read_stream, sniff
+from eddi_scaffold.eddi_xml.reading import EddiDocument, read_document, read_stream, recognises
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.data_files import ORACLES, data_file
@@ -163,6 +163,6 @@ def test_too_many_references() -> None:
 
 
 def test_sniffing_looks_at_the_content() -> None:
-    assert sniff(Source("a.model", b"\xef\xbb\xbf \n<r/>"))
-    assert sniff(Source("a.model", "<r/>".encode("utf-16")))
-    assert not sniff(Source("a.xml", b"guarantees: []"))
+    assert recognises(Source("a.model", b"\xef\xbb\xbf \n<r/>"))
+    assert recognises(Source("a.model", "<r/>".encode("utf-16")))
+    assert not recognises(Source("a.xml", b"guarantees: []"))

@@ -24,13 +24,13 @@ from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
 from eddi_scaffold.connect.keeping import Draft, content, topics_of, with_draft
 from eddi_scaffold.connect.matching import decide
-from eddi_scaffold.connect.needs import Need
+from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.deployments.drawing import picture_of_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams import drawn
-from eddi_scaffold.eddi_xml.reading import sniff as is_xml
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import TODO, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.exports import written_into
@@ -326,7 +326,7 @@ def _config(folder: Path) -> Made:
 
 def _drafted(topics: Sequence[RobotTopic], name: str) -> Draft:
     """Return what `connect` would write for two inputs, one of which may be there."""
-    needs = [Need("RtE_A_E0", "bool"), Need(name, "float")]
+    needs = [InputNeed("RtE_A_E0", "bool"), InputNeed(name, "float")]
     entries = [entry(one, {}) for one in decide(needs, topics, known_messages().get)]
     options = {"discretisation": {"A": {"bins": TODO}}}
     return Draft({}, options, {}, entries, [{"id": "a", "topic": "a/b"}])

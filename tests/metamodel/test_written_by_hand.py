@@ -12,7 +12,7 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import Reading, kinds
+from eddi_scaffold.kinds import ReadResult, kinds
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.kinds.reliability.trial import at_start
@@ -21,7 +21,7 @@ from eddi_scaffold.monitors.loading import read_models
 MODELS = Path(__file__).parent / "models"
 
 
-def reading(file: str, *pairs: tuple[str, str]) -> Reading:
+def reading(file: str, *pairs: tuple[str, str]) -> ReadResult:
     """Return what is read of a file in which texts, each of them once there, are replaced."""
     text = (MODELS / file).read_text("utf-8")
     for old, new in pairs:

@@ -9,7 +9,7 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
 from tests.checkouts import checkout, tree
@@ -23,11 +23,11 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Template:
 
 
 @pytest.fixture
-def write(template: Template, tmp_path: Path) -> Callable[[], Outcome]:
+def write(template: Template, tmp_path: Path) -> Callable[[], WriteResult]:
     """Return what generates a workspace in ``tmp_path / "ws"``."""
     example = Path(template.location) / "examples" / "two-conserts"
 
-    def again() -> Outcome:
+    def again() -> WriteResult:
         ros1, root = platforms()["ros1"], tmp_path / "ws"
         model, config = example / "two_conserts.xml", example / "consert_a_config.yml"
         monitors, problems = monitors_of(model, [config])
@@ -38,7 +38,7 @@ def write(template: Template, tmp_path: Path) -> Callable[[], Outcome]:
 
 @pytest.fixture
 def generate(
-    write: Callable[[], Outcome], monkeypatch: pytest.MonkeyPatch
+    write: Callable[[], WriteResult], monkeypatch: pytest.MonkeyPatch
 ) -> Callable[[], list[str]]:
     """Return what generates the workspace and tells what was rendered."""
     rendered: list[str] = []
@@ -104,7 +104,7 @@ def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) ->
 
 
 def test_a_package_without_its_answers_is_not_taken_for_a_strangers(
-    write: Callable[[], Outcome], tmp_path: Path
+    write: Callable[[], WriteResult], tmp_path: Path
 ) -> None:
     write()
     (tmp_path / "ws" / "conserta" / ".copier-answers.yml").unlink()

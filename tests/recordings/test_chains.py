@@ -20,7 +20,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Sample, Tape
 from eddi_scaffold.recordings.messages import Publications, blank
 from eddi_scaffold.recordings.parts import of_messages, rhythm
-from eddi_scaffold.recordings.playing import Part, play
+from eddi_scaffold.recordings.playing import PlayedMonitor, play
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {case["id"]: case for case in yaml.safe_load(ORACLE.read_text("utf-8"))["cases"]}
@@ -73,7 +73,7 @@ def _value(message_type: str, cell: str) -> Any:
     return int(cell) if "Int" in message_type else float(cell)
 
 
-def _values(monitor: BoundMonitor, part: Part, output: Any) -> Iterator[tuple[str, str]]:
+def _values(monitor: BoundMonitor, part: PlayedMonitor, output: Any) -> Iterator[tuple[str, str]]:
     """Yield each claim and its value, as the messages of a step tell them."""
     if monitor.kind.name == "event":  # of a HAZARD its absence
         hazards = {one.id for one in part.running.events if one.hazard}

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from eddi_scaffold.recordings import results
-from eddi_scaffold.recordings.node import Frame
+from eddi_scaffold.recordings.node import Step
 from tests.cli.command import ROOT, run
 
 RECORDED = {
@@ -81,7 +81,7 @@ def test_a_cell_is_as_a_recording_has_it() -> None:
 def test_a_long_recording_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(100))  # a second goes by whenever somebody looks
     monkeypatch.setattr(results.time, "monotonic", lambda: next(clock))
-    frames = [(None, Frame(float(t), {}, [])) for t in range(5)]
+    frames = [(None, Step(float(t), {}, [])) for t in range(5)]
     said: list[str] = []
     assert list(results.watched(iter(frames), said.append)) == frames  # type: ignore[arg-type]
     assert said == [f"{t} s of the recording are played" for t in (1, 3)]

@@ -11,7 +11,7 @@ from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.binding import InputBinding, by_value
 from eddi_scaffold.recordings.csv_recording import MAX_PROBLEMS, read_recording, tape_of
 from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
-from eddi_scaffold.recordings.playing import ROWS, Part
+from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor
 from eddi_scaffold.recordings.playing import play as played
 from runtime_lib.tests.documents import active, categorical, monitor, numeric
 
@@ -157,7 +157,7 @@ def frames(made, text, types):
         for spec in made.inputs
     ]
     topics = {spec.id: [spec.id] for spec in made.inputs}
-    part = Part("", made, ReplayedNode(GivenInput(bindings), made), ROWS, topics, {})
+    part = PlayedMonitor("", made, ReplayedNode(GivenInput(bindings), made), ROWS, topics, {})
     return (frame for _, frame in played([part], tape_of(recording)))
 
 

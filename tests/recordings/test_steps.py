@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.recordings.playing import ROWS, Rhythm, Steps, rhythm_of
+from eddi_scaffold.recordings.playing import ROWS, StepRule, Steps, rhythm_of
 
 SECOND = 1_000_000_000
 
@@ -35,22 +35,22 @@ def test_a_rate_is_a_grid_from_the_start_that_does_not_drift() -> None:
 
 
 def test_what_came_between_two_steps_at_the_end_is_still_seen() -> None:
-    rate = Rhythm(100, on_change=False)
+    rate = StepRule(100, on_change=False)
     assert times(rate, [(0, "a"), (150, "a")]) == [0, 100, 200]
     assert times(rate, [(0, "a"), (200, "a")]) == [0, 100, 200]
     assert times(rate, [(5, "a")], start=5) == [5]
 
 
 def test_on_change_steps_at_rows_by_period_and_when_an_age_ends() -> None:
-    rhythm = Rhythm(100, on_change=True)
+    rhythm = StepRule(100, on_change=True)
     assert times(rhythm, [(0, "a"), (30, "a"), (250, "a")]) == [0, 30, 130, 230, 250]
-    slow = Rhythm(1000, on_change=True)
+    slow = StepRule(1000, on_change=True)
     rows = [(0, "a"), (10, "b"), (30, "a"), (250, "b")]
     assert times(slow, rows, {"a": [40], "b": [200, 500]}) == [0, 10, 30, 71, 211, 250]
 
 
 def test_an_age_that_ends_after_the_recording_is_not_seen() -> None:
-    slow = Rhythm(1000, on_change=True)
+    slow = StepRule(1000, on_change=True)
     assert times(slow, [(0, "a"), (10, "a")], {"a": [50]}) == [0, 10]
 
 

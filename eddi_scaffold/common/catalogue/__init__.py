@@ -89,7 +89,7 @@ def parse_area(text: str) -> Area:
     if match is None:
         raise ValueError(f"no head of an area: {head!r}")
     letter, title, about = match.groups()
-    return Area(letter, title, _joined(about), tuple(_diagnostic(one) for one in sections))
+    return Area(letter, title, _joined(about), tuple(_diagnostic(section) for section in sections))
 
 
 def _diagnostic(section: str) -> Diagnostic:
@@ -124,4 +124,4 @@ def near(code: str) -> list[str]:
 
 
 def _all() -> list[Diagnostic]:
-    return [one for area in areas() for one in area.diagnostics]
+    return [diagnostic for area in areas() for diagnostic in area.diagnostics]

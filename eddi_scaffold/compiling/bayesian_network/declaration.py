@@ -132,9 +132,9 @@ class _Reader:
 
     def _numbers(self, key: str) -> list[float]:
         values = self._given[key]
-        if not isinstance(values, list) or any(type(one) not in (int, float) for one in values):
+        if not isinstance(values, list) or any(type(value) not in (int, float) for value in values):
             raise ModelError("", f"{key!r} is no list of numbers")
-        return [float(one) for one in values]
+        return [float(value) for value in values]
 
     def _choice(self, key: str, known: tuple[str, ...]) -> str:
         value = self._given.get(key, known[0])

@@ -26,7 +26,7 @@ def fewest_edges(node: int, around: dict[int, int], cards: Sequence[int]) -> int
     added = 0
     for other in bits(mask):
         missing = mask & ~around[other] & ~(1 << other)
-        added += cards[other] * sum(cards[one] for one in bits(missing))
+        added += cards[other] * sum(cards[bit] for bit in bits(missing))
     return added
 
 

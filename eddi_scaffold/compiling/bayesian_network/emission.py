@@ -82,7 +82,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
     model = read_model_part(model_file)
     sources = sources_of(model, model_file.inputs)
     observed = {source.node for source in sources} | {*(model.observed or ())}
-    judged = {one.node for one in model.thresholds}
+    judged = {threshold.node for threshold in model.thresholds}
     try:
         program = foreseen(model.network, {*model.outputs, *judged}, observed)
     except TooWideError as problem:
@@ -149,21 +149,21 @@ def _settings(model: BayesianNetworkModel) -> list[str]:
             call(
                 "claims.StateThreshold",
                 [
-                    str(one.node),
-                    literal(one.states),
-                    str(one.at_least),
+                    str(threshold.node),
+                    literal(threshold.states),
+                    str(threshold.at_least),
                     call(
                         "claims.Threshold",
                         [
-                            text_literal(one.id),
-                            number(one.activate),
-                            number(one.release),
-                            str(one.hold_ns),
+                            text_literal(threshold.id),
+                            number(threshold.activate),
+                            number(threshold.release),
+                            str(threshold.hold_ns),
                         ],
                     ),
                 ],
             )
-            for one in model.thresholds
+            for threshold in model.thresholds
         )
         lines += assignment("thresholds", tuple_of(rows), 4)
     if not model.virtual:
@@ -261,7 +261,7 @@ class _Module:
         network = self._network
         names, parents = network.shape.names, network.shape.parents[node]
         card, table = network.shape.cards[node], network.tables[node]
-        cases = itertools.product(*(network.states[one] for one in parents))
+        cases = itertools.product(*(network.states[parent] for parent in parents))
         rows: Text
         if len(table) > _MANY:
             texts = [*map(number, table)]
@@ -272,7 +272,7 @@ class _Module:
                 Item(numbers(table[k * card : (k + 1) * card]), behind=comment(", ".join(case)))
                 for k, case in enumerate(cases)
             )
-        given = f" given {', '.join(names[one] for one in parents)}" if parents else ""
+        given = f" given {', '.join(names[parent] for parent in parents)}" if parents else ""
         about = comment(f"{names[node]}{given}")
         return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=about)
 
@@ -423,7 +423,7 @@ class _Module:
     def _steps(self, steps: Steps, name: str) -> Text:
         self._slots(steps, name)
         lines = [f"def {name}(numpy, slots):"]
-        used = dict.fromkeys(one.function for one in steps.operations)
+        used = dict.fromkeys(operation.function for operation in steps.operations)
         if any("dot(" in row for row in steps.rows):
             used["dot"] = None
         lines += [f"    {function} = numpy.{function}" for function in used]
@@ -433,9 +433,11 @@ class _Module:
         lines.append("    def step(s):")
         for case, terms in steps.cases.items():
             lines += sum_lines(case, [f"s[{position}] * {by}" for position, by in terms], 8)
-        for one in steps.operations:
-            line = f"        {one.function}({', '.join(one.operands)})"
-            lines.append(f"{line}  # {comment(', '.join(self._names(one.nodes)))}".rstrip(" #"))
+        for operation in steps.operations:
+            line = f"        {operation.function}({', '.join(operation.operands)})"
+            lines.append(
+                f"{line}  # {comment(', '.join(self._names(operation.nodes)))}".rstrip(" #")
+            )
         lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
         self._blocks.append([*lines, "", "    return step"])
         return call("schedule.Steps", [f"{name}_slots", name])
@@ -444,10 +446,16 @@ class _Module:
         self._slots(steps, name)
         rows = (
             Item(
-                literal((one.message, one.function, *(int(text[1:]) for text in one.operands))),
-                behind=comment(", ".join(self._names(one.nodes))),
+                literal(
+                    (
+                        operation.message,
+                        operation.function,
+                        *(int(text[1:]) for text in operation.operands),
+                    )
+                ),
+                behind=comment(", ".join(self._names(operation.nodes))),
             )
-            for one in steps.operations
+            for operation in steps.operations
         )
         self._blocks.append(assignment(f"{name}_operations", tuple_of(rows), 0))
         answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)

@@ -156,7 +156,7 @@ class _Making:
         offsets = [0]
         for axis in axes:
             steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
-            offsets = [one + step for one in offsets for step in steps]
+            offsets = [offset + step for offset in offsets for step in steps]
         return offsets
 
     def _size(self, axis: int) -> int:
@@ -175,6 +175,6 @@ class _Making:
 def added(values: Sequence[float]) -> float:
     """Return the sum from left to right: `sum` of Python 3.12 gives other digits than before."""
     total = 0.0
-    for one in values:
-        total += one
+    for value in values:
+        total += value
     return total

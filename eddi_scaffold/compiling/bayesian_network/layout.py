@@ -38,7 +38,7 @@ def layouts(
         messages: all messages.
         resolve: part -> the message that it is equal to.
     """
-    computed = {one.edge for one in operations}
+    computed = {operation.edge for operation in operations}
     order: dict[Edge, Axes] = {}
     for message in reversed(operations):
         wish = order.get(message.edge, tuple(bits(message.mask)))

@@ -100,13 +100,13 @@ def costs(program: Program, cards: Sequence[int]) -> tuple[int, int, int]:
         operations += 1
         if edge not in program.tabulated:
             hard += price
-            looked_up.update(one for one in message.parts if one in program.tabulated)
+            looked_up.update(part for part in message.parts if part in program.tabulated)
     return hard + _LOOKUP_NS * len(looked_up), full, operations
 
 
 def joint_mask(messages: dict[Edge, Message], message: Message) -> int:
     """Return the nodes over which a product runs: its clique."""
-    return mask_of(node for one in message.parts for node in bits(messages[one].mask))
+    return mask_of(node for part in message.parts for node in bits(messages[part].mask))
 
 
 def work(messages: dict[Edge, Message], message: Message, cards: Sequence[int]) -> int:

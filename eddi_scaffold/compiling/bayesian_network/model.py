@@ -121,7 +121,7 @@ def read_network(items: Any) -> Network:
         parents.append(tuple(_node(one, number) for one in known))
         if not states[-1]:
             raise ModelError("", f"{where} has no states")
-    shape = Shape(tuple(names), tuple(len(one) for one in states), tuple(parents))
+    shape = Shape(tuple(names), tuple(len(state) for state in states), tuple(parents))
     _acyclic(shape)
     tables = [_table(item, shape, k) for k, (_, item) in enumerate(nodes)]
     attributes = [take(item, "attribute", _TEXT, f"node {name!r}") for name, item in nodes]
@@ -135,7 +135,7 @@ def _named(item: Any, where: str) -> tuple[str, Any]:
 
 
 def _texts(items: Any, where: str) -> tuple[str, ...]:
-    if not all(isinstance(one, str) for one in items):
+    if not all(isinstance(item, str) for item in items):
         raise ModelError("", f"{where} are not texts")
     if len(set(items)) < len(items):
         raise ModelError("", f"{where} name one twice")
@@ -191,9 +191,9 @@ def _table(item: Any, shape: Shape, node: int) -> tuple[float, ...]:
     if len(values) != size:
         raise ModelError("", f"{where} has {len(values)} numbers, not {size}")
     # `type`, not `isinstance`: True is no probability. The comparison is False for NaN.
-    if not all(type(one) in (int, float) and 0.0 <= one <= 1.0 for one in values):
+    if not all(type(value) in (int, float) and 0.0 <= value <= 1.0 for value in values):
         raise ModelError("", f"{where} has something else than numbers from 0 to 1")
     for start in range(0, size, card):
         if abs(math.fsum(values[start : start + card]) - 1.0) > _TOLERANCE:
             raise ModelError("", f"a row of {where} does not sum to 1")
-    return tuple(float(one) for one in values)
+    return tuple(float(value) for value in values)

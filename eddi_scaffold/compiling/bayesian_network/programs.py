@@ -115,7 +115,8 @@ def everything(network: Network, instead_of: Program) -> Program | None:
 def few(cards: Sequence[int], program: Program) -> bool:
     """Return whether the cases are few, and likelihoods short sums: all is written out."""
     short = all(
-        part.tables is not None and all(one.few() for one in part.tables) for part in program.parts
+        part.tables is not None and all(table.few() for table in part.tables)
+        for part in program.parts
     )
     return short and math.prod(cards[node] + 1 for node in program.observable) <= MAX_CASES
 

@@ -168,7 +168,9 @@ class _Making:
                 continue
             wanted.add(edge)
             todo += self._messages[edge].parts
-        return [one for edge, one in self._messages.items() if edge in wanted and one.parts]
+        return [
+            message for edge, message in self._messages.items() if edge in wanted and message.parts
+        ]
 
     def _operation(self, message: Message) -> None:
         edge, axes = message.edge, self._order[message.edge]

@@ -212,7 +212,7 @@ def _by_elimination(search: _Search, order: Sequence[int]) -> Tree:
     for node in order:
         while len(search.holders[node]) > 1 and len(search.active) > 2:
             holders = search.holders[node][: search.most]  # ascending: a new number is the largest
-            pairs = ((one, other) for one in holders for other in holders if one < other)
+            pairs = ((holder, other) for holder in holders for other in holders if holder < other)
             search.join(*min(pairs, key=lambda pair: (search.joint(*pair), pair)))
     return search.tree()
 

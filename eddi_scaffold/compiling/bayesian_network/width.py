@@ -118,7 +118,7 @@ def adapted_plan(shape: Shape, plan: Plan, trials: int = 8) -> Plan | None:
 
     def price(tree: Tree) -> int:
         program = untabulated(make_program(tree, part, cards))
-        return sum(min(costs(program, one)[1], WIDE) for one in patterns)
+        return sum(min(costs(program, pattern)[1], WIDE) for pattern in patterns)
 
     tree = find_tree(shape, part, price, trials, inputs)
     return Plan(part, tree, untabulated(make_program(tree, part, cards)))
@@ -141,7 +141,7 @@ def width(shape: Shape, plans: Sequence[Plan]) -> Width:
     culprit, largest, operations, nanoseconds = 0, 0, 0, 0
     for plan in plans:
         messages = plan.program.messages
-        masks: list[int] = [joint_mask(messages, one) for one in messages.values()]
+        masks: list[int] = [joint_mask(messages, message) for message in messages.values()]
         masks += [mask_of((*shape.parents[node], node)) for node in plan.part.nodes]
         for mask in masks:
             size = size_of(mask, shape.cards)
@@ -150,7 +150,7 @@ def width(shape: Shape, plans: Sequence[Plan]) -> Width:
         _, full, count = costs(plan.program, shape.cards)
         operations += count
         nanoseconds += full
-    return Width(largest, tuple(shape.names[one] for one in bits(culprit)), operations, nanoseconds)
+    return Width(largest, tuple(shape.names[bit] for bit in bits(culprit)), operations, nanoseconds)
 
 
 def _plan(shape: Shape, part: Component, trials: int) -> Plan:

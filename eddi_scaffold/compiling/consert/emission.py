@@ -101,19 +101,19 @@ def _tables(
     else:
         if data.guarantees:
             lines += ["    # Paths: the smallest sets of inputs of which each gives the guarantee."]
-        sets = [{"paths": literal(one)} for one in paths]
+        sets = [{"paths": literal(path)} for path in paths]
     guarantees = (
         call(
             "consert.Guarantee",
-            [text_literal(one.id)],
+            [text_literal(guarantee.id)],
             **found,
             **_given(
-                published=None if one.published == one.id else one.published,
-                default=one.default or None,
-                ranking=one.ranking,
+                published=None if guarantee.published == guarantee.id else guarantee.published,
+                default=guarantee.default or None,
+                ranking=guarantee.ranking,
             ),
         )
-        for one, found in zip(data.guarantees, sets, strict=True)
+        for guarantee, found in zip(data.guarantees, sets, strict=True)
     )
     lines += assignment("guarantees", tuple_of(guarantees), 4)
     if data.services:
@@ -128,13 +128,13 @@ def _graph(graph: Graph) -> list[str]:
             tuple_of(
                 [
                     text_literal(graph.names[k]),
-                    text_literal("And" if one.is_and else "Or"),
-                    literal(one.inputs),
+                    text_literal("And" if node.is_and else "Or"),
+                    literal(node.inputs),
                 ]
             ),
             behind=str(k),
         )
-        for k, one in enumerate(graph.nodes, graph.leaves)
+        for k, node in enumerate(graph.nodes, graph.leaves)
     )
     lines = ["    # Name, gate, numbers of what it reads: the inputs first, then these nodes."]
     return lines + assignment("graph", call("search.Graph", ["inputs", tuple_of(nodes)]), 4)
@@ -154,7 +154,8 @@ def _leaf(leaf: Leaf) -> Part:
     if isinstance(leaf, CategoricalLeaf):
         return call("consert.Categorical", map(text_literal, leaf.covered))
     ranges = tuple_of(
-        tuple_of([number(one.start), number(one.end), str(one.closed)]) for one in leaf.ranges
+        tuple_of([number(range_.start), number(range_.end), str(range_.closed)])
+        for range_ in leaf.ranges
     )
     return call("consert.Numeric", [ranges, text_literal(leaf.text)])
 
@@ -168,7 +169,7 @@ def _step(consert: Compiled, model_file: ModelFile) -> list[str]:
     lines = ["    def step(self, source):"]
     if leaves:
         lines += ["        try:"]
-        reads = tuple_of(attribute_of("source", one.attribute) for one in model_file.inputs)
+        reads = tuple_of(attribute_of("source", input_.attribute) for input_ in model_file.inputs)
         lines += assignment("raw", reads, 12)
         lines += ["        except Exception:", "            raw = self.read(source)"]
         lines += ["        self.raw, self.source = raw, source"]
@@ -183,9 +184,13 @@ def _rows(data: ConSertData, graph: Graph, names: Sequence[str]) -> list[str]:
     flags = [names[k] for k in graph.guarantees]
     rows = (
         Item(
-            Group("{", (Item(text_literal(one.published), '"id": '), Item(flag, '"active": ')), "}")
+            Group(
+                "{",
+                (Item(text_literal(guarantee.published), '"id": '), Item(flag, '"active": ')),
+                "}",
+            )
         )
-        for one, flag in zip(data.guarantees, flags, strict=True)
+        for guarantee, flag in zip(data.guarantees, flags, strict=True)
     )
     lines = ["", "    def execute_step(self, source, t_ns=None):"]
     lines += ["        eddi_runtime.look_again(source, t_ns)"]

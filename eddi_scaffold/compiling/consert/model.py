@@ -281,16 +281,16 @@ def _service(item: Any) -> Service:
 
 def _check_unique(ids: list[str], what: str) -> None:
     known: set[str] = set()
-    for one in ids:
-        if one in known:
-            raise ModelError("", f"two {what} have the id {one!r}")
-        known.add(one)
+    for id_ in ids:
+        if id_ in known:
+            raise ModelError("", f"two {what} have the id {id_!r}")
+        known.add(id_)
 
 
 def _check_known(ids: Iterable[str], known: set[str], where: str) -> None:
-    for one in ids:
-        if one not in known:
-            raise ModelError("", f"{where} names {one!r}, which does not exist")
+    for id_ in ids:
+        if id_ not in known:
+            raise ModelError("", f"{where} names {id_!r}, which does not exist")
 
 
 def _nearest_double(exact: Fraction | None, text: str) -> float:

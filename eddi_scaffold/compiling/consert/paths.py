@@ -74,9 +74,9 @@ def written_paths(graph: Graph) -> list[tuple[tuple[str, ...], ...]] | None:
     """
     work = Work()
     found: list[Sets | None] = [frozenset({1 << k}) for k in range(graph.leaves)]
-    for one in graph.nodes:
-        given = [found[source] for source in one.inputs]
-        found.append(combined(given, is_or=not one.is_and, work=work))
+    for node in graph.nodes:
+        given = [found[source] for source in node.inputs]
+        found.append(combined(given, is_or=not node.is_and, work=work))
     wanted = [found[k] for k in graph.guarantees]
     written = [_named(sets, graph) for sets in wanted if sets is not None and len(sets) <= _MOST]
     ids = sum(len(path) for paths in written for path in paths)

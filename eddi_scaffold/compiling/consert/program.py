@@ -100,7 +100,7 @@ def _program(
             held[k] = add(Operation(what, (judged,), BOOL, steps, f"{what} {about(k)}"))
             elements[held[k]] = k
     for k, (is_and, sources) in enumerate(graph.nodes, graph.leaves):
-        args = tuple(held[one] for one in sources)
+        args = tuple(held[source] for source in sources)
         if k not in graph.needed:
             held.append(-1)
         elif not sources:
@@ -112,8 +112,8 @@ def _program(
             held.append(add(Operation("and" if is_and else "or", args, BOOL, None, words)))
             elements[held[k]] = k
     results = (
-        Result(one.published, held[k], about=about(k))
-        for one, k in zip(data.guarantees, graph.guarantees, strict=True)
+        Result(guarantee.published, held[k], about=about(k))
+        for guarantee, k in zip(data.guarantees, graph.guarantees, strict=True)
     )
     reads = map(_read, data.leaves, inputs)
     return Program(0, tuple(reads), tuple(operations), tuple(results)), elements

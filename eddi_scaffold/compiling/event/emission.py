@@ -40,13 +40,13 @@ def lines_of(model_file: ModelFile) -> list[str]:
     program = _program(model_file)
     sampling = Sampling(program)
     numbers = {spec.id: k for k, spec in enumerate(model_file.inputs)}
-    missing = [one.name for one in sampling.inputs if one.name not in numbers]
+    missing = [input_.name for input_ in sampling.inputs if input_.name not in numbers]
     if missing:
         raise ModelError("", f"there is no input for the variable {missing[0]!r}")
-    places = [numbers[one.name] for one in sampling.inputs]
-    given = {one.name: one for one in sampling.inputs}
+    places = [numbers[input_.name] for input_ in sampling.inputs]
+    given = {input_.name: input_ for input_ in sampling.inputs}
     types = (_type(given.get(spec.id)) for spec in model_file.inputs)
-    numbers_read = {one.name: one for one in program.reads if _is_number(one)}
+    numbers_read = {read.name: read for read in program.reads if _is_number(read)}
     limits = (_limits(numbers_read.get(spec.id)) for spec in model_file.inputs)
     events = _events(program, sampling, places, model_file.model)
     lines = [
@@ -67,7 +67,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
 
 def _program(model_file: ModelFile) -> Program:
     program = read_form(take(model_file.model, "form", dict, "the model"))
-    if any(program.operations[one.operation].type != BOOL for one in program.results):
+    if any(program.operations[result.operation].type != BOOL for result in program.results):
         raise ModelError("", "an event is no truth value")
     return program
 
@@ -79,11 +79,11 @@ def _events(
     if not isinstance(accepts, dict):
         raise ModelError("", "'accepts' of the model is no object")
     words = {name: texts(found, f"'accepts' of {name!r}") for name, found in accepts.items()}
-    for one, used in zip(program.results, reads_of_results(program), strict=True):
+    for result, used in zip(program.results, reads_of_results(program), strict=True):
         needs = sorted({k for read in used for k in sampling.uses[read]})
-        more = {"accepts": literal(words[one.id])} if words.get(one.id) else {}
+        more = {"accepts": literal(words[result.id])} if words.get(result.id) else {}
         numbers = literal(tuple(places[k] for k in needs))
-        yield call("event.Event", [text_literal(one.id), str(one.hazard), numbers], **more)
+        yield call("event.Event", [text_literal(result.id), str(result.hazard), numbers], **more)
 
 
 def _type(one: HostInput | None) -> Part:
@@ -108,7 +108,7 @@ def _limits(one: Read | None) -> Part:
 def _methods(program: Program, sampling: Sampling, inputs: Sequence[InputData]) -> list[str]:
     names, variables = names_of(program, sampling)
     printer = Printer(program, variables)
-    named = dict(zip((one.name for one in sampling.inputs), names, strict=True))
+    named = dict(zip((input_.name for input_ in sampling.inputs), names, strict=True))
     lines = [*printer.members(), "", "    def step(self, source, t):"]
     lines += _read(inputs, [named.get(spec.id, "_") for spec in inputs])
     reductions = 0

@@ -28,7 +28,7 @@ TYPES = ("bool", "float", "int", "state")
 
 def expression_classes(inputs: Sequence[InputData]) -> dict[str, str]:
     """Return input id -> name of the class that computes it, for inputs with an expression."""
-    found = [one for one in inputs if one.expression is not None]
+    found = [input_ for input_ in inputs if input_.expression is not None]
     names = variables([f"Expression_{one.attribute}" for one in found], ())
     return {one.id: name for one, name in zip(found, names, strict=True)}
 
@@ -41,9 +41,9 @@ def expression_lines(inputs: Sequence[InputData]) -> list[str]:
     """
     classes = expression_classes(inputs)
     lines: list[str] = []
-    for one in inputs:
-        if one.expression is not None:
-            lines += [*class_of(classes[one.id], one.expression), "", ""]
+    for input_ in inputs:
+        if input_.expression is not None:
+            lines += [*class_of(classes[input_.id], input_.expression), "", ""]
     return lines
 
 
@@ -65,13 +65,13 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
     if not parts or (kind != "state" and len(parts) != 1):
         raise ModelError("", f"{where} has {len(parts)} parts")
     program = joined([read_form(take(part, "form", dict, where)) for part in parts])
-    for one in program.results:
-        found = program.operations[one.operation].type
+    for result in program.results:
+        found = program.operations[result.operation].type
         if (found == BOOL) != (kind in ("bool", "state")):
             raise ModelError("", f"{where} of type {kind} gives a {found}")
     sampling = Sampling(program)
     sources = Names(document)
-    words = dict.fromkeys(sources.split(one.name)[0] for one in sampling.inputs)
+    words = dict.fromkeys(sources.split(input_.name)[0] for input_ in sampling.inputs)
     names = document.get("names") or {word: ["message", word] for word in words}
     lines = [f"class {name}(expression.Expression):", f'    type = "{kind}"']
     lines += ["    hazard = True"] if document.get("polarity") == "HAZARD" else []
@@ -111,7 +111,7 @@ class Names:
 def split_name(name: str) -> tuple[str, tuple[str | int, ...]]:
     """Split the name of a variable: ``temps.data[1]`` -> ``temps``, and the path ``data``, 1."""
     pieces = name.replace("[", ".[").split(".")
-    parts = [int(one[1:-1]) if one.startswith("[") else one for one in pieces]
+    parts = [int(piece[1:-1]) if piece.startswith("[") else piece for piece in pieces]
     return str(parts[0]), tuple(parts[1:])
 
 

@@ -108,12 +108,12 @@ def read_form(document: Mapping[str, Any]) -> Program:
         _result(item, f"output {k}", len(operations))
         for k, item in enumerate(take(document, "outputs", list, where))
     )
-    if not results or len({one.id for one in results}) != len(results):
+    if not results or len({result.id for result in results}) != len(results):
         raise ModelError("", "the outputs are none, or two have one id")
     words = words_of(reads, operations)
     told = (
-        one._replace(about=f"{one.about} {text}")
-        for one, text in zip(operations, words, strict=True)
+        operation._replace(about=f"{operation.about} {text}")
+        for operation, text in zip(operations, words, strict=True)
     )
     return Program(period, reads, tuple(told), results)
 
@@ -160,7 +160,7 @@ def _read(item: Any, where: str, *, aged: bool) -> Read:
     if timeout is not None:
         _check_bounds(take(item, "timeout", int, where), "timeout", 1)
     literals = item.get("literals", [])
-    if not isinstance(literals, list) or not all(isinstance(one, str) for one in literals):
+    if not isinstance(literals, list) or not all(isinstance(literal, str) for literal in literals):
         raise ModelError("", f"'literals' of {where} is not a list of texts")
     reduction = item.get("reduction")
     return Read(

@@ -59,7 +59,7 @@ def _reduction(row: Mapping[str, Any]) -> Reduction:
 def _check(found: Reduction) -> None:
     ends = [node for limit in found.limits for node in limit[1:]]
     lists = [one for one, _, _ in found.limits]
-    if not any(one.is_list for one in found.inputs):
+    if not any(input_.is_list for input_ in found.inputs):
         raise IndexError("a reduction without a list")
     _among([found.value, *ends], len(found.nodes))
     _among([*lists, *found.angles], len(found.inputs))

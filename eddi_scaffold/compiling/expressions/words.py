@@ -33,12 +33,12 @@ _TRUTHS = ("FALSE", "UNKNOWN", "TRUE")
 def words_of(reads: Sequence[Read], operations: Sequence[Operation]) -> list[str]:
     """Return the words of each operation, cut to what fits a comment."""
     found: list[str] = []
-    for one in operations:
-        whole = one.op not in _BETWEEN and one.op not in ("neg", "not")
-        inner = [found[k] if whole else _inside(operations[k], found[k]) for k in one.args]
-        if one.op in ("eq_enum", "ne_enum"):
-            inner = _named(reads, [operations[k] for k in one.args], inner)
-        found.append(comment(_words(reads, one, inner)))
+    for operation in operations:
+        whole = operation.op not in _BETWEEN and operation.op not in ("neg", "not")
+        inner = [found[k] if whole else _inside(operations[k], found[k]) for k in operation.args]
+        if operation.op in ("eq_enum", "ne_enum"):
+            inner = _named(reads, [operations[k] for k in operation.args], inner)
+        found.append(comment(_words(reads, operation, inner)))
     return found
 
 
@@ -69,8 +69,8 @@ def _words(reads: Sequence[Read], one: Operation, inner: list[str]) -> str:
 
 def _named(reads: Sequence[Read], values: Sequence[Operation], texts: list[str]) -> list[str]:
     """Return the texts of two values of an ENUM, literals by the names that the other one has."""
-    literals = next((reads[one.value].literals for one in values if one.op == "variable"), ())
+    literals = next((reads[value.value].literals for value in values if value.op == "variable"), ())
     return [
-        literals[one.value] if one.op == "literal" and one.value < len(literals) else text
-        for one, text in zip(values, texts, strict=True)
+        literals[value.value] if value.op == "literal" and value.value < len(literals) else text
+        for value, text in zip(values, texts, strict=True)
     ]

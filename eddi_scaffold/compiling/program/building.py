@@ -33,13 +33,15 @@ class Builder:
             if k not in given
         }
         places: list[int] = []
-        for one in program.operations:
-            if one.op == "variable" and one.value in given:
-                places.append(given[one.value])
+        for operation in program.operations:
+            if operation.op == "variable" and operation.value in given:
+                places.append(given[operation.value])
                 continue
-            value = numbers[one.value] if one.op in ("variable", "age") else one.value
-            args = tuple(places[k] for k in one.args)
-            places.append(self.add(one._replace(args=args, value=value)))
+            value = (
+                numbers[operation.value] if operation.op in ("variable", "age") else operation.value
+            )
+            args = tuple(places[k] for k in operation.args)
+            places.append(self.add(operation._replace(args=args, value=value)))
         return places
 
     def program(self, period: int, results: Sequence[Result]) -> Program:

@@ -150,13 +150,13 @@ class Program(NamedTuple):
 def reads_of_results(program: Program) -> list[list[int]]:
     """Return for each result the numbers of the reads that it depends on, in order."""
     masks: list[int] = []  # of each operation, whose arguments are before it
-    for one in program.operations:
-        mask = 1 << int(one.value) if one.op in ("variable", "age") else 0
-        for k in one.args:
+    for operation in program.operations:
+        mask = 1 << int(operation.value) if operation.op in ("variable", "age") else 0
+        for k in operation.args:
             mask |= masks[k]
         masks.append(mask)
     count = range(len(program.reads))
-    return [[k for k in count if masks[one.operation] >> k & 1] for one in program.results]
+    return [[k for k in count if masks[result.operation] >> k & 1] for result in program.results]
 
 
 def must_be_finite(program: Program) -> frozenset[int]:
@@ -166,7 +166,7 @@ def must_be_finite(program: Program) -> frozenset[int]:
     """
     absorbing = ("add", "sub", "mul")
     used = {result.operation for result in program.results}
-    for one in program.operations:
-        if one.op not in absorbing:
-            used.update(one.args)
+    for operation in program.operations:
+        if operation.op not in absorbing:
+            used.update(operation.args)
     return frozenset(used)

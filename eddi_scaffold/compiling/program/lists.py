@@ -70,7 +70,7 @@ def reduction_lines(number_: int, name: str, reduction: Reduction, prefix: str) 
         reduction: what it is.
         prefix: of what it calls.
     """
-    lists = [k for k, one in enumerate(reduction.inputs) if one.is_list]
+    lists = [k for k, input_ in enumerate(reduction.inputs) if input_.is_list]
     arguments = "".join(f", x{k}" for k in range(len(reduction.inputs)))
     lines = [f"    def reduce_{number_}(self{arguments}):", f"        # {comment(name)}"]
     for k, part in enumerate(reduction.inputs):

@@ -95,7 +95,9 @@ class Printer:
         self._names = names
         self._elements = elements or {}
         self._copied = copied
-        self._windows = [k for k, one in enumerate(program.operations) if one.op in WINDOWS]
+        self._windows = [
+            k for k, operation in enumerate(program.operations) if operation.op in WINDOWS
+        ]
         self._state = _states(program)
         self._checked = must_be_finite(program)
 
@@ -131,7 +133,7 @@ class Printer:
         for k, read in enumerate(self._program.reads):
             converted = self._converted(k, read) if raw else []
             lines += _indented([*converted, *self._bound(k, read)])
-        values = tuple_of(self._value(one.operation) for one in self._program.results)
+        values = tuple_of(self._value(result.operation) for result in self._program.results)
         return [
             *lines,
             *self.operations(),
@@ -143,18 +145,18 @@ class Printer:
     def operations(self) -> list[str]:
         """Return the lines of all operations."""
         lines: list[str] = []
-        for k, one in enumerate(self._operations):
-            if one.op in FILTERS:
+        for k, operation in enumerate(self._operations):
+            if operation.op in FILTERS:
                 lines += self._filters(k)
             else:
-                lines += self._commented(k, self._operation(k, one))
+                lines += self._commented(k, self._operation(k, operation))
         return lines
 
     def flags(self) -> list[str]:
         """Return the lines that return which results are TRUE."""
         rows = (
-            Item(f"{self._value(one.operation)} == 2", behind=one.about)
-            for one in self._program.results
+            Item(f"{self._value(result.operation)} == 2", behind=result.about)
+            for result in self._program.results
         )
         return returned(tuple_of(rows), 8)
 
@@ -325,9 +327,9 @@ class Printer:
 
     def _filters(self, k: int) -> list[str]:
         """Return the lines of all filters, which are one call, where the last of them is."""
-        if any(one.op in FILTERS for one in self._operations[k + 1 : k + 2]):
+        if any(operation.op in FILTERS for operation in self._operations[k + 1 : k + 2]):
             return []
-        filters = [i for i, one in enumerate(self._operations) if one.op in FILTERS]
+        filters = [i for i, operation in enumerate(self._operations) if operation.op in FILTERS]
         values = tuple_of(self._value(self._operations[i].args[0]) for i in filters)
         names = [self._value(i) for i in filters]
         return [*assignment("values", values, 8), *unpacked(names, "self.filter.apply(values)")]
@@ -366,7 +368,7 @@ def names_of(program: Program, sampling: Sampling) -> tuple[list[str], list[str]
     A read is the value itself, unless it is a reduction, or another read is the same value.
     Longer ids than 24 characters are left out, so that no line of the text is too long.
     """
-    given = [one.name for one in sampling.inputs]
+    given = [input_.name for input_ in sampling.inputs]
     own: dict[int, int] = {}  # input -> the read that it is
     for k, used in enumerate(sampling.uses):
         if program.reads[k].reduction is None:
@@ -394,13 +396,13 @@ def _indented(lines: Sequence[str]) -> list[str]:
 def _states(program: Program) -> dict[str, str]:
     """Return the fields of what functions remember, and how they start."""
     fields: dict[str, str] = {}
-    for k, one in enumerate(program.operations):
-        if one.op in STARTS:
-            fields[f"p{k}"] = str(STARTS[one.op])
-        if one.op == "elapsed":
+    for k, operation in enumerate(program.operations):
+        if operation.op in STARTS:
+            fields[f"p{k}"] = str(STARTS[operation.op])
+        if operation.op == "elapsed":
             fields[f"e{k}"] = "None"
-        if one.op == "age":
-            fields[f"s{one.value}"] = "None"
+        if operation.op == "age":
+            fields[f"s{operation.value}"] = "None"
     return fields
 
 

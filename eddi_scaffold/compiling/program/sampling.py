@@ -41,7 +41,8 @@ class Sampling:
                 given = [HostInput(read.name, kind, False, read.literals)]
             else:
                 given = [
-                    HostInput(one.name, one.type, one.is_list) for one in read.reduction.inputs
+                    HostInput(input_.name, input_.type, input_.is_list)
+                    for input_ in read.reduction.inputs
                 ]
             for one in given:
                 found.setdefault(one.name, one)

@@ -66,7 +66,7 @@ def _arc(chain: Chain, source: int, target: int) -> str:
 def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
     """Return for each state: failed and alive at the horizon, mean life in hours."""
     fails = [float(state in chain.fail) for state in range(len(chain.states))]
-    works = [1.0 - one for one in fails]
+    works = [1.0 - fail for fail in fails]
     moved = propagator(rates_of(chain), hours)
     ends = [(min(_dot(row, fails), 1.0), _dot(row, works)) for row in moved]
     return [(*end, life) for end, life in zip(ends, mean_times(chain), strict=True)]
@@ -81,7 +81,7 @@ def table_ahead(chain: Chain, rows: Sequence[tuple[float, float, float]]) -> Par
 def written_out(name: str, chain: Chain, time: Time) -> list[str]:
     """Return the class of a chain with its numbers: one quantum, and what lies ahead."""
     rates = rates_of(chain)
-    states = [comment(one) for one in chain.states]
+    states = [comment(state) for state in chain.states]
     first = propagator(rates, chain.age)[chain.initial]
     lines = [f"class {name}(chain.Chain):"]
     lines += assignment("fail", literal(chain.fail), 4)

@@ -94,8 +94,8 @@ def _of_module(module: Module, budget: _Budget) -> list[CutSet]:
 def _expanded(sets: list[CutSet], known: dict[int, list[CutSet]], budget: _Budget) -> list[CutSet]:
     """Replace pseudo-events by the cut sets of their modules, which share no event."""
     result: list[CutSet] = []
-    for one in sets:
-        choices = [known.get(event, [frozenset({event})]) for event in sorted(one)]
+    for set_ in sets:
+        choices = [known.get(event, [frozenset({event})]) for event in sorted(set_)]
         for choice in product(*choices):
             budget.spend(len(choice))
             result.append(frozenset().union(*choice))
@@ -144,7 +144,7 @@ def _of_gate(gate: Gate, below: list[list[int]], budget: _Budget) -> list[int]:
         return []
     if needed == 1:
         budget.spend(sum(len(sets) for sets in below))
-        return budget.checked(_minimal((one for sets in below for one in sets), budget))
+        return budget.checked(_minimal((set_ for sets in below for set_ in sets), budget))
     # rows[j]: at least j of the inputs so far
     rows: list[list[int]] = [[0]] + [[] for _ in range(needed)]
     for one in below:

@@ -117,8 +117,8 @@ def _built(
         return Diagram(
             events, (Module(events + len(gates), nodes, 2 if leaf is None else leaf),), coherent
         )
-    for one in tree.modules:
-        modules.append(_smallest(tree, one, borders, first, left))
+    for module in tree.modules:
+        modules.append(_smallest(tree, module, borders, first, left))
         left -= len(modules[-1].nodes)
     return Diagram(events, tuple(modules), coherent)
 

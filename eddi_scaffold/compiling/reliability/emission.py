@@ -72,7 +72,7 @@ def lines_of(
         ModelError: the model is wrong.
     """
     plan = read_plan(model_file.model)
-    declared = {one.id for one in model_file.inputs}
+    declared = {input_.id for input_ in model_file.inputs}
     for name in plan.rules:
         if name not in declared:
             raise ModelError("", f"the input {name!r} of the model is not declared")
@@ -96,7 +96,7 @@ def _about(name: str, component: Component, plan: Plan) -> str:
 def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
     owners = {key: plan.places[name] for key, name in plan.owners.items()}
     yield from head_lines("reliability.Reliability", model_file, owners)
-    read = [one for one in model_file.inputs if one.id in plan.rules]
+    read = [input_ for input_ in model_file.inputs if input_.id in plan.rules]
     rules = (Item(_rule(plan.rules[one.id]), f"{text_literal(one.id)}: ") for one in read)
     yield from assignment("rules", Group("{", tuple(rules), "}"), 4)
     yield f"    top = {text_literal(plan.top)}"
@@ -107,7 +107,9 @@ def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
     yield f"    quantum_ns = {round(plan.quantum * 1e9)}"
     yield f"    max_gap_ns = {round(plan.max_gap * 1e9)}"
     if plan.thresholds:
-        found = (call("reliability.Threshold", map(literal, one)) for one in plan.thresholds)
+        found = (
+            call("reliability.Threshold", map(literal, threshold)) for threshold in plan.thresholds
+        )
         yield from assignment("thresholds", tuple_of(found), 4)
     if plan.worst_case:
         yield "    worst_case = True"

@@ -409,8 +409,8 @@ def certain(events: Iterable[Mapping[str, Any]]) -> dict[int, bool]:
     never = {("fixed", 0.0): False, ("fixed", 1.0): True, ("exponential", 0.0): False}
     return {
         i: never[key]
-        for i, one in enumerate(events)
-        if one.get("input") is None and (key := (one["law"], *one["values"])) in never
+        for i, event in enumerate(events)
+        if event.get("input") is None and (key := (event["law"], *event["values"])) in never
     }
 
 

@@ -172,7 +172,7 @@ def _split(tree: Tree, fresh: count[int]) -> Tree:
             place = {n: i for i, n in enumerate(gate.of)}
             of = []
             for inputs in sorted(
-                (sorted(one[1], key=place.__getitem__) for one in parts),
+                (sorted(part[1], key=place.__getitem__) for part in parts),
                 key=lambda one: place[one[0]],
             ):
                 if len(inputs) > 1:

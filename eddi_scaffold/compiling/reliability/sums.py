@@ -18,7 +18,7 @@ def sums(rows: Iterable[tuple[Sequence[Term], str]]) -> list[str]:
         flat = f"            {' + '.join(parts)},"
         behind = f"  # {about}" if about else ""
         if len(flat) > WIDTH:
-            whole = [f"            {parts[0]}", *(f"            + {one}" for one in parts[1:])]
+            whole = [f"            {parts[0]}", *(f"            + {part}" for part in parts[1:])]
             lines += [*whole[:-1], f"{whole[-1]},{behind}"]
         elif len(flat + behind) > WIDTH:
             lines += [f"            # {about}", flat]
@@ -33,7 +33,7 @@ def condition(parts: Sequence[str], indent: int) -> list[str]:
     if len(f"{blanks}if {flat}:") <= WIDTH:
         return [f"{blanks}if {flat}:"]
     terms = " and ".join(parts).split(" and ")
-    rows = (f"{blanks}    {'and ' if place else ''}{one}" for place, one in enumerate(terms))
+    rows = (f"{blanks}    {'and ' if place else ''}{term}" for place, term in enumerate(terms))
     return [f"{blanks}if (", *rows, f"{blanks}):"]
 
 

@@ -37,20 +37,20 @@ def class_lines(
     written = diagram is not None and diagram.size <= limit
     exact = "tree.FaultTree" if written else "large_tree.LargeTree"
     yield f"class {name}({exact if diagram else 'cut_sets.BoundedTree'}):"
-    yield from assignment("names", tuple_of(text_literal(one.name) for one in events), 4)
-    observed = tuple((i, one.input) for i, one in enumerate(events) if one.input is not None)
-    models = tuple((i, one.model) for i, one in enumerate(events) if one.law == "model")
+    yield from assignment("names", tuple_of(text_literal(event.name) for event in events), 4)
+    observed = tuple((i, event.input) for i, event in enumerate(events) if event.input is not None)
+    models = tuple((i, event.model) for i, event in enumerate(events) if event.law == "model")
     for key, rows in (("observed", observed), ("models", models)):
         if rows:
             yield from assignment(key, literal(rows), 4)
     if orders:
-        made = (tuple_of([str(i), one]) for i, one in orders)
+        made = (tuple_of([str(i), order]) for i, order in orders)
         yield from assignment("orders", tuple_of(made), 4)
     if tree.repair:
         yield "    repair = True"
     if tree.cut_sets is not None:
         yield "    # Minimal cut sets, by the numbers of the events."
-        sets = (Item(literal(one)) for one in tree.cut_sets)
+        sets = (Item(literal(cut_set)) for cut_set in tree.cut_sets)
         yield from assignment("sets", tuple_of(sets), 4)
     elif diagram is not None:
         if not diagram.coherent:
@@ -71,11 +71,11 @@ def table(diagram: Diagram) -> tuple[object, ...]:
     return tuple(
         (
             tuple(
-                (number_of.get(variable, variable), up, down) for variable, up, down in one.nodes
+                (number_of.get(variable, variable), up, down) for variable, up, down in module.nodes
             ),
-            one.root,
+            module.root,
         )
-        for one in diagram.modules
+        for module in diagram.modules
     )
 
 
@@ -119,8 +119,8 @@ def _sums(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[st
         yield f"        q0 = q[0]  # {_about(events[0])}".rstrip("# ")
     else:
         yield "        ("
-        for i, one in enumerate(events):
-            yield f"            q{i},  # {_about(one)}".rstrip("# ")
+        for i, event in enumerate(events):
+            yield f"            q{i},  # {_about(event)}".rstrip("# ")
         yield "        ) = q"
     complements: set[int] = set()
     last = diagram.modules[-1]

@@ -57,7 +57,7 @@ def tables_of(model_file: ModelFile) -> Mapping[str, str]:
     """
     data = read_safeml(model_file)
     tables = [data.sample, *([data.axes.table] if data.axes is not None else [])]
-    return {one.file: one.sha256 for one in tables if one.numbers is None}
+    return {table.file: table.sha256 for table in tables if table.numbers is None}
 
 
 def _thresholds(data: SafeMLData) -> list[str]:

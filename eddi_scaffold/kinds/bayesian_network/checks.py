@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
 
-from eddi_scaffold.common.problems import NearNames, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Node, in_digits
 
 TOLERANCE = 1e-5
@@ -28,7 +28,7 @@ def check_network(
     if not drafts:
         return None, [error("B101", "the network has no nodes", place)]
     known = {draft.id: draft for draft in reversed(drafts)}
-    check = _Check(known, NearNames(known))
+    check = _Check(known, SimilarNames(known))
     check.names(drafts)
     for draft in drafts:
         check.states(draft)
@@ -43,7 +43,7 @@ def check_network(
 @dataclass
 class _Check:
     known: dict[str, Draft]
-    near: NearNames
+    near: SimilarNames
     problems: list[Problem] = field(default_factory=list)
 
     def names(self, drafts: Iterable[Draft]) -> None:
@@ -233,7 +233,7 @@ def first_missing(
     parents: Sequence[str], states: Sequence[Sequence[str]], there: set[tuple[str, ...]]
 ) -> tuple[int, list[str]]:
     """Return how many combinations of the parents' states are missing, and the first three."""
-    total = math.prod(len(one) for one in states)
+    total = math.prod(len(state) for state in states)
     lacking = (combination for combination in product(*states) if combination not in there)
     shown = [
         ", ".join(f"{n}={s}" for n, s in zip(parents, combination, strict=True))

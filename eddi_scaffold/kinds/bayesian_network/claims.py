@@ -33,7 +33,7 @@ MEANINGS: Meanings = {
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     """Return what the thresholds rest on: the inputs; raw posteriors claim nothing."""
     inputs = frozenset(spec["id"] for spec in document["inputs"])
-    return {one["id"]: inputs for one in document["model"].get("thresholds", ())}
+    return {threshold["id"]: inputs for threshold in document["model"].get("thresholds", ())}
 
 
 def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:

@@ -182,7 +182,7 @@ class _Entry:
         if not isinstance(name, str):
             self._error("B404", "`input` must name an entry of EDDIInputs")
             return None
-        names = [one.id for one in self.inputs]
+        names = [input_.id for input_ in self.inputs]
         if name not in names:
             hint = did_you_mean(name, names) or "add it to EDDIInputs"
             self._error("B404", f"there is no input {name!r}", "input", hint=hint)
@@ -262,7 +262,7 @@ class _Entry:
         if "range" in numbers:
             scale, offset = numbers.get("scale", 1.0), numbers.get("offset", 0.0)
             low, high = sorted(one * scale + offset for one in numbers["range"])
-            edges = [low, *(one for one in edges if low < one < high), high]
+            edges = [low, *(edge for edge in edges if low < edge < high), high]
         width = min((b - a for a, b in pairwise(edges)), default=math.inf)
         if 0 < width <= band:
             message = (
@@ -279,14 +279,14 @@ class _Entry:
             self._error("B404", "`allow_inf` must be true or false", "allow_inf")
 
     def _default(self, source: str | None) -> None:
-        declared = next((one for one in self.inputs if one.id == source), None)
+        declared = next((input_ for input_ in self.inputs if input_.id == source), None)
         if self.given.get("missing") == "default" and declared and declared.default is None:
             message = f"`missing: default` has no effect: the input {source!r} has no `default`"
             self._warn(message, "missing", f"give {source!r} a `default`, or leave it out")
 
     def _type(self, source: str | None) -> InputType:
         """Return the declared type of the input, or the one that fits."""
-        declared = next((one.type for one in self.inputs if one.id == source), None)
+        declared = next((input_.type for input_ in self.inputs if input_.id == source), None)
         keys = self.given.get("map")
         if declared is not None:
             if declared == "bool" and "bins" in self.given:

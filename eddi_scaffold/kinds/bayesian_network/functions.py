@@ -12,14 +12,14 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, warning
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import sniff as is_xml
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import (
     EditableModule,
     Functions,
     JsonValue,
     ModelInput,
     ModelOutput,
-    Reading,
+    ReadResult,
 )
 from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag, support
 from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
@@ -43,16 +43,16 @@ from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_
 NAME = "bayesian_network"
 
 
-def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> ReadResult:
     """Read the networks of an EDDI."""
     networks, problems = eddi_networks(document, source)
     return _reading(networks, problems, source)
 
 
-def read_file(source: Source, _marks: Sequence[str]) -> Reading:
+def read_file(source: Source, _marks: Sequence[str]) -> ReadResult:
     """Read a network by itself, or look at a module of hand-written methods."""
     if is_config_module(source.name):
-        return Reading((), tuple(in_order(lint(source))))
+        return ReadResult((), tuple(in_order(lint(source))))
     suffix = PurePath(source.name).suffix.lower()
     if suffix == ".bif" and not is_xml(source):
         network, problems = read_bif(source)
@@ -79,9 +79,13 @@ def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem
     return network, [*problems, *more]
 
 
-def _reading(networks: Sequence[Network], problems: Sequence[Problem], source: Source) -> Reading:
-    models = [NetworkModel(NAME, one.name, one, source, one.place) for one in networks]
-    return Reading(tuple(models), tuple(in_order(problems)))
+def _reading(
+    networks: Sequence[Network], problems: Sequence[Problem], source: Source
+) -> ReadResult:
+    models = [
+        NetworkModel(NAME, network.name, network, source, network.place) for network in networks
+    ]
+    return ReadResult(tuple(models), tuple(in_order(problems)))
 
 
 def check(model: NetworkModel) -> Sequence[Problem]:
@@ -110,7 +114,11 @@ def outline(model: NetworkModel) -> Sequence[str]:
     """Return the nodes with states and parents, then what inference costs."""
     network = model.data
     settings = settings_of(model)
-    bins = {one.node: one for one in settings.declarations if "bins" in one.data}
+    bins = {
+        declaration.node: declaration
+        for declaration in settings.declarations
+        if "bins" in declaration.data
+    }
     lines = []
     for node in network.nodes:
         title = f" ({node.title})" if node.title != node.id else ""
@@ -130,7 +138,7 @@ def outline(model: NetworkModel) -> Sequence[str]:
     lines.append(
         f"largest table of the inference, all nodes observable: {in_digits(width.largest)} entries"
     )
-    lines += [f"evidence {one.id}: {one.text()}" for one in settings.thresholds]
+    lines += [f"evidence {threshold.id}: {threshold.text()}" for threshold in settings.thresholds]
     return lines
 
 
@@ -150,7 +158,7 @@ def runtime_model(model: NetworkModel) -> dict[str, JsonValue]:
     network = model.data
     settings = settings_of(model)
     attributes = node_attributes(network)
-    thresholds = [one.document() for one in settings.thresholds]
+    thresholds = [threshold.document() for threshold in settings.thresholds]
     return {
         "nodes": [
             {
@@ -168,7 +176,9 @@ def runtime_model(model: NetworkModel) -> dict[str, JsonValue]:
         ],
         "outputs": list(settings.outputs),
         "observed": None if settings.foreseen is None else list(settings.foreseen),
-        "discretisation": {one.node: dict(one.data) for one in settings.declarations},
+        "discretisation": {
+            declaration.node: dict(declaration.data) for declaration in settings.declarations
+        },
         "direct": dict(settings.direct),
         **({"thresholds": thresholds} if thresholds else {}),
     }
@@ -189,10 +199,14 @@ def outputs(model: NetworkModel) -> Sequence[ModelOutput]:
     """Return the topics of thresholds that have one."""
     return [
         ModelOutput(
-            one.id, one.topic, ("evidence", ("id", one.id), "active"), one.place, "evidence"
+            threshold.id,
+            threshold.topic,
+            ("evidence", ("id", threshold.id), "active"),
+            threshold.place,
+            "evidence",
         )
-        for one in settings_of(model).thresholds
-        if one.topic is not None
+        for threshold in settings_of(model).thresholds
+        if threshold.topic is not None
     ]
 
 
@@ -202,7 +216,7 @@ def ids(model: NetworkModel) -> Mapping[str, Sequence[str]]:
     nodes = {node.id: node for node in model.data.nodes}
     outputs = [nodes[name] for name in settings.outputs]
     return {
-        "evidence": [one.id for one in settings.thresholds],
+        "evidence": [threshold.id for threshold in settings.thresholds],
         "output_nodes": [node.title for node in outputs],
         **{f"output_nodes[{node.title}].outcomes": node.states for node in outputs},
     }
@@ -245,7 +259,7 @@ def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
         "prior that the configuration accepts by name counts. The posteriors themselves are no "
         "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
     )
-    rows = [f"| `{one.id}` | {one.text()} |" for one in thresholds]
+    rows = [f"| `{threshold.id}` | {threshold.text()} |" for threshold in thresholds]
     return ("", text, "", "| evidence | active while |", "|---|---|", *rows)
 
 

@@ -40,7 +40,7 @@ def reached(
         for one in near[waiting.pop()] - seen:
             seen.add(one)
             waiting.append(one)
-    return [one for one in outputs if one in seen]
+    return [output for output in outputs if output in seen]
 
 
 def _neighbours(network: Network, known: set[str]) -> dict[str, set[str]]:
@@ -63,12 +63,18 @@ def doubts(
     """Warn of evidence that is of little use (B424, B425)."""
     if not thresholds:
         return
-    for one in thresholds:
-        if one.node in observed:
-            message = f"evidence {one.id!r}: the node {one.node!r} may be observed itself"
+    for threshold in thresholds:
+        if threshold.node in observed:
+            message = (
+                f"evidence {threshold.id!r}: the node {threshold.node!r} may be observed itself"
+            )
             hint = "while it is, the threshold uses the observation; otherwise any state may be"
-            yield warning("B424", message, one.place, hint)
-    accepted = {one.node for one in declarations if one.data.get("missing") == "prior"}
+            yield warning("B424", message, threshold.place, hint)
+    accepted = {
+        declaration.node
+        for declaration in declarations
+        if declaration.data.get("missing") == "prior"
+    }
     yield from _too_many(network, [n for n in observed if n not in accepted], options)
 
 

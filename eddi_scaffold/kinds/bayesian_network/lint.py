@@ -84,13 +84,15 @@ def _faults(method: _Method) -> Iterator[Fault]:
     """Yield code, line, message and hint of each fault."""
     yield from _names(method)
     yield from _values(method)
-    real = [one for one in ways.assignments(method.body) if one.value != 0.0]
+    real = [assignment for assignment in ways.assignments(method.body) if assignment.value != 0.0]
     if real and method.declared:
         text = (
             f"{method.name} is declared in the configuration and set here, which takes precedence"
         )
         yield "B406", real[0].line, text, "remove the declaration, or this body"
-    flags = [one for one in ways.statements(method.body) if ways.flags_output(one)]
+    flags = [
+        statement for statement in ways.statements(method.body) if ways.flags_output(statement)
+    ]
     if real and flags:
         text = f"{method.name} is an output and evidence at once: it only echoes what is set"
         yield "B414", flags[0].lineno, text, None
@@ -113,10 +115,10 @@ def _names(method: _Method) -> Iterator[Fault]:
 
 
 def _values(method: _Method) -> Iterator[Fault]:
-    for one in ways.assignments(method.body):
-        if one.value is not None and not 0.0 <= one.value <= 1.0:
-            text = f"{method.name}: an outcome of {one.value:g} is outside [0, 1]"
-            yield "B417", one.line, text, None
+    for assignment in ways.assignments(method.body):
+        if assignment.value is not None and not 0.0 <= assignment.value <= 1.0:
+            text = f"{method.name}: an outcome of {assignment.value:g} is outside [0, 1]"
+            yield "B417", assignment.line, text, None
 
 
 def _ways(method: _Method) -> Iterator[Fault]:
@@ -138,9 +140,9 @@ def _ways(method: _Method) -> Iterator[Fault]:
 
 
 def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
-    for one in chain.zeros_in_else():
+    for zero in chain.zeros_in_else():
         text = f"{method.name}: this `else` sets an outcome to 0, which it is already"
-        yield "B411", one.line, text, "is 1.0 meant?"
+        yield "B411", zero.line, text, "is 1.0 meant?"
     guarded = any(
         isinstance(item, ast.Name | ast.Attribute)
         and getattr(item, "attr", getattr(item, "id", "")) in _GUARDS

@@ -144,16 +144,16 @@ def constant(value: ast.expr) -> float | None:
 def chains(body: Sequence[ast.stmt]) -> Iterator[IfChain]:
     """Yield every ``if`` of a body with its ``elif`` and ``else``, those inside others too."""
     links: set[ast.If] = set()
-    for one in statements(body):
-        if not isinstance(one, ast.If) or one in links:
+    for statement in statements(body):
+        if not isinstance(statement, ast.If) or statement in links:
             continue
-        tests, blocks, rest = [one.test], [tuple(one.body)], one.orelse
+        tests, blocks, rest = [statement.test], [tuple(statement.body)], statement.orelse
         while len(rest) == 1 and isinstance(rest[0], ast.If):
             links.add(rest[0])
             tests.append(rest[0].test)
             blocks.append(tuple(rest[0].body))
             rest = rest[0].orelse
-        yield IfChain(one.lineno, tuple(tests), tuple(blocks), tuple(rest))
+        yield IfChain(statement.lineno, tuple(tests), tuple(blocks), tuple(rest))
 
 
 def through(body: Sequence[ast.stmt]) -> frozenset[Way] | None:

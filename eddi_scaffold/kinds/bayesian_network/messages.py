@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
 
 OUTPUT = "NodeOutput[] output_nodes\n"
 NODE = "string title\nOutcomeOutput[] outcomes\n"
@@ -82,13 +82,13 @@ WORDS = {
 """Reason of a threshold -> what the node's diagnostics say."""
 
 
-def _facts(status: Any) -> Said:
+def _facts(status: Any) -> StatusReading:
     reasons = (*status.unknown_inputs, *status.undecided)
     valid = Verdict("valid", state_of(active=status.valid, known=False), reasons)
-    return Said((valid,), status.bayesian_network_id, accepted=tuple(status.accepted))
+    return StatusReading((valid,), status.bayesian_network_id, accepted=tuple(status.accepted))
 
 
-def _thresholds(evidence: Any) -> Said:
+def _thresholds(evidence: Any) -> StatusReading:
     """Return the thresholds; one without a reason lies on the wrong side for certain."""
     unknown = tuple(evidence.unknown_inputs)
     verdicts = tuple(
@@ -100,7 +100,7 @@ def _thresholds(evidence: Any) -> Said:
         )
         for one in evidence.evidence
     )
-    return Said(verdicts, evidence.bayesian_network_id)
+    return StatusReading(verdicts, evidence.bayesian_network_id)
 
 
 def _reasons(one: Any, unknown: tuple[str, ...]) -> tuple[str, ...]:

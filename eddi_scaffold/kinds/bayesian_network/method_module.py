@@ -119,7 +119,9 @@ def _comments(node: Node, settings: NetworkOptions) -> list[str]:
     lines = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
     if node.id in settings.outputs:
         lines.append("Declared as an output.")
-    declared = next((one for one in settings.declarations if one.node == node.id), None)
+    declared = next(
+        (declaration for declaration in settings.declarations if declaration.node == node.id), None
+    )
     if declared is not None:
         lines.append(
             f"Declared: discretised from {python_comment(declared.input)}, unless set here."
@@ -150,7 +152,7 @@ def skeleton(model: NetworkModel, options: Options) -> Skeleton:
     """
     network, given = model.data, options.values.get(_SECTION)
     there = given if isinstance(given, Mapping) else {}
-    fed = {one.id for one in options.inputs}
+    fed = {input_.id for input_ in options.inputs}
     named = {str(one) for key in ("outputs", "observed") for one in _list(options.values.get(key))}
     known = [node for node, _ in network.known]
     proposed = known or [node.id for node in network.nodes if not node.parents]
@@ -174,7 +176,7 @@ def skeleton(model: NetworkModel, options: Options) -> Skeleton:
     direct = [
         ModelInput(node.id, "state", description=_plain(node.id), states=tuple(node.states))
         for node in network.nodes
-        if node.id in fed and node.id not in {one.id for one in inputs}
+        if node.id in fed and node.id not in {input_.id for input_ in inputs}
     ]
     return Skeleton([*inputs, *direct], {_SECTION: new} if new else {}, notes)
 

@@ -57,7 +57,9 @@ class NetworkOptions:
     @property
     def inferred(self) -> tuple[str, ...]:
         """The nodes whose posteriors are computed: the outputs, and what evidence is made of."""
-        return tuple(dict.fromkeys([*self.outputs, *(one.node for one in self.thresholds)]))
+        return tuple(
+            dict.fromkeys([*self.outputs, *(threshold.node for threshold in self.thresholds)])
+        )
 
 
 NetworkModel = TypedModel[Network, NetworkOptions]
@@ -80,7 +82,7 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
     """Return the settings, also of a network that is too wide for them."""
     declarations, problems = read_discretisation(network, options)
     problems += _wrong_choices(options)
-    discretised = {one.node for one in declarations}
+    discretised = {declaration.node for declaration in declarations}
     thresholds, wrong = read_thresholds(network, options, discretised)
     problems += wrong
     direct = _direct(network, options, declarations)
@@ -94,7 +96,7 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
     renamed = _renamed(network, options, problems)
     if has_errors(problems):
         return None, problems
-    judged = [*outputs, *(one.node for one in thresholds)]
+    judged = [*outputs, *(threshold.node for threshold in thresholds)]
     problems += doubts(network, thresholds, declarations, observed, options)
     values = options.values
     evidence = {
@@ -103,7 +105,9 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         "explain": values.get("explain", False),
     }
     declared = {*discretised, *direct}
-    spare = {one.id for one in inputs}.difference(direct.values(), (d.input for d in declarations))
+    spare = {input_.id for input_ in inputs}.difference(
+        direct.values(), (d.input for d in declarations)
+    )
     may_be = foreseen if foreseen is not None else [n for n in network.names() if n not in outputs]
     by_hand = [node for node in may_be if node not in declared] if spare else ()
     settings = NetworkOptions(
@@ -124,7 +128,7 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
 
 def _judged(settings: NetworkOptions) -> list[str]:
     """Return the nodes whose posteriors count: the outputs and those of thresholds."""
-    return [*settings.outputs, *(one.node for one in settings.thresholds)]
+    return [*settings.outputs, *(threshold.node for threshold in settings.thresholds)]
 
 
 def settings_of(model: NetworkModel) -> NetworkOptions:
@@ -150,12 +154,12 @@ def _direct(
     network: Network, options: Options, declarations: Sequence[Declaration]
 ) -> dict[str, str]:
     """Return node -> input for inputs that are called as a node, or as its identifier."""
-    taken = {one.input for one in declarations}
-    declared = {one.node for one in declarations}
+    taken = {declaration.input for declaration in declarations}
+    declared = {declaration.node for declaration in declarations}
     attributes = node_attributes(network)
     if not options.inputs and not declarations:
         return {name: name for name in network.names()}
-    ids = {one.id for one in options.inputs} - taken
+    ids = {input_.id for input_ in options.inputs} - taken
     found = {}
     for name in network.names():
         chosen = name if name in ids else attributes[name]
@@ -173,19 +177,19 @@ def _inputs(
     """Return the inputs in the order of the configuration, else one for each node."""
     if not options.inputs:
         return tuple(_direct_input(network, node, name) for node, name in direct.items())
-    by_input = {one.input: one for one in reversed(declarations)}
+    by_input = {declaration.input: declaration for declaration in reversed(declarations)}
     of_direct = {name: node for node, name in direct.items()}
     found = []
-    for one in options.inputs:
-        if one.id in of_direct:
-            found.append(_direct_input(network, of_direct[one.id], one.id))
-        elif one.id in by_input:
-            declared = by_input[one.id]
+    for input_ in options.inputs:
+        if input_.id in of_direct:
+            found.append(_direct_input(network, of_direct[input_.id], input_.id))
+        elif input_.id in by_input:
+            declared = by_input[input_.id]
             text = f"becomes a state of {declared.node}"
-            found.append(_input(one.id, declared.type, one.unit, text))
+            found.append(_input(input_.id, declared.type, input_.unit, text))
         else:
             text = "for the methods in bayesian_network_config.py"
-            found.append(_input(one.id, one.type or "float", one.unit, text))
+            found.append(_input(input_.id, input_.type or "float", input_.unit, text))
     return tuple(found)
 
 
@@ -193,11 +197,11 @@ def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
     """Keep inputs apart whose ids look alike in Python (``CO2 report``, ``CO2_report``)."""
     taken: set[str] = set()
     found = []
-    for one in inputs:
-        wanted = attribute(one.id)
+    for input_ in inputs:
+        wanted = attribute(input_.id)
         name = free_name(wanted, taken)
         taken.add(name)
-        found.append(one if name == wanted else replace(one, attribute=name))
+        found.append(input_ if name == wanted else replace(input_, attribute=name))
     return tuple(found)
 
 
@@ -206,7 +210,8 @@ def _judged_by_default(
 ) -> tuple[ModelInput, ...]:
     """Declare that any default of what feeds a node may make evidence active before a message."""
     return tuple(
-        replace(one, is_good=lambda _: True) if one.id in feeding else one for one in inputs
+        replace(input_, is_good=lambda _: True) if input_.id in feeding else input_
+        for input_ in inputs
     )
 
 
@@ -215,13 +220,15 @@ def _with_uses(
 ) -> tuple[ModelInput, ...]:
     """Set for mapped inputs which values are observations: the others leave a node open."""
     mapped = {
-        one.input: [value for value, _ in one.data["map"]]
-        for one in declarations
-        if "map" in one.data and "bins" not in one.data
+        declaration.input: [value for value, _ in declaration.data["map"]]
+        for declaration in declarations
+        if "map" in declaration.data and "bins" not in declaration.data
     }
     return tuple(
-        replace(one, uses=(Use(mapped[one.id].__contains__),)) if one.id in mapped else one
-        for one in inputs
+        replace(input_, uses=(Use(mapped[input_.id].__contains__),))
+        if input_.id in mapped
+        else input_
+        for input_ in inputs
     )
 
 

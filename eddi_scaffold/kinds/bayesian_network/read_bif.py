@@ -11,7 +11,7 @@ from itertools import product
 from typing import NamedTuple
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, NearNames, Place, Problem, error, has_errors
+from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, error, has_errors
 from eddi_scaffold.kinds.bayesian_network.checks import (
     check_network,
     defined_twice,
@@ -177,7 +177,7 @@ def read_bif(source: Source) -> tuple[Network | None, list[Problem]]:
         hint = "write it as a discrete variable"
         return None, [unsupported(of, nodes, hint) for of, nodes in reader.others.items()]
     drafts = [reader.draft(name, variable) for name, variable in reader.variables.items()]
-    near = NearNames(reader.variables)
+    near = SimilarNames(reader.variables)
     for name, table in reader.tables.items():
         if name not in reader.variables:
             reader.problems.append(no_variable(name, table.place, near.hint(name)))
@@ -343,7 +343,7 @@ class _Reader:
         before = len(self.problems)
         names = [parent.text for parent in table.parents]
         count = math.prod(len(of) for of in parents)
-        known = [(set(of), NearNames(of)) for of in parents]
+        known = [(set(of), SimilarNames(of)) for of in parents]
         for states, (numbers, place) in table.rows.items():
             if len(states) != len(names):
                 counts = f"{len(states)} states, it has {len(names)} parents"

@@ -80,15 +80,15 @@ class _Reader:
         for intent in self.document.children(self.network, word.INTENTS):
             for wanted in self.document.children(intent, word.INFERENCE_TARGETS):
                 self.wanted.update(self._ends(wanted, word.NODE))
-            for one in self.document.children(intent, word.REQUIRED_EVIDENCES):
-                told, _, _ = self.document.targets(one, word.EVENT)
+            for child in self.document.children(intent, word.REQUIRED_EVIDENCES):
+                told, _, _ = self.document.targets(child, word.EVENT)
                 events = [self.document.attribute(event, word.NAME) for event in told]
-                for node in self._ends(one, word.NODE):
+                for node in self._ends(child, word.NODE):
                     known[self.nodes[node].name] = next(iter(events), None)
         self.known = tuple(known.items())
         inferences = self.document.children(self.network, word.INFERENCES)
         states = [state for node in self.nodes.values() for state in node.states]
-        of_states = [one for s in states for one in self.document.children(s, word.DIMENSION)]
+        of_states = [child for s in states for child in self.document.children(s, word.DIMENSION)]
         for feature, found in (
             (word.INFERENCES, inferences),
             (word.DIMENSION, of_states),

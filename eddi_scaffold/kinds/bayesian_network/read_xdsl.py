@@ -211,7 +211,7 @@ class _Reader:
             elif of == "deterministic":
                 values = self._rows(words, names, name, holder)
             else:
-                values = self._noisy_max(words, names, [one.text for one in parents], element)
+                values = self._noisy_max(words, names, [parent.text for parent in parents], element)
         place = self._place(element if holder is None else holder)
         return Draft(
             name,

@@ -179,7 +179,7 @@ class _Entry:
         for state in items if node else ():
             if state not in known:
                 self._unknown_state(state, known)
-        chosen = tuple(str(one) for one in items)
+        chosen = tuple(str(item) for item in items)
         if len(set(chosen)) < len(chosen):
             self._error("B421", "`state` names one twice", "state")
         elif set(chosen) == set(known):

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Literal
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.problems import (
-    NearNames,
     Place,
     Problem,
+    SimilarNames,
     did_you_mean,
     error,
     info,
@@ -117,7 +117,7 @@ def _where(place: Place) -> str:
 
 def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]:
     seen: set[tuple[str, str]] = set()
-    near = NearNames(kinds)
+    near = SimilarNames(kinds)
     for edge in consert.tree_propagations:
         text = f"edge from {shown(edge.source)} to {shown(edge.target)}"
         yield from _edge(edge, text, kinds, near)
@@ -127,7 +127,7 @@ def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]
 
 
 def _edge(
-    edge: Propagation, text: str, kinds: Mapping[str, NodeKind], near: NearNames
+    edge: Propagation, text: str, kinds: Mapping[str, NodeKind], near: SimilarNames
 ) -> Iterator[Problem]:
     if edge.source not in kinds:
         message = f"{text}: nothing has the id {shown(edge.source)}"
@@ -322,7 +322,9 @@ def _repaired(consert: ConSert) -> ConSert:
             for g in consert.guarantees
         ),
         demands=tuple(
-            replace(d, dimensions=tuple(without_repetitions(one) for one in d.dimensions))
+            replace(
+                d, dimensions=tuple(without_repetitions(dimension) for dimension in d.dimensions)
+            )
             for d in consert.demands
         ),
         evidence=tuple(

@@ -48,7 +48,9 @@ def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     publish = publishing(document["settings"])
     return {
         publish(name): frozenset() if is_default else leaves & reached(feeding, [name])
-        for name, is_default in ((one["id"], one["default"]) for one in model["guarantees"])
+        for name, is_default in (
+            (guarantee["id"], guarantee["default"]) for guarantee in model["guarantees"]
+        )
     }
 
 
@@ -77,4 +79,6 @@ def unfulfilled(provider: ConSert, guarantee_id: str, user: ConSert, demand_id: 
 
 
 def _services(services: Any, members: str, id_: str) -> set[str]:
-    return {one.functional_service_type for one in services if id_ in getattr(one, members)}
+    return {
+        service.functional_service_type for service in services if id_ in getattr(service, members)
+    }

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import cycles
-from eddi_scaffold.common.problems import NearNames, Problem, error, warning
+from eddi_scaffold.common.problems import Problem, SimilarNames, error, warning
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 
@@ -64,7 +64,9 @@ class Composition:
             "unmatched_demands": list(self.unmatched_demands),
             "unmatched_services": list(self.unmatched_services),
             "reasons": list(self.reasons),
-            "warnings": [one.message for one in self.problems if one.level == "warning"],
+            "warnings": [
+                problem.message for problem in self.problems if problem.level == "warning"
+            ],
         }
 
     def as_text(self) -> list[str]:
@@ -146,7 +148,11 @@ def _allocations(
 ) -> Iterator[Problem]:
     """Yield where a file allocates a service to one that does not fulfil all of its demands."""
     met_by = {(need.instance, need.id): need.met_by for need in needs if need.is_demand}
-    services = [(name, one) for name, consert in instances for one in consert.provided_services]
+    services = [
+        (name, provided_service)
+        for name, consert in instances
+        for provided_service in consert.provided_services
+    ]
     at = {one.place: (name, one) for name, one in services}
     by_required = {place: (name, one) for name, one in services for place in one.allocated}
     for name, consert in instances:
@@ -169,8 +175,8 @@ def _with_near_names(
 ) -> Iterator[str]:
     """Yield why needs are not met; a type that nobody has may be a slip."""
     known = {type_ for type_, _ in provided}
-    known |= {one.type for offer in offers for one in offer.guarantee.dimensions}
-    near = NearNames(known)
+    known |= {dimension.type for offer in offers for dimension in offer.guarantee.dimensions}
+    near = SimilarNames(known)
     for need in unmet:
         hints = [near.hint(type_) for type_ in need.types if type_ not in known]
         yield "; ".join(filter(None, (need.reason, *hints)))
@@ -204,7 +210,7 @@ def _needs(instance: str, consert: ConSert, offers: Sequence[_Offer]) -> Iterato
             if demand.id in service.demands
         ]
         need = _Need(instance, demand.id)
-        need.types = (*types, *(one.type for one in demand.dimensions))
+        need.types = (*types, *(dimension.type for dimension in demand.dimensions))
         others = [offer for offer in offers if offer.instance != instance]
         candidates = [
             offer for offer in others if not types or not offer.services.isdisjoint(types)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 CODE = "C028"
 
 
-def mark_defaults(
+def with_default_guarantees(
     conserts: Sequence[ConSert], marks: Sequence[str], file: str = ""
 ) -> tuple[tuple[ConSert, ...], list[Problem]]:
     """Mark guarantees as default ones, before the ConSerts are checked.

@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.kinds import Functions, Reading, with_status
+from eddi_scaffold.kinds import Functions, ReadResult, with_status
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
-from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
+from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
 from eddi_scaffold.kinds.consert.options import accepted, configure, lag, published_ids, settings
@@ -23,23 +23,25 @@ from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 
 
-def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> Reading:
+def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> ReadResult:
     conserts, problems = read_eddi(document, source, marks)
     return _reading(conserts, problems, source, ())
 
 
-def _read_file(source: Source, marks: Sequence[str]) -> Reading:
+def _read_file(source: Source, marks: Sequence[str]) -> ReadResult:
     draft, problems = read_draft(source)
     reading = _reading(() if draft is None else (draft,), problems, source, marks)
     if has_errors(problems):  # the draft was only good for finding more
-        return Reading((), reading.problems)
+        return ReadResult((), reading.problems)
     return reading
 
 
 def _reading(
     conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
-) -> Reading:
-    marked, found = (conserts, []) if not marks else mark_defaults(conserts, marks, source.name)
+) -> ReadResult:
+    marked, found = (
+        (conserts, []) if not marks else with_default_guarantees(conserts, marks, source.name)
+    )
     models: list[ConSertModel] = []
     all_problems = [*problems, *(found if conserts else ())]
     for consert in marked:
@@ -47,7 +49,7 @@ def _reading(
         all_problems += more
         if checked is not None:
             models.append(ConSertModel(NAME, checked.name, checked, source, checked.place))
-    return Reading(tuple(models), tuple(in_order(all_problems)))
+    return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 
 def _check(model: ConSertModel) -> Sequence[Problem]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
 
 GUARANTEE = "string id\nbool active\n"
 
@@ -90,16 +90,16 @@ MESSAGES = {
 _UNKNOWN, _TRUE = 1, 2
 
 
-def _said(status: Any) -> Said:
+def _said(status: Any) -> StatusReading:
     verdicts = tuple(
         Verdict(
-            one.id,
-            state_of(active=one.verdict == _TRUE, known=one.verdict != _UNKNOWN),
-            tuple(one.missing),
+            guarantee.id,
+            state_of(active=guarantee.verdict == _TRUE, known=guarantee.verdict != _UNKNOWN),
+            tuple(guarantee.missing),
         )
-        for one in status.guarantees
+        for guarantee in status.guarantees
     )
-    return Said(verdicts, status.model_id, status.model_digest, tuple(status.accepted))
+    return StatusReading(verdicts, status.model_id, status.model_digest, tuple(status.accepted))
 
 
 VERDICTS: dict[str, Listen] = {"ConSertStatus": _said}

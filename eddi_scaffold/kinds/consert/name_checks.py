@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import NearNames, Place, Problem, error, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, warning
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.yaml_text.nodes import shown
 
@@ -97,7 +97,7 @@ def _members(
 ) -> Iterator[Problem]:
     if not members:
         yield error("C022", f"{name} has no {kind}s", place)
-    known_ids, near = set(known), NearNames(known)
+    known_ids, near = set(known), SimilarNames(known)
     for member in dict.fromkeys(members):
         if member not in known_ids:
             message = f"{name} names an unknown {kind} {shown(member)}"

@@ -44,7 +44,7 @@ def settings(model: ConSertModel) -> dict[str, JsonValue]:
 def published_ids(model: ConSertModel) -> dict[str, str]:
     """Return the ids that guarantees have in messages -> their ids in the model."""
     publish = publishing(settings(model))
-    return {publish(one.id): one.id for one in model.data.guarantees}
+    return {publish(guarantee.id): guarantee.id for guarantee in model.data.guarantees}
 
 
 def publishing(settings: Mapping[str, Any]) -> Callable[[str], str]:

@@ -8,7 +8,7 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.findings import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import stray_texts
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
-from eddi_scaffold.kinds.consert.default_guarantees import mark_defaults
+from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.model import ConSert, ProvidedService, RequiredService
 from eddi_scaffold.kinds.consert.read_eddi_parts import node_name, read_parts
 
@@ -260,7 +260,9 @@ def read_eddi(
     if parts:
         check_stray_text(parts, findings)
         _count_misprints(parts[0], findings)
-    marked, unclear = mark_defaults(conserts, default_guarantees if parts else (), source.name)
+    marked, unclear = with_default_guarantees(
+        conserts, default_guarantees if parts else (), source.name
+    )
     return marked, [*findings.problems(), *unclear]
 
 
@@ -308,7 +310,7 @@ def _system(element: Element, findings: EddiFindings) -> str:
     wanted = names.SERVICE_CONFIGURATIONS
     found = findings.targets(element, names.SERVICE_CONFIGURATION, wanted)
     systems = [configuration.getparent() for configuration in found]
-    return next((one.get("name") or "" for one in systems if one is not None), "")
+    return next((system.get("name") or "" for system in systems if system is not None), "")
 
 
 def _name(element: Element, source: Source, document: EddiDocument) -> str:

@@ -46,20 +46,24 @@ def _unsayable(consert: ConSert) -> Iterator[Problem]:
         dimensions = (node.dimension,) if isinstance(node, Evidence) else node.dimensions
         if not dimensions:
             yield _lost(f"{node.id!r} has no dimension", node.place)
-        for one in dimensions:
-            what = f"dimension {one.type!r} of {node.id!r}"
-            if isinstance(one, BinaryDimension):
-                if not one.value:
-                    yield _lost(f"{what} is good when it is false", one.place)
+        for dimension in dimensions:
+            what = f"dimension {dimension.type!r} of {node.id!r}"
+            if isinstance(dimension, BinaryDimension):
+                if not dimension.value:
+                    yield _lost(f"{what} is good when it is false", dimension.place)
                 continue
-            if one.subset not in ("Demand", "Guarantee") and not is_evidence:
-                relation = "no direction" if one.subset is None else f"the relation {one.subset}"
-                yield _lost(f"{what} has {relation}", one.place)
-            if isinstance(one, NumericDimension):
-                for covered in one.covered:
+            if dimension.subset not in ("Demand", "Guarantee") and not is_evidence:
+                relation = (
+                    "no direction"
+                    if dimension.subset is None
+                    else f"the relation {dimension.subset}"
+                )
+                yield _lost(f"{what} has {relation}", dimension.place)
+            if isinstance(dimension, NumericDimension):
+                for covered in dimension.covered:
                     if not covered.start_inclusive:
-                        text = range_text(covered, one.uom)
-                        yield _lost(f"the start of {text} of {what} lies outside", one.place)
+                        text = range_text(covered, dimension.uom)
+                        yield _lost(f"the start of {text} of {what} lies outside", dimension.place)
 
 
 def _lost(what: str, place: Place) -> Problem:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, nearest
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, most_similar
 from eddi_scaffold.yaml_text import nodes as y
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ class Shape:
         instead: dict[str, str] = {}
         for key in mandatory:
             if key not in present:
-                found = nearest(key, strange[:_MOST_STRANGE])
+                found = most_similar(key, strange[:_MOST_STRANGE])
                 if found is not None:
                     instead[found] = key
                 hint = _missing_hint(key, found) or (

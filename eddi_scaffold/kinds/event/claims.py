@@ -27,7 +27,7 @@ def meanings(document: Mapping[str, Any] | None, event: str | None) -> Meanings:
         event: the only one on the topic, ``None`` for any.
     """
     outputs = () if document is None else document["form"]["outputs"]
-    on_topic = [one for one in outputs if event in (None, one["id"])]
+    on_topic = [output for output in outputs if event in (None, output["id"])]
     polarities = {one["polarity"] for one in on_topic}
     verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
     active = _active(on_topic, polarities) if document is not None else Meaning((), known=_KNOWN)

@@ -17,7 +17,7 @@ from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.uses import accepted as silences
-from eddi_scaffold.kinds import InputType, ModelInput, Options, Reading, Skeleton, TypedModel
+from eddi_scaffold.kinds import InputType, ModelInput, Options, ReadResult, Skeleton, TypedModel
 from eddi_scaffold.kinds.event.claims import uses_of
 
 NAME = "event"
@@ -83,17 +83,17 @@ EventModel = TypedModel[Events, None]
 """A file of events; the configuration's rate goes into the events themselves."""
 
 
-def read_file(source: Source, _marks: Sequence[str] = ()) -> Reading:
+def read_file(source: Source, _marks: Sequence[str] = ()) -> ReadResult:
     """Read a file of events; what depends on the rate is checked by ``configure``."""
     try:
         text = source.text("E001")
     except EddiError as refused:
-        return Reading((), refused.problems)
+        return ReadResult((), refused.problems)
     data, problems = read_text(text, source.name)
     if data is None:
-        return Reading((), tuple(problems))
+        return ReadResult((), tuple(problems))
     model = EventModel(NAME, source.stem, data, source, Place(source.name, 1, 1))
-    return Reading((model,), tuple(problems))
+    return ReadResult((model,), tuple(problems))
 
 
 def read_text(
@@ -111,7 +111,7 @@ def read_text(
     analysis = analyse(text, any_rate=True, name=name, locate=locate)
     place = placed.place if placed is not None else Place(name, 1, 1)
     problems = [*analysis.problems, *_numbers(analysis, place)]
-    problems = [placed.told(one) for one in problems] if placed is not None else problems
+    problems = [placed.told(problem) for problem in problems] if placed is not None else problems
     events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
     return None if has_errors(problems) else events, problems
 
@@ -159,11 +159,15 @@ def skeleton(model: EventModel, options: Options) -> Skeleton:
     if configured is None:
         raise EddiError(*problems)
     told = dict(_commented(model.data.text))
-    limits = {one.name: one.timeout / 1e9 for one in configured.data.analysis.inputs if one.timeout}
+    limits = {
+        input_.name: input_.timeout / 1e9
+        for input_ in configured.data.analysis.inputs
+        if input_.timeout
+    }
     return Skeleton(
         [
-            replace(one, description=told.get(one.id), timeout=limits.get(one.id))
-            for one in inputs(configured)
+            replace(input_, description=told.get(input_.id), timeout=limits.get(input_.id))
+            for input_ in inputs(configured)
         ]
     )
 
@@ -184,7 +188,9 @@ def model_part(model: EventModel) -> dict[str, Any]:
     form = model.data.analysis.form
     assert form is not None
     words = {
-        output["id"]: list(dict.fromkeys(one.word for one in silences(form, output["node"])))
+        output["id"]: list(
+            dict.fromkeys(silence.word for silence in silences(form, output["node"]))
+        )
         for output in form["outputs"]
     }
     accepts = {id_: found for id_, found in words.items() if found}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
 
 EVENT_OUTPUT = """\
 # One conditional event in one step.
@@ -32,13 +32,13 @@ MESSAGES = {"EventOutput": EVENT_OUTPUT}
 _FALSE, _UNKNOWN = 0, 1
 
 
-def _said(event: Any) -> Said:
+def _said(event: Any) -> StatusReading:
     unknown = event.verdict == _UNKNOWN  # also of a hazard, which is active then
     reasons = ("unknown counts as there",) if unknown and event.active else ()
     if event.verdict == _FALSE:
         reasons = ("the condition is FALSE",)
     one = Verdict(event.id, state_of(active=event.active, known=not unknown), reasons)
-    return Said((one,), accepted=tuple(event.accepted), whole=False)
+    return StatusReading((one,), accepted=tuple(event.accepted), whole=False)
 
 
 VERDICTS: dict[str, Listen] = {"EventOutput": _said}

@@ -21,7 +21,7 @@ from eddi_scaffold.eddi_xml.extensions import (
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.event.events import DEFAULT_RATE, NAME, EventModel, Placed, read_text
 
 if TYPE_CHECKING:
@@ -35,20 +35,24 @@ _WORD = re.compile(r"(?:ENUM|VAR|CONST|EVENT)\b", re.IGNORECASE)
 _TEXT = re.compile(r'"[^"]*"')
 
 
-def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> ReadResult:
     """Read the events of an EDDI."""
     models: list[EventModel] = []
     problems: list[Problem] = []
-    for one in extension_maps(document, EVENTS):
-        found = [*unknown_tags(one, (MODEL, FREQUENCY, *DECLARATIONS, COMMENT), (FREQUENCY,))]
-        found += _wrong_values(one)
-        if one.model is None or has_errors(found):  # a missing name is told once for all kinds
+    for extension_map in extension_maps(document, EVENTS):
+        found = [
+            *unknown_tags(extension_map, (MODEL, FREQUENCY, *DECLARATIONS, COMMENT), (FREQUENCY,))
+        ]
+        found += _wrong_values(extension_map)
+        if extension_map.model is None or has_errors(
+            found
+        ):  # a missing name is told once for all kinds
             problems += found
             continue
-        model, more = _model(one, one.model, source)
+        model, more = _model(extension_map, extension_map.model, source)
         problems += [*found, *more]
         models += [model] if model is not None else []
-    return Reading(tuple(models), tuple(problems))
+    return ReadResult(tuple(models), tuple(problems))
 
 
 def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
@@ -104,11 +108,13 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
         EddiError: a comment is not on a line of its own, or there is a bare expression (X032).
     """
     text = model.data.text
-    tokens = [one for one in tokens_of(text, TextFindings(text, in_text(text))) if one.text != ";"]
+    tokens = [
+        token for token in tokens_of(text, TextFindings(text, in_text(text))) if token.text != ";"
+    ]
     begins = [
         k
-        for k, one in enumerate(tokens)
-        if one.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
+        for k, token in enumerate(tokens)
+        if token.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
     ]
     if not begins or begins[0] != 0:
         hint = "write EVENT Name (EVIDENCE) := the condition"

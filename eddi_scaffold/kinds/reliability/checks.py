@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from eddi_scaffold.common.problems import NearNames, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
 from eddi_scaffold.compiling.reliability import markov
 from eddi_scaffold.compiling.reliability.cut_sets import LIMIT, minimal_cut_sets
 from eddi_scaffold.compiling.reliability.diagram import COHERENT, NODE_LIMIT, TooLargeError
@@ -138,7 +138,7 @@ def _open_ports(system: ReliabilitySystem) -> Iterator[Problem]:
 
 def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     names = list(system.components)
-    near = NearNames(names, "there are")
+    near = SimilarNames(names, "there are")
     for component in system.components.values():
         for below in component.below:
             if below not in system.components:
@@ -289,7 +289,7 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
             return []
     if tree.cut_sets is None or ours is None:
         return []
-    named = frozenset(frozenset(events[i]["name"] for i in one) for one in ours)
+    named = frozenset(frozenset(events[i]["name"] for i in our) for our in ours)
     if named == tree.cut_sets:
         return []
     message = (
@@ -315,7 +315,7 @@ def _no_bounds(component: ComponentModel, tree: FaultTree) -> Problem:
 
 
 def _sets(sets: frozenset[frozenset[str]]) -> str:
-    shown = sorted((sorted(one) for one in sets), key=lambda one: (len(one), one))
+    shown = sorted((sorted(set_) for set_ in sets), key=lambda one: (len(one), one))
     text = " ".join("{" + ", ".join(one) + "}" for one in shown[:10])
     return f"{text} and {len(shown) - 10} more" if len(shown) > 10 else text
 
@@ -345,9 +345,9 @@ def _inputs(system: ReliabilitySystem) -> Iterator[Problem]:
     owners: dict[str, Place] = {}
     for component in used(system).components.values():
         alone = ReliabilitySystem({component.name: component}, component.name)
-        for one in inputs_of(alone):
+        for input_ in inputs_of(alone):
             shared = isinstance(component.content, Chain)  # a verdict may serve several chains
-            if one.id in owners and not shared:
-                message = f"two inputs are called {one.id!r}: rename a model or an event"
+            if input_.id in owners and not shared:
+                message = f"two inputs are called {input_.id!r}: rename a model or an event"
                 yield error("R001", message, component.place)
-            owners[one.id] = component.place
+            owners[input_.id] = component.place

@@ -42,4 +42,4 @@ MEANINGS: Meanings = {
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     """Return what the thresholds rest on: every input counts in the probability of failure."""
     inputs = frozenset(spec["id"] for spec in document["inputs"])
-    return {one["id"]: inputs for one in document["model"].get("thresholds", ())}
+    return {threshold["id"]: inputs for threshold in document["model"].get("thresholds", ())}

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from eddi_scaffold.common.files import Source, beside, read_source
+from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, warning
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Reading, Skeleton
+from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, ReadResult, Skeleton
 from eddi_scaffold.kinds.reliability import MEF_SUFFIXES, show
 from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
 from eddi_scaffold.kinds.reliability.checks import check_system
@@ -30,39 +30,43 @@ from eddi_scaffold.kinds.reliability.write import to_mef, to_yaml
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
 
 
-def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> Reading:
+def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> ReadResult:
     """Read the chains and the top events of an EDDI, one model each."""
     systems, problems = from_eddi.read_eddi(document, source)
     if has_errors(problems):
-        return Reading((), tuple(problems))
-    models = tuple(ReliabilityModel(NAME, one.top, one, source, one.place) for one in systems)
-    return Reading(models, tuple(problems))
+        return ReadResult((), tuple(problems))
+    models = tuple(
+        ReliabilityModel(NAME, system.top, system, source, system.place) for system in systems
+    )
+    return ReadResult(models, tuple(problems))
 
 
-def read_file(source: Source, _: Sequence[str]) -> Reading:
+def read_file(source: Source, _: Sequence[str]) -> ReadResult:
     """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
     if source.name.lower().endswith(MEF_SUFFIXES):
         return _read_mef(source)
     root, problems = read_map(source, "R001")
     if root is None or has_errors(problems):
-        return Reading((), tuple(in_order(problems)))
+        return ReadResult((), tuple(in_order(problems)))
     values = Values(value_11(root), _finder(root), problems=problems)
     library = _library(values, source)
     system, problems = read_system(values, library, None)
     if system is None:
-        return Reading((), tuple(in_order(problems)))
+        return ReadResult((), tuple(in_order(problems)))
     model = ReliabilityModel(NAME, source.stem, system, source, root.place)
-    return Reading((model,), tuple(in_order(problems)))
+    return ReadResult((model,), tuple(in_order(problems)))
 
 
-def _read_mef(source: Source) -> Reading:
+def _read_mef(source: Source) -> ReadResult:
     with source.open() as stream:
         tree, problems = load(stream, source.name)
     if tree is None:
-        return Reading((), tuple(problems))
+        return ReadResult((), tuple(problems))
     systems, found = read_mef(tree.document, source.name, source.stem)
-    models = tuple(ReliabilityModel(NAME, one.top, one, source, one.place) for one in systems)
-    return Reading(models, tuple(in_order([*problems, *found])))
+    models = tuple(
+        ReliabilityModel(NAME, system.top, system, source, system.place) for system in systems
+    )
+    return ReadResult(models, tuple(in_order([*problems, *found])))
 
 
 def _finder(root: Node) -> Callable[..., Place]:
@@ -90,7 +94,7 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
     if name is None:
         return {}
     try:
-        eddi = read_source(beside(source.name, name))
+        eddi = read_source(next_to(source.name, name))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         values.error("R001", f"file {name!r}: {reasons}", "file")
@@ -101,7 +105,7 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
         return {}
     systems, problems = from_eddi.read_eddi(document, eddi)
     values.problems += problems
-    return {one.top: one for one in systems}
+    return {system.top: system for system in systems}
 
 
 def configure(
@@ -153,19 +157,19 @@ def _never(system: ReliabilitySystem) -> list[Problem]:
     worst = at_start(system, known=False)
     when = "at mission start" + (", however near the end is" if system.mission_end else "")
     found = []
-    for one in system.thresholds:
-        if best.p_fail > one.activate:
+    for threshold in system.thresholds:
+        if best.p_fail > threshold.activate:
             message = (
-                f"threshold {one.id!r} cannot be met {when}: p_fail is "
-                f"{best.p_fail:.3g}, above {one.activate:g}"
+                f"threshold {threshold.id!r} cannot be met {when}: p_fail is "
+                f"{best.p_fail:.3g}, above {threshold.activate:g}"
             )
-            found.append(warning("R014", message, one.place))
-        elif worst.p_fail_high <= one.activate and inputs_of(system):
+            found.append(warning("R014", message, threshold.place))
+        elif worst.p_fail_high <= threshold.activate and inputs_of(system):
             message = (
-                f"threshold {one.id!r} is always met at mission start: with nothing known "
+                f"threshold {threshold.id!r} is always met at mission start: with nothing known "
                 f"p_fail is at most {worst.p_fail_high:.3g}"
             )
-            found.append(warning("R014", message, one.place))
+            found.append(warning("R014", message, threshold.place))
     return found
 
 
@@ -190,15 +194,20 @@ def skeleton(model: ReliabilityModel, options: Options) -> Skeleton:
 def outputs(model: ReliabilityModel) -> Sequence[ModelOutput]:
     """Return the topics of thresholds that have one."""
     return [
-        ModelOutput(one.id, one.topic, ("evidence", ("id", one.id), "active"), one.place)
-        for one in model.data.thresholds
-        if one.topic is not None
+        ModelOutput(
+            threshold.id,
+            threshold.topic,
+            ("evidence", ("id", threshold.id), "active"),
+            threshold.place,
+        )
+        for threshold in model.data.thresholds
+        if threshold.topic is not None
     ]
 
 
 def ids(model: ReliabilityModel) -> Mapping[str, Sequence[str]]:
     """Return the thresholds that the message contains."""
-    return {"evidence": [one.id for one in model.data.thresholds]}
+    return {"evidence": [threshold.id for threshold in model.data.thresholds]}
 
 
 def model_part(model: ReliabilityModel) -> dict[str, Any]:

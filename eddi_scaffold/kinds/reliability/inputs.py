@@ -24,8 +24,8 @@ def inputs_of(system: ReliabilitySystem) -> list[ModelInput]:
     """Return the inputs in the order of the models; one that serves two of them once."""
     found: dict[str, ModelInput] = {}
     for component in system.components.values():
-        for one in _inputs(component):
-            found.setdefault(one.id, one)
+        for input_ in _inputs(component):
+            found.setdefault(input_.id, input_)
     if system.mission_end:
         text = "Seconds from now to the end of the mission"
         left = system.horizon * 3600.0
@@ -33,7 +33,7 @@ def inputs_of(system: ReliabilitySystem) -> list[ModelInput]:
             MISSION_END, "float", unit="s", description=text, sample=left
         )
     inputs = list(found.values())
-    return [_with_uses(one) for one in inputs] if _is_coherent(system) else inputs
+    return [_with_uses(input_) for input_ in inputs] if _is_coherent(system) else inputs
 
 
 def _is_coherent(system: ReliabilitySystem) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
 
 RELIABILITY_OUTPUT = """\
 std_msgs/Header header
@@ -42,7 +42,7 @@ MESSAGES = {
 """ROS message name -> text of its ``.msg`` file."""
 
 
-def _said(output: Any) -> Said:
+def _said(output: Any) -> StatusReading:
     reasons = tuple(output.unknown_inputs) or ((output.reason,) if output.reason else ())
     text = f"p_fail {output.p_fail:.3g}"
     valid = Verdict("valid", state_of(active=output.valid, known=False), reasons, text)
@@ -54,7 +54,7 @@ def _said(output: Any) -> Said:
         )
         for one in output.evidence
     )
-    return Said((valid, *thresholds), output.model, accepted=tuple(output.accepted))
+    return StatusReading((valid, *thresholds), output.model, accepted=tuple(output.accepted))
 
 
 VERDICTS: dict[str, Listen] = {"ReliabilityOutput": _said}

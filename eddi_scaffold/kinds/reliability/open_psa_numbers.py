@@ -76,7 +76,7 @@ class Numbers:
             raise self._fault("R017", f"event {name!r} has {len(parts)} expressions", parts[1])
         if house:
             is_true = [
-                feature_of(one) == "constant" and one.get("value") == "true" for one in parts
+                feature_of(part) == "constant" and part.get("value") == "true" for part in parts
             ]
             return Law("fixed", (float(is_true == [True]),))
         if not parts:
@@ -91,7 +91,7 @@ class Numbers:
             time = self._not_negative(values[1], path)
             return Law("fixed", (-math.expm1(-rate * time),))
         if of == "weibull" and len(values) == 4 and times == 1.0:
-            scale, shape, start = (self.number(one, path) for one in values[:3])
+            scale, shape, start = (self.number(value, path) for value in values[:3])
             if scale <= 0.0 or not 1e-6 <= shape <= 1e6 or start != 0.0:
                 message = f"event {name!r}: scale and shape must be above 0, the location 0"
                 raise self._fault("R002", message, parts[0])
@@ -106,10 +106,10 @@ class Numbers:
     def _missions(self, element: Element, path: tuple[str, ...]) -> float | None:
         """Return how many mission times an expression is, ``None`` where it is not so many."""
         parts = arguments(element) if feature_of(element) == "mul" else [element]
-        others = [one for one in parts if feature_of(one) != _MISSION]
+        others = [part for part in parts if feature_of(part) != _MISSION]
         if len(others) != len(parts) - 1:
             return None
-        return math.prod(self._not_negative(one, path) for one in others)
+        return math.prod(self._not_negative(other, path) for other in others)
 
     def number(self, element: Element, path: tuple[str, ...], depth: int = 0) -> float:
         """Return the value of an expression, in hours and 1/h where it has a unit.
@@ -134,7 +134,7 @@ class Numbers:
             self._doubts.setdefault(
                 of[-7:], warning("R018", message, place_of(element, self._file))
             )
-        values = [self.number(one, path, depth + 1) for one in arguments(element)]
+        values = [self.number(argument, path, depth + 1) for argument in arguments(element)]
         try:
             found = operation(values)
         except (ArithmeticError, ValueError, IndexError, TypeError):

@@ -52,16 +52,16 @@ def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
 def _chain(entry: Values, errors: int) -> Chain:
     """Read a chain of an entry that had so many errors before anything of it was looked at."""
     arcs: list[Arc] = []
-    for one in entry.maps("arcs"):
-        one.only(("from", "to", "rate"))
-        source, target = one.text("from", required=True), one.text("to", required=True)
-        value = one.quantity("rate", rate, required=True)
+    for map_ in entry.maps("arcs"):
+        map_.only(("from", "to", "rate"))
+        source, target = map_.text("from", required=True), map_.text("to", required=True)
+        value = map_.quantity("rate", rate, required=True)
         if source is None or target is None or value is None:
             continue
         if source == target:
-            one.error("X020", f"the arc leads from {source!r} to itself")
+            map_.error("X020", f"the arc leads from {source!r} to itself")
         else:
-            arcs.append(Arc(source, target, value, one.place()))
+            arcs.append(Arc(source, target, value, map_.place()))
     named = [name for arc in arcs for name in (arc.source, arc.target)]
     states = entry.texts("states") or tuple(dict.fromkeys(named))
     for i, arc in enumerate(arcs):

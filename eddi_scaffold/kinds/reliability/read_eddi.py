@@ -162,13 +162,13 @@ class _Reader:
     def _unused(self, machine: Element, states: Sequence[Element]) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
         found = [
-            (word.INITIAL_PROBABILITY, one)
+            (word.INITIAL_PROBABILITY, child)
             for state in states
-            for one in self._children(state, word.INITIAL_PROBABILITY)
+            for child in self._children(state, word.INITIAL_PROBABILITY)
         ]
         found += [
-            (word.TRANSITION_MATRICES, one)
-            for one in self._children(machine, word.TRANSITION_MATRICES)
+            (word.TRANSITION_MATRICES, child)
+            for child in self._children(machine, word.TRANSITION_MATRICES)
         ]
         for feature, element in found:
             message = f"{self.document.describe(machine)} has {feature.name}, not used"
@@ -177,7 +177,7 @@ class _Reader:
     def _machine(self, element: Element) -> None:
         """Warn of a state machine that is none by its rates alone."""
         transitions = self.document.children(element, word.TRANSITIONS)
-        rates = [one for one in transitions if has_rate(self.document, one)]
+        rates = [transition for transition in transitions if has_rate(self.document, transition)]
         if rates:
             what = self.document.describe(element)
             message = f"{what} is no Markov chain: {len(rates)} of {len(transitions)} transitions "
@@ -190,7 +190,7 @@ class _Reader:
         name = self.labels[states[0]][0]
         component, labels = self.chains[name], [self.labels[state][1] for state in states]
         assert isinstance(component.content, Chain)
-        fail = tuple(one for one in component.content.states if one in labels)
+        fail = tuple(state for state in component.content.states if state in labels)
         if fail == component.content.fail:
             return name
         variant = f"{name}/{' or '.join(fail)}"
@@ -244,7 +244,7 @@ class _Reader:
             content, uses = self._tree(top, tree)
             place = self._place(tree if len(tops) == 1 else top)
             component = ComponentModel(full, "fault_tree", content, place=place)
-            chains = {one: self.chains[one] for one in uses}
+            chains = {use: self.chains[use] for use in uses}
             yield ReliabilitySystem({**chains, full: component}, full, place=place)
 
     def _cycle(self, causes: list[Element]) -> bool:
@@ -354,7 +354,7 @@ class _Reader:
             owner = self.model_of[cause]
             candidates = [name] if owner is tree else []
             candidates += [f"{self.names[owner]}/{name}", f"{self.names[owner]}/{name}#{i}"]
-            ids[cause] = next(one for one in candidates if one not in taken)
+            ids[cause] = next(candidate for candidate in candidates if candidate not in taken)
             taken.add(ids[cause])
         return ids
 
@@ -452,16 +452,16 @@ class _Reader:
                     message = f"cut sets of {self.document.describe(tree)} that are not of its top "
                     self.findings.count("info", "R016", f"{message}are not compared", group)
                 continue
-            for one in self._children(group, word.SETS):
-                causes = self._children(one, word.CAUSES)
-                of = self._failures(one, word.FAILURES)
+            for child in self._children(group, word.SETS):
+                causes = self._children(child, word.CAUSES)
+                of = self._failures(child, word.FAILURES)
                 of += [
                     failure for cause in causes for failure in self._failures(cause, word.FAILURE)
                 ]
                 names = [failures.get(f, [self._named(f, 0, "?")]) for f in of]
                 odd = any(self.document.attribute(c, n) for c in causes for n in _OTHERS_OF_SETS)
-                if odd or self._children(one, word.SEQUENCES) or any(len(n) > 1 for n in names):
-                    left_out.append(one)
+                if odd or self._children(child, word.SEQUENCES) or any(len(n) > 1 for n in names):
+                    left_out.append(child)
                 found.add(frozenset(name[0] for name in names))
         if left_out:
             message = f"{len(left_out)} cut sets of {self.document.describe(tree)} name more than "

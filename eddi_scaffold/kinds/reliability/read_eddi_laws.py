@@ -35,9 +35,9 @@ class Laws:
         """Return the value of a key of an element, None where it has none."""
         values = [
             value
-            for one in self._document.children(element, word.KEY_VALUE_MAPS)
-            if (self._document.attribute(one, word.KEY) or "").casefold() == key.casefold()
-            for value in self._document.children(one, word.VALUES)
+            for child in self._document.children(element, word.KEY_VALUE_MAPS)
+            if (self._document.attribute(child, word.KEY) or "").casefold() == key.casefold()
+            for value in self._document.children(child, word.VALUES)
         ]
         value = self._only(values)
         return (
@@ -112,9 +112,9 @@ class Laws:
     def _distribution(self, element: Element, what: str) -> Law | None:
         given = (self._document.attribute(element, word.DISTRIBUTION_TYPE) or "").strip()
         parameters: dict[str, list[Element]] = {}
-        for one in self._document.children(element, word.PARAMETERS):
-            name = (self._document.attribute(one, word.NAME) or "").casefold()
-            parameters.setdefault(_ALSO.get(name, name), []).append(one)
+        for child in self._document.children(element, word.PARAMETERS):
+            name = (self._document.attribute(child, word.NAME) or "").casefold()
+            parameters.setdefault(_ALSO.get(name, name), []).append(child)
         for same in parameters.values():
             self._only(same)
         texts = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from eddi_scaffold.common.problems import EddiError, NearNames, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, error, warning
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.kinds.reliability.open_psa_numbers import Numbers, arguments, place_of
 from eddi_scaffold.kinds.reliability.system import (
@@ -148,7 +148,7 @@ class _Reader:
         Args:
             is_whole: nothing was refused that may define what others name.
         """
-        self.near = NearNames(self.names.defined)
+        self.near = SimilarNames(self.names.defined)
         for key, one in self.names.defined.items():
             of = feature_of(one.element)
             try:
@@ -161,7 +161,9 @@ class _Reader:
                     place = place_of(one.element, self.file)
                     self.events[key] = BasicEvent(key, law, place=place)
             except EddiError as fault:
-                self.problems += [one for one in fault.problems if is_whole or one.code != "R001"]
+                self.problems += [
+                    problem for problem in fault.problems if is_whole or problem.code != "R001"
+                ]
 
     def _gate(self, key: str, one: _Defined) -> None:
         formulas = arguments(one.element)

@@ -83,7 +83,7 @@ def read_system(
 
 def _top(components: dict[str, ComponentModel], values: Values) -> str:
     """Return the one model that no other uses; several become a series."""
-    used = {name for one in components.values() for name in one.below}
+    used = {name for component in components.values() for name in component.below}
     free = [name for name in components if name not in used] or list(components)
     if len(free) == 1:
         return free[0]

@@ -25,7 +25,7 @@ from eddi_scaffold.kinds.reliability.system import (
 
 def runtime_model(system: ReliabilitySystem) -> dict[str, Any]:
     """Return what the runtime compiles: only what the top uses, each behind what it needs."""
-    below = {name: one.below for name, one in system.components.items()}
+    below = {name: component.below for name, component in system.components.items()}
     names = [n for n in order(system.top, below)[0] if n in system.components]
     return {
         "components": [_component(system.components[name]) for name in names],
@@ -44,9 +44,9 @@ def runtime_model(system: ReliabilitySystem) -> dict[str, Any]:
 
 def used(system: ReliabilitySystem) -> ReliabilitySystem:
     """Return the system without models that the top does not use."""
-    below = {name: one.below for name, one in system.components.items()}
+    below = {name: component.below for name, component in system.components.items()}
     names = set(order(system.top, below)[0])
-    kept = {name: one for name, one in system.components.items() if name in names}
+    kept = {name: component for name, component in system.components.items() if name in names}
     return replace(system, components=kept)
 
 
@@ -103,7 +103,9 @@ def _tree(name: str, tree: FaultTree) -> dict[str, Any]:
 
 def gates_of(part: dict[str, Any]) -> tuple[Number, ...]:
     """Return the gates of a fault tree of the runtime model."""
-    return tuple(Number(one["type"], tuple(one["of"]), one.get("k", 0)) for one in part["gates"])
+    return tuple(
+        Number(gate["type"], tuple(gate["of"]), gate.get("k", 0)) for gate in part["gates"]
+    )
 
 
 def diagram_of(part: dict[str, Any], known: dict[int, bool] | None = None) -> Diagram:
@@ -117,7 +119,7 @@ def diagram_of(part: dict[str, Any], known: dict[int, bool] | None = None) -> Di
         TooLargeError: it is above the limit.
     """
     events = part["events"]
-    first = frozenset(i for i, one in enumerate(events) if one["input"] is not None)
+    first = frozenset(i for i, event in enumerate(events) if event["input"] is not None)
     limit = part.get("node_limit", NODE_LIMIT)
     sure = certain(events) if known is None else known
     return build(len(events), gates_of(part), part["top"], first, limit, sure)

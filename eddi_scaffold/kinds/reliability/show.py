@@ -52,11 +52,11 @@ def outline(system: ReliabilitySystem) -> list[str]:
         mark = " (top)" if component.name == system.top else ""
         lines.append(f"{component.type} {component.name}{mark}")
         lines += [f"  {line}" for line in _content(component)]
-    for one in system.thresholds:
-        on = f", on {one.topic}" if one.topic else ""
-        limits = f"p_fail <= {one.activate:g}, gone above {one.release:g}"
-        limits += f", after {one.hold:g} s" if one.hold else ""
-        lines.append(f"threshold {one.id}: {limits}{on}")
+    for threshold in system.thresholds:
+        on = f", on {threshold.topic}" if threshold.topic else ""
+        limits = f"p_fail <= {threshold.activate:g}, gone above {threshold.release:g}"
+        limits += f", after {threshold.hold:g} s" if threshold.hold else ""
+        lines.append(f"threshold {threshold.id}: {limits}{on}")
     return lines
 
 
@@ -178,7 +178,7 @@ def _cut_sets(component: ComponentModel) -> list[str]:
         reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
         return [f"{tree} {reason}.", ""]
     lines = [f"Minimal cut sets of {tree}: {len(names)}", ""]
-    lines += [f"- {markdown_text(', '.join(one))}" for one in names[:_SHOWN]]
+    lines += [f"- {markdown_text(', '.join(name))}" for name in names[:_SHOWN]]
     if len(names) > _SHOWN:
         lines.append(f"- and {len(names) - _SHOWN} more")
     return [*lines, ""]
@@ -236,10 +236,10 @@ def picture(name: str, system: ReliabilitySystem) -> Diagram:
                 for below in component.uses
                 if below in system.components  # `check` says what is missing
             ]
-    for one in system.thresholds:
-        lines = (one.id, f"p_fail <= {one.activate:g}")
-        nodes.append(DiagramNode(f"evidence:{one.id}", lines, "hexagon", "output"))
-        edges.append(DiagramEdge(_top(system, system.top), f"evidence:{one.id}"))
+    for threshold in system.thresholds:
+        lines = (threshold.id, f"p_fail <= {threshold.activate:g}")
+        nodes.append(DiagramNode(f"evidence:{threshold.id}", lines, "hexagon", "output"))
+        edges.append(DiagramEdge(_top(system, system.top), f"evidence:{threshold.id}"))
     shapes = {(node.shape, node.tone) for node in nodes}
     legend = tuple(one for one in _LEGEND if (one.shape, one.tone) in shapes)
     text = "chains of states and the fault trees that use them"

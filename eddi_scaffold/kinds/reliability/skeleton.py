@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from eddi_scaffold.eddi_xml.reading import sniff
+from eddi_scaffold.eddi_xml.reading import recognises
 from eddi_scaffold.kinds import TODO, JsonValue, Skeleton
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.runtime_model import used
@@ -21,7 +21,7 @@ def drafted(model: ReliabilityModel, configured: ReliabilityModel | None) -> Ske
         configured: with what is decided already, ``None`` where that does not fit.
     """
     inputs = inputs_of(used(configured.data)) if configured is not None else []
-    if not sniff(model.source):
+    if not recognises(model.source):
         return Skeleton(inputs)
     models: dict[str, JsonValue] = {}
     notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}

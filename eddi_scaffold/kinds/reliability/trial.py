@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
-from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.execution import build, module_of
 from eddi_scaffold.compiling.reliability.emission import FORMAT, lines_of
@@ -62,7 +62,7 @@ def mean_life(system: ReliabilitySystem) -> float | None:
     values = SimpleNamespace(**_start(system))
     plain = _model_file(replace(system, mission_end=False, thresholds=()))
     compiled = module_of(
-        whole_text(plain, {"reliability": FORMAT}, lines_of(plain, states=0)), plain.id
+        module_text(plain, {"reliability": FORMAT}, lines_of(plain, states=0)), plain.id
     )
     if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
         batteries = vars(compiled)["battery"].Battery
@@ -145,7 +145,7 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
 
 
 def _model_file(system: ReliabilitySystem) -> ModelFile:
-    specs = tuple(InputData(one.id, one.id) for one in inputs_of(used(system)))
+    specs = tuple(InputData(input_.id, input_.id) for input_ in inputs_of(used(system)))
     return ModelFile("", "reliability", "m", "", {}, specs, runtime_model(system), {}, _no_data)
 
 
@@ -155,7 +155,7 @@ def _no_data(_: str) -> bytes:
 
 def _start(system: ReliabilitySystem) -> dict[str, Any]:
     """Return inputs that report no failure."""
-    return {one.id: one.sample for one in inputs_of(used(system))}
+    return {input_.id: input_.sample for input_ in inputs_of(used(system))}
 
 
 def proximity(

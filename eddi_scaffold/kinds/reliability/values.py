@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.common.problems import NearNames, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
 from eddi_scaffold.common.units import Quantity, QuantityError, UnitError, number, temperature
 
 KEY = -1
@@ -46,7 +46,7 @@ class Values:
     @property
     def errors(self) -> int:
         """Number of errors found so far, so that a caller knows whether its part has one."""
-        return sum(one.level == "error" for one in self.problems)
+        return sum(problem.level == "error" for problem in self.problems)
 
     def place(self, *keys: str | int) -> Place:
         """Return the place of something in this map."""
@@ -73,13 +73,13 @@ class Values:
         self, key: str, given: str, what: str, known: Iterable[str], *, is_key: bool = False
     ) -> None:
         """Report that a value, or a key, is none of those that are known (R001)."""
-        hint = NearNames(list(known), "there are").hint(given)
+        hint = SimilarNames(list(known), "there are").hint(given)
         path = (key, KEY) if is_key else (key,)
         self.error("R001", f"there is no {what} {given!r}", *path, hint=hint)
 
     def only(self, known: Sequence[str]) -> None:
         """Report the keys that are not known (R001)."""
-        near = NearNames(known, "known keys")
+        near = SimilarNames(known, "known keys")
         for key in self.names():
             if key not in known:
                 self.error("R001", f"unknown key {key!r}", key, KEY, hint=near.hint(key))
@@ -128,11 +128,11 @@ class Values:
         if items is None:
             return ()
         if not isinstance(items, list) or any(
-            isinstance(one, list | dict | bool) or one is None for one in items
+            isinstance(item, list | dict | bool) or item is None for item in items
         ):
             self.error("R002", f"{key}: a list of names is expected", key)
             return ()
-        return tuple(str(one) for one in items)
+        return tuple(str(item) for item in items)
 
     def choice(self, key: str, known: Sequence[str]) -> str | None:
         """Return one of several words."""

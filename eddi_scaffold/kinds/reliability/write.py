@@ -130,7 +130,7 @@ def to_yaml(system: ReliabilitySystem) -> str:
     else:
         data["horizon"] = _hours(system.horizon)
     data["top"] = system.top
-    data["models"] = {name: _component(one) for name, one in system.components.items()}
+    data["models"] = {name: _component(component) for name, component in system.components.items()}
     if system.thresholds:
         data["thresholds"] = [
             {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}

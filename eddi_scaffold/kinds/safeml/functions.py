@@ -14,7 +14,7 @@ from eddi_scaffold.kinds import (
     Functions,
     ModelInput,
     Options,
-    Reading,
+    ReadResult,
     Skeleton,
     with_status,
 )
@@ -42,16 +42,16 @@ _PERIODS = 10
 _DOUBLE = "std_msgs/Float64"
 
 
-def read_file(source: Source, _: Sequence[str]) -> Reading:
+def read_file(source: Source, _: Sequence[str]) -> ReadResult:
     """Read ``safeml_config.yml`` and the reference that it names, relative to it."""
     settings, problems = read_settings(source)
     if settings is None:
-        return Reading((), tuple(in_order(problems)))
+        return ReadResult((), tuple(in_order(problems)))
     reference, found = read_named(source.name, settings)
     if reference is None:
-        return Reading((), tuple(in_order(found)))
+        return ReadResult((), tuple(in_order(found)))
     file = SafeMLFile(settings, reference)
-    return Reading((SafeMLModel(NAME, source.stem, file, source, settings.place("")),), ())
+    return ReadResult((SafeMLModel(NAME, source.stem, file, source, settings.place("")),), ())
 
 
 def check(model: SafeMLModel) -> Sequence[Problem]:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, Said, Verdict, state_of
+from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
 
 VIOLATION_FIELD = "violation_field"
 """Key of ``Model:`` in a configuration."""
@@ -72,12 +72,14 @@ WORDS = {
 _DIFFERS = "the samples differ from the reference"
 
 
-def _said(status: Any) -> Said:
+def _said(status: Any) -> StatusReading:
     text = "" if math.isnan(status.statistic) else f"distance {status.statistic:.3g}"
     reason = status.reason if status.omission else "" if status.in_scope else _DIFFERS
     reasons = (WORDS.get(reason, reason),) if reason else ()
     state = state_of(active=status.in_scope, known=not status.omission)
-    return Said((Verdict("in_scope", state, reasons, text),), accepted=tuple(status.acceptances))
+    return StatusReading(
+        (Verdict("in_scope", state, reasons, text),), accepted=tuple(status.acceptances)
+    )
 
 
 VERDICTS: dict[str, Listen] = {"SafeMLStatus": _said}

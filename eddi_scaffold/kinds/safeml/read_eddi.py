@@ -21,7 +21,7 @@ from eddi_scaffold.eddi_xml.extensions import (
     unknown_tags,
 )
 from eddi_scaffold.eddi_xml.parsing import select
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.runtime_model import export
 from eddi_scaffold.kinds.safeml.scope import NAME, SafeMLFile, SafeMLModel, SafeMLSettings
@@ -36,29 +36,31 @@ _REFERENCE = "reference_sample_file"
 _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
 
 
-def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> Reading:
+def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> ReadResult:
     """Read the SafeML monitors of an EDDI, and the references that they name."""
     models: list[SafeMLModel] = []
     problems: list[Problem] = []
-    for one in extension_maps(document, SAFEML):
+    for extension_map in extension_maps(document, SAFEML):
         known = (MODEL, *KEYS, DIGEST, ARTIFACT)
-        found = [*unknown_tags(one, known, known), *_artifacts(one, document)]
-        if one.model is None or has_errors(found):
+        found = [*unknown_tags(extension_map, known, known), *_artifacts(extension_map, document)]
+        if extension_map.model is None or has_errors(found):
             problems += found
             continue
-        text, settings, more = _settings(one, source.name)
+        text, settings, more = _settings(extension_map, source.name)
         found += more
         if settings is not None:
             reference, more = read_named(source.name, settings)
             found += [_at(problem, settings) for problem in more]
             if reference is not None:
-                found += _digest(one, reference.source)
+                found += _digest(extension_map, reference.source)
                 if not has_errors(found):
                     part = PartSource(source, text.encode())
                     file = SafeMLFile(settings, reference)
-                    models.append(SafeMLModel(NAME, one.model, file, part, one.place))
+                    models.append(
+                        SafeMLModel(NAME, extension_map.model, file, part, extension_map.place)
+                    )
         problems += found
-    return Reading(tuple(models), tuple(problems))
+    return ReadResult(tuple(models), tuple(problems))
 
 
 def in_map(model: SafeMLModel) -> tuple[str, Sequence[tuple[str, str]]]:

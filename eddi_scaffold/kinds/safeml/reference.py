@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eddi_scaffold.common.files import Source, beside, read_source
+from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.kinds.safeml.design import Rows
@@ -40,7 +40,7 @@ def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | N
     """Read the reference that the settings in a file name, relative to it."""
     name = settings.reference_sample_file
     try:
-        return read_reference(read_source(beside(file, name), MAX_BYTES))
+        return read_reference(read_source(next_to(file, name), MAX_BYTES))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
         text = f"reference_sample_file {name!r}: {reasons}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import partial
 
-from eddi_scaffold.mros.brace.tokens import Braces, either
+from eddi_scaffold.mros.brace.tokens import TokenCursor, either
 from eddi_scaffold.mros.model import (
     Artifact,
     Field,
@@ -44,7 +44,7 @@ def read_model(text: Text) -> RosModel:
     Raises:
         MrosSyntaxError: the text is not a model of this dialect.
     """
-    return _ModelReader(Braces(text)).read()
+    return _ModelReader(TokenCursor(text)).read()
 
 
 @dataclass
@@ -58,7 +58,7 @@ class _Draft:
 
 @dataclass
 class _ModelReader:
-    braces: Braces
+    braces: TokenCursor
     packages: list[Package] = field(default_factory=list)
 
     def read(self) -> RosModel:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import partial
 
-from eddi_scaffold.mros.brace.tokens import Braces, either
+from eddi_scaffold.mros.brace.tokens import TokenCursor, either
 from eddi_scaffold.mros.model import (
     Component,
     Connection,
@@ -50,12 +50,12 @@ def read_system(text: Text) -> System:
     Raises:
         MrosSyntaxError: the text is not one.
     """
-    return _SystemReader(Braces(text)).read()
+    return _SystemReader(TokenCursor(text)).read()
 
 
 @dataclass
 class _SystemReader:
-    braces: Braces
+    braces: TokenCursor
     components: list[Component] = field(default_factory=list)
     connections: list[Connection] = field(default_factory=list)
     parameters: int = 0

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import NoReturn, TypeVar
 
-from eddi_scaffold.common.problems import nearest
+from eddi_scaffold.common.problems import most_similar
 from eddi_scaffold.mros.text import Text, alternatives, quoted
 
 T = TypeVar("T")
@@ -51,7 +51,7 @@ def tokens_of(text: str) -> list[Token]:
             return found
 
 
-class Braces:
+class TokenCursor:
     """A position in the tokens of one text."""
 
     def __init__(self, text: Text) -> None:
@@ -95,7 +95,7 @@ class Braces:
             raise self.text.error(offset, f"this {what} is never closed")
         found = "end of file" if kind == "end" else quoted(value)
         words = [word.strip("'") for word in expected]
-        near = nearest(value, words) if kind == "word" and len(words) > 2 else None
+        near = most_similar(value, words) if kind == "word" and len(words) > 2 else None
         hint = f"; did you mean '{near}'?" if near else ""
         raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
 

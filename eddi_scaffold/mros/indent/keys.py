@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from eddi_scaffold.mros.indent.lines import Line, Words
+from eddi_scaffold.mros.indent.lines import Line, LineCursor
 from eddi_scaffold.mros.model import MISSPELT_KEY, Notice
 from eddi_scaffold.mros.text import Text
 
@@ -22,7 +22,7 @@ class Keys:
 
     def known(
         self, lines: Iterable[Line], keys: Iterable[str], what: str
-    ) -> Iterator[tuple[str, Words, Line]]:
+    ) -> Iterator[tuple[str, LineCursor, Line]]:
         """Yield (key in lower case, rest of its line, line) of the known keys of a block.
 
         Raises:
@@ -30,7 +30,7 @@ class Keys:
         """
         wanted = tuple(keys)
         for line in lines:
-            words = Words(self.text, line)
+            words = LineCursor(self.text, line)
             place = words.place()
             key = words.key(what)
             if key.lower() in wanted:

@@ -162,7 +162,7 @@ def _is_number(word: str) -> bool:
     return re.fullmatch(r"-[\d.]+", word) is not None
 
 
-class Words:
+class LineCursor:
     """A position in the tokens of one line."""
 
     def __init__(self, text: Text, line: Line) -> None:
@@ -271,5 +271,5 @@ def skip_block(text: Text, line: Line) -> None:
     waiting = line.below[::-1]
     while waiting:
         inner = waiting.pop()
-        Words(text, inner).skip()
+        LineCursor(text, inner).skip()
         waiting += inner.below[::-1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from eddi_scaffold.mros.indent.keys import Keys
-from eddi_scaffold.mros.indent.lines import Line, Words, blocks_of, skip_block
+from eddi_scaffold.mros.indent.lines import Line, LineCursor, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     Artifact,
     Field,
@@ -51,7 +51,7 @@ class _ModelReader:
     keys: Keys
 
     def package(self, line: Line) -> Package:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.key("a package name")
         words.end()
@@ -72,16 +72,16 @@ class _ModelReader:
             rest.end()
         return Package(name, "", tuple(artifacts), tuple(specs), tuple(dependencies), *place)
 
-    def _dependencies(self, words: Words, line: Line) -> list[str]:
+    def _dependencies(self, words: LineCursor, line: Line) -> list[str]:
         found = [] if words.at_end() else list(words.names())
         for inner in line.below:
-            rest = Words(self.text, inner)
+            rest = LineCursor(self.text, inner)
             found += rest.names()
             rest.end()
         return found
 
     def _artifact(self, line: Line) -> Artifact:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.key("the name of an artifact")
         words.end()
@@ -107,7 +107,7 @@ class _ModelReader:
         return Artifact(name, node, *place)
 
     def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.key("the name of an interface")
         words.end()
@@ -132,7 +132,7 @@ class _ModelReader:
         return Interface(kind, name, of, ns, *place, *type_place, deadline)
 
     def _spec(self, line: Line, kind: str) -> Spec:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.name("the name of a specification")
         if words.accept_punct(":") and not words.at_end():
@@ -143,7 +143,7 @@ class _ModelReader:
         return Spec(kind, name, sections, *place)
 
     def _section(self, line: Line) -> tuple[str, tuple[Field, ...]]:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         offset = words.offset
         name = words.name("message, request, response, goal, result or feedback")
         if name.lower() not in _PARTS:
@@ -152,10 +152,10 @@ class _ModelReader:
         words.accept_punct(":")
         fields = list(self._fields(words))
         for inner in line.below:
-            fields += self._fields(Words(self.text, inner))
+            fields += self._fields(LineCursor(self.text, inner))
         return name.lower(), tuple(fields)
 
-    def _fields(self, words: Words) -> list[Field]:
+    def _fields(self, words: LineCursor) -> list[Field]:
         found: list[Field] = []
         while not words.at_end():
             first = words.name("the type of a field")
@@ -170,7 +170,7 @@ class _ModelReader:
             found.append(Field(first, name, value if equals else None))
         return found
 
-    def _array_of(self, of: str, words: Words) -> str:
+    def _array_of(self, of: str, words: LineCursor) -> str:
         """Read ``[]`` or ``[9]`` behind a type, if it is there."""
         if not words.accept_punct("["):
             return of
@@ -180,7 +180,7 @@ class _ModelReader:
             raise words.fail("']'")
         return f"{of}[]"
 
-    def _type_behind(self, words: Words) -> str:
+    def _type_behind(self, words: LineCursor) -> str:
         """Read the type of ``name: type``, a form of May 2023; ``[T]`` also marks plain fields."""
         if not words.accept_punct("["):
             plain = words.name("the type of the field")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from eddi_scaffold.mros.indent.keys import Keys
-from eddi_scaffold.mros.indent.lines import Line, Words, blocks_of, skip_block
+from eddi_scaffold.mros.indent.lines import Line, LineCursor, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     Component,
     Connection,
@@ -46,7 +46,7 @@ def read_system(text: Text) -> System:
     if not lines:
         raise text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
     first, *others = lines
-    words = Words(text, first)
+    words = LineCursor(text, first)
     name = words.key("the system name")
     _refuse_rossdl(text, first)
     words.end()
@@ -102,7 +102,7 @@ class _SystemReader:
         )
 
     def _subsystem(self, line: Line) -> SubSystem:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.name("the name of a system")
         words.accept_punct(":")
@@ -110,7 +110,7 @@ class _SystemReader:
         return SubSystem(name, *place)
 
     def _node(self, line: Line) -> Component:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         name = words.key("the name of a node")
         words.end()
@@ -131,7 +131,7 @@ class _SystemReader:
         return Component(name, namespace, from_node, tuple(interfaces), parameters, *place)
 
     def _interface(self, line: Line) -> SystemInterface:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         label = words.key("the label of an interface")
         if words.at_end():
@@ -159,7 +159,7 @@ class _SystemReader:
         raise self.text.error(last, f"expected {expected} and a reference behind '{label}:'")
 
     def _connection(self, line: Line) -> Connection:
-        words = Words(self.text, line)
+        words = LineCursor(self.text, line)
         place = words.place()
         offset = words.offset
         if not words.is_punct("["):

@@ -92,7 +92,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model, kind)
     published = published_ids(old.monitor)
     by_class = _options(published, model, kind)
-    uses = _uses(old.config, {one.id for one in wiring.inputs if one.known_type == "bool"})
+    uses = _uses(old.config, {input_.id for input_ in wiring.inputs if input_.known_type == "bool"})
     nodes = _nodes(model, kind)
     observed = [nodes[name] for name, use in uses.items() if use.observed and name in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
@@ -114,9 +114,9 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
             rejects[module.path.name] = text + "\n"
             notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/kept")
         notes += [
-            f"{module.path}: this import is not carried over: {module.segment(one)}"
-            for one in module.imports
-            if not _is_frame_import(one)
+            f"{module.path}: this import is not carried over: {module.segment(import_)}"
+            for import_ in module.imports
+            if not _is_frame_import(import_)
         ]
     fitting = {*_fitting_inputs(old.eddi_input, wiring), *_fitting_nodes(old.config, model, kind)}
     notes += [f"not recovered: {what}" for what in wiring.lost]
@@ -143,7 +143,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
 def _options(published: frozenset[str], model: Model, kind: Kind[Model]) -> Mapping[str, JsonValue]:
     """Return what the configuration must say for the monitor to publish the ids of the old one."""
     choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
-    return next((one for one in choices if published <= _guarantees(model, kind, one)), {})
+    return next((choice for choice in choices if published <= _guarantees(model, kind, choice)), {})
 
 
 def _guarantees(model: Model, kind: Kind[Model], options: Mapping[str, JsonValue]) -> set[str]:
@@ -164,10 +164,10 @@ def _by_class(texts: Collection[str], models: Sequence[Model]) -> Iterator[str]:
 
 def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str]:
     """Yield the regions of inputs whose messages the methods get by the same names as before."""
-    for one in wiring.inputs:
-        method = module.methods.get(f"process_{one.id}") if module is not None else None
-        if method is not None and method.arguments == one.requires:
-            yield f"process_{attribute(one.id)}"
+    for input_ in wiring.inputs:
+        method = module.methods.get(f"process_{input_.id}") if module is not None else None
+        if method is not None and method.arguments == input_.requires:
+            yield f"process_{attribute(input_.id)}"
 
 
 def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model]) -> Iterator[str]:
@@ -189,7 +189,7 @@ def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]
         reading = read_models(source)
         if reading.models and not has_errors(reading.problems):
             return path, reading.models
-        damage += [one for one in reading.problems if one.level == "error"][:1]
+        damage += [problem for problem in reading.problems if problem.level == "error"][:1]
     message = "the package contains no model that a monitor can be generated from"
     hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
     raise EddiError(*damage, error("A004", message, Place(str(old.folder)), hint))
@@ -211,21 +211,26 @@ def _chosen(models: Sequence[Model], name: str | None) -> Model:
 def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
-        DeclaredInput(one.id, None, None, one.default, model.place) for one in wiring.inputs
+        DeclaredInput(input_.id, None, None, input_.default, model.place)
+        for input_ in wiring.inputs
     )
     configured, _ = kind.functions.configure(model, Options(inputs=declared))
-    known = {one.id: one for one in kind.functions.inputs(configured or model)}
+    known = {input_.id: input_ for input_ in kind.functions.inputs(configured or model)}
     inputs: list[OldInput] = []
     lost = list(wiring.lost)
-    for one in wiring.inputs:
-        item = known.get(one.id)
+    for input_ in wiring.inputs:
+        item = known.get(input_.id)
         if item is None:
-            lost.append(f"the input {one.id!r}, which the model does not have")
-        elif one.default is not None and item.is_good is not None and item.is_good(one.default):
-            lost.append(f"the default {one.default!r} of {one.id!r}: it counted as good evidence")
-            inputs.append(replace(one, default=None))
+            lost.append(f"the input {input_.id!r}, which the model does not have")
+        elif (
+            input_.default is not None and item.is_good is not None and item.is_good(input_.default)
+        ):
+            lost.append(
+                f"the default {input_.default!r} of {input_.id!r}: it counted as good evidence"
+            )
+            inputs.append(replace(input_, default=None))
         else:
-            inputs.append(one)
+            inputs.append(input_)
     if not wiring.inputs:
         lost += [f"the input {name!r}: there is no method process_{name}" for name in known]
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))

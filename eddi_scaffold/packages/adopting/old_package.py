@@ -58,7 +58,7 @@ class Method:
     @property
     def arguments(self) -> tuple[str, ...]:
         """The names of its arguments, without ``self``."""
-        return tuple(one.arg for one in self.tree.args.args[1:])
+        return tuple(argument.arg for argument in self.tree.args.args[1:])
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class ParsedModule:
         if behind.lstrip().startswith("#"):
             text += behind
         decorators = getattr(node, "decorator_list", ())
-        start = min([node.lineno, *(one.lineno for one in decorators)]) - 1
+        start = min([node.lineno, *(decorator.lineno for decorator in decorators)]) - 1
         while not node.col_offset and start and self.lines[start - 1].startswith("#"):
             start -= 1
         return "".join(self.lines[start : node.lineno - 1]) + text
@@ -131,12 +131,12 @@ def read_module(path: Path) -> ParsedModule:
     for node in tree.body:
         if isinstance(node, ast.ClassDef):
             functions = [one for one in node.body if isinstance(one, ast.FunctionDef)]
-            faults = [fault for one in functions for fault in _faults(one, lines)]
+            faults = [fault for function in functions for fault in _faults(function, lines)]
             if faults:
                 raise EddiError(
                     *(error("H010", reason, Place(str(path), line)) for line, reason in faults)
                 )
-            methods |= {one.name: _method(one, lines) for one in functions}
+            methods |= {function.name: _method(function, lines) for function in functions}
         elif isinstance(node, ast.Import | ast.ImportFrom):
             imports.append(node)
         elif not _is_text(node):
@@ -161,7 +161,7 @@ def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
     inner = {line for _, line in marks}
     text = "".join(lines[n - 1] for n in range(begin + 1, end + 1) if n not in inner)
     indent = indent_of(lines[begin - 1])
-    outside = tuple(one for one in statements if not begin < one.lineno <= end)
+    outside = tuple(statement for statement in statements if not begin < statement.lineno <= end)
     return Method(tree.name, tree, Body(text, indent, begin + 1), outside)
 
 
@@ -201,7 +201,7 @@ def whole_body(method: Method, module: ParsedModule) -> Body | None:
     ``None`` for one that holds nothing but the assignment of None that was generated.
     """
     statements = [one for one in method.tree.body if not _is_text(one)]
-    real = [one for one in statements if not isinstance(one, ast.Pass)]
+    real = [statement for statement in statements if not isinstance(statement, ast.Pass)]
     if not real or (len(real) == 1 and _assigns_none(real[0])):
         return None
     lines = module.lines
@@ -304,7 +304,7 @@ def _check_is_one_package(folder: Path, files: Sequence[Path]) -> None:
     Raises:
         EddiError: one below it is a package, of ours or of the old tools (A002).
     """
-    ours = next((one for one in files if _RECORDS in one.parts), None)
+    ours = next((file for file in files if _RECORDS in file.parts), None)
     if ours is not None:
         inner = folder / Path(*ours.parts[: ours.parts.index(_RECORDS)])
         message = f"{inner} in it is a package of eddi-scaffold already"

@@ -68,8 +68,8 @@ def use_of(
 
 def _shifted(text: str) -> str:
     lines = text.expandtabs(8).split("\n")
-    least = min((len(one) - len(one.lstrip()) for one in lines if one.strip()), default=0)
-    return "\n".join(f" {one[least:]}" if one.strip() else "" for one in lines)
+    least = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
+    return "\n".join(f" {line[least:]}" if line.strip() else "" for line in lines)
 
 
 def _proposal(
@@ -77,8 +77,8 @@ def _proposal(
 ) -> str | None:
     """Return a declaration for one chain of tests of one attribute."""
     names: dict[str, str] = {}
-    for one in statements[:-1]:
-        held = _held(one, names)
+    for statement in statements[:-1]:
+        held = _held(statement, names)
         if held is None:
             return None
         names |= held
@@ -172,7 +172,7 @@ def _as_bins(branches: Sequence[_Branch], names: Mapping[str, str]) -> str | Non
 def _interval(test: ast.expr, names: Mapping[str, str], sources: set[str]) -> _Interval | None:
     """Return where comparisons of one attribute with constants hold."""
     if isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And):
-        parts = [_interval(one, names, sources) for one in test.values]
+        parts = [_interval(value, names, sources) for value in test.values]
     elif isinstance(test, ast.Compare):
         parts = list(_halves(test, names, sources))
     else:

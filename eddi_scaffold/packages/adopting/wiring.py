@@ -76,10 +76,10 @@ class Wiring:
         document = {
             "Model": section,
             "SimulatorOutputs": [
-                {"id": one.id, "type": one.type.replace("/", "."), "topic": one.topic}
-                for one in self.topics
+                {"id": topic.id, "type": topic.type.replace("/", "."), "topic": topic.topic}
+                for topic in self.topics
             ],
-            "EDDIInputs": [_input(one) for one in self.inputs],
+            "EDDIInputs": [_input(input_) for input_ in self.inputs],
             "EDDIOutputs": [{"id": name, "topic": topic} for name, topic in self.outputs],
         }
         return dump_plain(document)
@@ -108,7 +108,9 @@ def read_wiring(
         inputs = tuple(inputs_read(config)) if config is not None else ()
     if node is None:
         missing = "there is no RosNode.py, which has topics, their types, the rate and the outputs"
-        return Wiring(inputs=tuple(replace(one, requires=()) for one in inputs), lost=(missing,))
+        return Wiring(
+            inputs=tuple(replace(input_, requires=()) for input_ in inputs), lost=(missing,)
+        )
     classes = dict(_message_classes(node))
     stored = dict(_stored(node))
     lost: list[str] = []
@@ -130,15 +132,15 @@ def read_wiring(
     frequency = next(_rates(node), None)
     if frequency is None:
         lost.append(f"{node.path.name}: the rate of the loop")
-    for one in inputs:
+    for input_ in inputs:
         lost += [
-            f"{node.path.name}: the topic of {name!r}, which {one.id} needs"
-            for name in one.requires
+            f"{node.path.name}: the topic of {name!r}, which {input_.id} needs"
+            for name in input_.requires
             if name not in topics
         ]
     kept = tuple(
-        replace(one, requires=tuple(name for name in one.requires if name in topics))
-        for one in inputs
+        replace(input_, requires=tuple(name for name in input_.requires if name in topics))
+        for input_ in inputs
     )
     return Wiring(
         frequency=frequency,
@@ -210,7 +212,11 @@ def _required(module: ParsedModule) -> Iterator[tuple[str, tuple[str, ...]]]:
     for node in ast.walk(method.tree) if method else ():
         if isinstance(node, ast.Call):
             name = _name_of(node.func).rpartition(".")[2]
-            keys = [_constant(one.slice) for one in node.args if isinstance(one, ast.Subscript)]
+            keys = [
+                _constant(argument.slice)
+                for argument in node.args
+                if isinstance(argument, ast.Subscript)
+            ]
             if name.startswith("process_"):
                 yield name.removeprefix("process_"), tuple(k for k in keys if isinstance(k, str))
 
@@ -257,7 +263,10 @@ def compared_texts(eddi_input: ParsedModule | None) -> frozenset[str]:
     """Return the texts with which the methods of a class of inputs compare something."""
     methods = eddi_input.methods.values() if eddi_input is not None else ()
     tests = (
-        node for one in methods for node in ast.walk(one.tree) if isinstance(node, ast.Compare)
+        node
+        for method in methods
+        for node in ast.walk(method.tree)
+        if isinstance(node, ast.Compare)
     )
     values = (_constant(one) for test in tests for one in (test.left, *test.comparators))
     return frozenset(value for value in values if isinstance(value, str))
@@ -266,7 +275,9 @@ def compared_texts(eddi_input: ParsedModule | None) -> frozenset[str]:
 def published_ids(monitor: ParsedModule | None) -> frozenset[str]:
     """Return the ids of guarantees that an old monitor's results have (SESAME D7.2 Fig 9)."""
     methods = monitor.methods.values() if monitor is not None else ()
-    results = (node for one in methods for node in ast.walk(one.tree) if isinstance(node, ast.Dict))
+    results = (
+        node for method in methods for node in ast.walk(method.tree) if isinstance(node, ast.Dict)
+    )
     found = set()
     for result in results:
         entry = {

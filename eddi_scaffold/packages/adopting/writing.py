@@ -14,7 +14,7 @@ from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error
 from eddi_scaffold.packages.adopting.adopt import Adoption, leftover
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import Outcome, write_packages
+from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.packages.workspace import packages_root
@@ -25,7 +25,7 @@ from eddi_scaffold.platforms import PackageAnswers, Platform
 class Result:
     """What an adoption wrote, or would write."""
 
-    outcome: Outcome
+    outcome: WriteResult
     problems: Sequence[Problem]
     notes: Sequence[str]
 
@@ -63,7 +63,7 @@ def write_adopted(
             monitors, problems = monitors_of(None, configs)
             assembly = assemble(monitors, platform, root, problems)
         except EddiError as failed:
-            raise EddiError(*(_shown(one, place) for one in failed.problems)) from None
+            raise EddiError(*(_shown(problem, place) for problem in failed.problems)) from None
     regions = set(_regions(one for one in assembly.packages if one.folder == package))
     packages = [
         _with_bodies(one, adoption) if one.folder == package else one for one in assembly.packages
@@ -73,9 +73,9 @@ def write_adopted(
     if not dry_run:
         write(place, new)
         notes = _report(adoption, regions, [place / name for name in files])
-    lost = any(one.region.id not in regions for one in adoption.bodies)
+    lost = any(body.region.id not in regions for body in adoption.bodies)
     look = outcome.attention or bool(adoption.rejects) or bool(adoption.wiring.lost) or lost
-    shown = [_shown(one, place) for one in assembly.problems]
+    shown = [_shown(problem, place) for problem in assembly.problems]
     return Result(replace(outcome, attention=look), shown, notes)
 
 
@@ -105,7 +105,7 @@ def _regions(packages: Iterable[PackageAnswers]) -> Iterator[str]:
     for package in packages:
         answers: Mapping[str, Any] = package.answers
         yield "EDDIInput.module"
-        yield from (f"process_{one['attribute']}" for one in answers["inputs"])
+        yield from (f"process_{input_['attribute']}" for input_ in answers["inputs"])
         for module in answers["modules"]:
             yield f"{module['name']}.module"
             yield from (method["name"] for method in module["methods"])

@@ -102,10 +102,10 @@ def view_of(snapshot: Snapshot, clock: Clock, notes: tuple[str, ...] = ()) -> Vi
         notes: of the source.
     """
     groups = tuple(_group(number, robot, clock) for number, robot in enumerate(snapshot.robots))
-    names = [(one.name, [(r.monitor, r.kind, r.name) for r in one.rows]) for one in groups]
+    names = [(group.name, [(r.monitor, r.kind, r.name) for r in group.rows]) for group in groups]
     changes = tuple(
-        (snapshot.changed - k, _change(one, clock))
-        for k, one in enumerate(snapshot.changes[:SHOWN_CHANGES])
+        (snapshot.changed - k, _change(change, clock))
+        for k, change in enumerate(snapshot.changes[:SHOWN_CHANGES])
     )
     return View(
         clock(snapshot.t).strip(), _number(names), groups, changes, (*notes, *snapshot.notes)
@@ -114,17 +114,17 @@ def view_of(snapshot: Snapshot, clock: Clock, notes: tuple[str, ...] = ()) -> Vi
 
 def _group(number: int, robot: RobotView, clock: Clock) -> Group:
     rows = tuple(
-        _row(f"v{number}-{k}-{n}", monitor, one, clock)
+        _row(f"v{number}-{k}-{n}", monitor, verdict, clock)
         for k, monitor in enumerate(robot.monitors)
-        for n, one in enumerate(monitor.verdicts)
+        for n, verdict in enumerate(monitor.verdicts)
     )
-    counted = Counter(one.state for one in rows)
+    counted = Counter(row.state for row in rows)
     summary = ", ".join(f"{counted[s]} {s}" for s in ("active", "not active", "unknown"))
     facts = tuple(fact for monitor in robot.monitors for fact in _facts(monitor))
     drawn = [
-        (one.name, one.silent, v.id, v.state, v.reasons)
-        for one in robot.monitors
-        for v in one.verdicts
+        (monitor.name, monitor.silent, v.id, v.state, v.reasons)
+        for monitor in robot.monitors
+        for v in monitor.verdicts
     ]
     return Group(
         f"r{number}", number, robot.name, summary, rows, facts, _number([robot.name, drawn])
@@ -197,7 +197,7 @@ def main(view: View) -> str:
     return f"""<main data-shape="{view.shape}">
 <h1>{TITLE}</h1>
 <p>At <span id="time">{xml_text(view.time)}</span>. <span id="link">Live.</span></p>
-<ul id="notes">{"".join(f"<li>{xml_text(one)}</li>" for one in view.notes)}</ul>
+<ul id="notes">{"".join(f"<li>{xml_text(note)}</li>" for note in view.notes)}</ul>
 {empty}{"".join(map(_group_html, view.groups))}<section aria-labelledby="changes-title">
 <h2 id="changes-title" tabindex="-1">Last changes</h2>
 <ol id="changes" reversed tabindex="0" aria-labelledby="changes-title">
@@ -265,10 +265,10 @@ def _models(path: Path) -> Sequence[Model]:
     source = read_source(path)
     if is_fleet(source):
         sites, _ = sites_of(source, checked_models)
-        return [one.model for site in sites for one in site.monitors]
+        return [monitor.model for site in sites for monitor in site.monitors]
     if is_config(source):
         monitors, _ = monitors_of(None, [path])
-        return [one.model for one in monitors]
+        return [monitor.model for monitor in monitors]
     return checked_models(path, ()).models
 
 
@@ -305,8 +305,8 @@ def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
 def _parts(key: str, monitor: MonitorView, picture: Diagram | None) -> Iterator[Part]:
     lines = (monitor.name, "silent" if monitor.silent else monitor.title)
     yield DiagramNode(key, lines, "box", "neutral")
-    for one in monitor.verdicts:
-        yield DiagramEdge(f"{key} {one.id}", key, arrow=False)
+    for verdict in monitor.verdicts:
+        yield DiagramEdge(f"{key} {verdict.id}", key, arrow=False)
     if picture is not None and fits(monitor, picture):
         yield from _of_model(key, monitor, picture)
     else:
@@ -315,13 +315,13 @@ def _parts(key: str, monitor: MonitorView, picture: Diagram | None) -> Iterator[
 
 def fits(monitor: MonitorView, picture: Diagram) -> bool:
     """Return whether the picture has all that the monitor says: else it is of another version."""
-    return {one.id for one in monitor.verdicts} <= {node.id for node in picture.nodes}
+    return {verdict.id for verdict in monitor.verdicts} <= {node.id for node in picture.nodes}
 
 
 def _of_model(key: str, monitor: MonitorView, picture: Diagram) -> Iterator[Part]:
     """Yield the picture of the model, with what the monitor says."""
-    states = {one.id: one.state for one in monitor.verdicts}
-    lacking = {reason for one in monitor.verdicts for reason in one.reasons}
+    states = {verdict.id: verdict.state for verdict in monitor.verdicts}
+    lacking = {reason for verdict in monitor.verdicts for reason in verdict.reasons}
     for node in picture.nodes:
         head, *rest = node.lines
         made = replace(node, id=f"{key} {node.id}")
@@ -338,10 +338,10 @@ def _of_model(key: str, monitor: MonitorView, picture: Diagram) -> Iterator[Part
 def _of_words(key: str, monitor: MonitorView) -> Iterator[Part]:
     """Yield verdicts, and the reasons that they have."""
     lacking: dict[str, list[str]] = {}
-    for one in monitor.verdicts:
-        id_ = f"{key} {one.id}"
-        yield DiagramNode(id_, (one.id, one.state), "rounded", TONES[one.state])
-        for reason in one.reasons if not monitor.silent else ():
+    for verdict in monitor.verdicts:
+        id_ = f"{key} {verdict.id}"
+        yield DiagramNode(id_, (verdict.id, verdict.state), "rounded", TONES[verdict.state])
+        for reason in verdict.reasons if not monitor.silent else ():
             lacking.setdefault(reason, []).append(id_)
     for reason, users in lacking.items():
         id_ = f"{key} lacks {reason}"

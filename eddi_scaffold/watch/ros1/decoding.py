@@ -73,7 +73,7 @@ def _same(type_: str, theirs: Mapping[str, Fields]) -> bool:
     if list(ours.items()) != list(theirs.get(type_, {}).items()):
         return False
     parts = ((element(of) or of) for of in ours.values())
-    return all(_same(one, theirs) for one in parts if "/" in one)
+    return all(_same(part, theirs) for part in parts if "/" in part)
 
 
 def _first(fields: Fields) -> tuple[str, ...]:
@@ -130,8 +130,8 @@ def _message(fields: Mapping[str, Decode]) -> Decode:
 
     def read(data: bytes, at: int) -> tuple[SimpleNamespace, int]:
         found = {}
-        for name, one in pairs:
-            found[name], at = one(data, at)
+        for name, pair in pairs:
+            found[name], at = pair(data, at)
         return SimpleNamespace(**found), at
 
     return read

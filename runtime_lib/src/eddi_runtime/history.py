@@ -42,8 +42,8 @@ class EDDIInputBase(inputs.EDDIInputBase):
     def received(self, source: str) -> None:
         """Have the message of a SimulatorOutput id count as new in the next ``processing``."""
         super().received(source)
-        for one in self.__expressions.values():
-            one.forget_messages()
+        for expression in self.__expressions.values():
+            expression.forget_messages()
 
     def look_again(self, t_ns: int | None) -> float:
         """Make unknown what is too old at a step; a message is new in one step only."""

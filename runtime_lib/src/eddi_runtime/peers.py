@@ -70,7 +70,7 @@ class Fleet(NamedTuple):
     def described(self, topics: Mapping[str, str]) -> Mapping[str, str]:
         """Return topics by id of their source, with what those of other robots are, for people."""
         topic = topics.get(_WORDS, self.topic)
-        return {**topics, **{one.id: one.described(topic) for one in self.sources}}
+        return {**topics, **{source.id: source.described(topic) for source in self.sources}}
 
     def joined(self, robot: str, model_id: str, digest: str) -> Peers:
         """Return the words of a node of this fleet, and those it hears."""
@@ -152,9 +152,9 @@ class Peers:
             "listens": bool(self._sources),
             "guarantees": told,
             "heard": [
-                ("Heard", dict(zip(_HEARD, (*name, one.message.sequence))))
-                for name, one in self._speakers.items()
-                if one.message.listens and now - one.heard_at <= self._lease
+                ("Heard", dict(zip(_HEARD, (*name, speaker.message.sequence))))
+                for name, speaker in self._speakers.items()
+                if speaker.message.listens and now - speaker.heard_at <= self._lease
             ],
         }
 
@@ -194,8 +194,8 @@ class Peers:
         """Return the word that counts for each source: one that grants it, then the freshest."""
         self._behind = {}
         nodes: dict[tuple[str, str], list[_Speaker]] = {}
-        for (robot, model, _), one in self._speakers.items():
-            nodes.setdefault((robot, model), []).append(one)
+        for (robot, model, _), speaker in self._speakers.items():
+            nodes.setdefault((robot, model), []).append(speaker)
         return {source.id: self._find(source, nodes, now) for source in self._sources}
 
     def _find(
@@ -206,16 +206,16 @@ class Peers:
         for (robot, model), sessions in nodes.items():
             if model != source.model or (robot not in order if order else robot == self.name[0]):
                 continue
-            for one in sessions:
-                told = _of(one.message, source.guarantee)
-                why = self._unfit(source, one, told, sessions, now)
+            for session in sessions:
+                told = _of(session.message, source.guarantee)
+                why = self._unfit(source, session, told, sessions, now)
                 granted = not why and told[0].active is True
                 freshest = (
-                    -one.made_after if why else 0.0
+                    -session.made_after if why else 0.0
                 )  # among good ones, the same in each step
-                place = (order.get(robot, 0), freshest, robot, one.message.session)
-                receipt = Receipt(one.message, max(one.made_after, 0.0), one.received)
-                known = one.made_after > -math.inf
+                place = (order.get(robot, 0), freshest, robot, session.message.session)
+                receipt = Receipt(session.message, max(session.made_after, 0.0), session.received)
+                known = session.made_after > -math.inf
                 found = Found(Word(robot, why), receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
         if candidates:

@@ -33,7 +33,9 @@ def inputs(monitor: Monitor[Output], values: Mapping[str, object]) -> SimpleName
     unknown = [name for name in values if name not in attributes]
     if unknown:
         raise LookupError(f"no input {', '.join(unknown)}; there: {', '.join(attributes)}")
-    return SimpleNamespace(**{attributes[one]: values.get(one) for one in attributes})
+    return SimpleNamespace(
+        **{attributes[attribute]: values.get(attribute) for attribute in attributes}
+    )
 
 
 def script(monitor: Monitor[Output], rows: Iterable[Mapping[str, object]]) -> Iterator[Output]:

@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.bayesian_network.declaration import read_declaratio
 from eddi_scaffold.compiling.bayesian_network.emission import FORMAT, module_lines
 from eddi_scaffold.compiling.bayesian_network.graph import Shape
 from eddi_scaffold.compiling.bayesian_network.model import BayesianNetworkModel, Network
-from eddi_scaffold.compiling.compilation import whole_text
+from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.document import check_document, digest_of
 from eddi_scaffold.compiling.execution import build, module_of
 
@@ -105,7 +105,7 @@ def compiled(net, outputs, observable, **options):
     )
     model_file = check_document(document((), ()))
     lines = module_lines(model_file, model, (), program)
-    return module_of(whole_text(model_file, {"bayesian_network": FORMAT}, lines), "net").Monitor()
+    return module_of(module_text(model_file, {"bayesian_network": FORMAT}, lines), "net").Monitor()
 
 
 def engine(net, outputs, observable, **options):

@@ -19,7 +19,7 @@ from eddi_scaffold.compiling.bayesian_network import programs, width
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
-from eddi_scaffold.compiling.parts import needed_by
+from eddi_scaffold.compiling.parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     compiled,
@@ -84,11 +84,13 @@ def test_formatter_and_linter_agree(made):
 
 
 def test_only_a_wide_network_has_patterns(monkeypatch):
-    assert "bayesian_network/patterns" not in needed_by(compile_model(check_document(large(4))))
+    assert "bayesian_network/patterns" not in runtime_parts_of(
+        compile_model(check_document(large(4)))
+    )
     monkeypatch.setattr(width, "WIDE", 0)
     monkeypatch.setattr(programs, "fits", lambda *_: False)
     text = compile_model(check_document(large(6)))  # the text of another one is remembered
-    assert "bayesian_network/patterns" in needed_by(text)
+    assert "bayesian_network/patterns" in runtime_parts_of(text)
     assert objections(text) == ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.deployments.lifetimes import bounds
-from eddi_scaffold.deployments.support import Participant, acceptances
+from eddi_scaffold.deployments.support import WiredMonitor, acceptances
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT
@@ -15,7 +15,7 @@ SENSOR = "  - {id: s, type: std_msgs.Bool, topic: /fine}"
 READ = "requires: [b], field: 'guarantees[G].active'"
 
 
-def chain(folder: Path, *ages: str, frequency: float = 2.0) -> list[Participant]:
+def chain(folder: Path, *ages: str, frequency: float = 2.0) -> list[WiredMonitor]:
     """Make monitors m0, m1, ... each of which reads the one before it; ages of their inputs."""
     configs = []
     for k, age in enumerate(ages):

@@ -15,7 +15,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.kinds import Model, Reading, kinds
+from eddi_scaffold.kinds import Model, ReadResult, kinds
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
@@ -23,7 +23,7 @@ from eddi_scaffold.monitors.loading import read_models
 KIND = kinds()["bayesian_network"]
 
 
-def read(text: str | bytes, name: str) -> Reading:
+def read(text: str | bytes, name: str) -> ReadResult:
     data = text.encode() if isinstance(text, str) else text
     return read_models(Source(name, data))
 

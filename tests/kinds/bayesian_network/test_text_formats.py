@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.kinds import Reading
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from tests.kinds.bayesian_network.networks import read
 
@@ -20,7 +20,7 @@ ROW = (0.5, 0.25, 0.25)
 ROWS = (*ROW, 0.125, 0.0, 0.875)
 
 
-def network(reading: Reading) -> Network:
+def network(reading: ReadResult) -> Network:
     assert reading.problems == ()
     return reading.models[0].data
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds import Model, Reading
+from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.system import (
     BasicEvent,
@@ -33,7 +33,7 @@ from tests.kinds.reliability.monitors import sound
 NUMBERS = {"a": 0.25, "b": 0.5, "c": 0.125}
 
 
-def read(text: str) -> Reading:
+def read(text: str) -> ReadResult:
     return read_models(Source("t.xml", text.encode()))
 
 
@@ -90,7 +90,7 @@ def test_formulas(formula: str, holds: object) -> None:
     assert p_fail(model) == pytest.approx(wanted, rel=1e-12)
 
 
-def event(law: str, more: str = "") -> Reading:
+def event(law: str, more: str = "") -> ReadResult:
     text = f'<define-basic-event name="e">{law}</define-basic-event>\n{more}'
     return read(tree('<event name="e"/>', text))
 
@@ -180,7 +180,7 @@ def test_a_tree_of_several_tops() -> None:
     }
 
 
-def told(reading: Reading) -> list[tuple[str, int | None, str]]:
+def told(reading: ReadResult) -> list[tuple[str, int | None, str]]:
     return [(p.code, p.place.line, p.message) for p in reading.problems]
 
 

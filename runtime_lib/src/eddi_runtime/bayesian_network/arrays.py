@@ -56,7 +56,7 @@ class Numbers:
             (node,) = message.parts
             parents, rows = self._nodes[node]
             axes = (*parents, node)
-            array = np.array(rows).reshape([len(self._nodes[one][1][0]) for one in axes])
+            array = np.array(rows).reshape([len(self._nodes[axis][1][0]) for axis in axes])
             return array.transpose([axes.index(one) for one in (*message.inputs, *message.nodes)])
         first = np.array(self._nodes[message.nodes[0]][1][0])
         vector = first if message.kind == "prior" else np.ones(len(first))
@@ -68,7 +68,10 @@ class Numbers:
     def _product(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
         """Multiply two messages and sum over the nodes that the product has no axis for."""
         first, second = (self.messages[part] for part in message.parts)
-        axes = [*sorted({*first.nodes, *second.nodes}), *(-1 - one for one in message.inputs)]
+        axes = [
+            *sorted({*first.nodes, *second.nodes}),
+            *(-1 - input_ for input_ in message.inputs),
+        ]
         # einsum knows 52 axes only, so they are counted anew for each pair.
         number = {axis: k for k, axis in enumerate(axes)}
 
@@ -136,10 +139,10 @@ class Running(Numbers):
             wide = array.astype(np.longdouble)
             found[number] = wide / largest if largest > 0.0 else wide
         if self._wanted:
-            return [[float(value) for value in found[one]] for one in self._answers]
+            return [[float(value) for value in found[answer]] for answer in self._answers]
         total = found[self._answers[0]]
-        for one in self._answers[1:]:
-            total = total * found[one]
+        for answer in self._answers[1:]:
+            total = total * found[answer]
         return [[float(total.sum() > 0.0)]]
 
     def _step(self, steps: Any) -> Callable[[States], Posteriors]:
@@ -152,7 +155,7 @@ class Running(Numbers):
         answers = [slots[steps.answers[k]] for k in self._wanted]
         needed = self._needed()
         operations = [
-            (getattr(np, name), [slots[one] for one in operands])
+            (getattr(np, name), [slots[operand] for operand in operands])
             for message, name, *operands in steps.operations
             if message in needed
         ]
@@ -160,7 +163,7 @@ class Running(Numbers):
         def run(_: States) -> Posteriors:
             for function, operands in operations:
                 function(*operands)
-            return [one if type(one) is list else one.tolist() for one in answers]
+            return [answer if type(answer) is list else answer.tolist() for answer in answers]
 
         return run
 

@@ -65,17 +65,20 @@ class Claims:
 
     def __init__(self, thresholds: Sequence[StateThreshold]) -> None:
         self._thresholds = thresholds
-        self._evidence = [Evidence(one.limits) for one in thresholds]
+        self._evidence = [Evidence(threshold.limits) for threshold in thresholds]
         self._plan = (
-            [one.at_least for one in thresholds],
-            [one.limits.hold_ns for one in thresholds],
+            [threshold.at_least for threshold in thresholds],
+            [threshold.limits.hold_ns for threshold in thresholds],
             [one.step for one in self._evidence],
         )
         self.reset()
 
     def prepare(self, outputs: Sequence[int], infer: Infer) -> None:
         """Take over a compiled engine: the numbers of its outputs, and how posteriors come."""
-        picks = [pick_of(outputs.index(one.node), one.states) for one in self._thresholds]
+        picks = [
+            pick_of(outputs.index(threshold.node), threshold.states)
+            for threshold in self._thresholds
+        ]
         self._picks, self._over = picks, Bounds(infer, picks)
 
     def reset(self) -> None:
@@ -122,8 +125,10 @@ class Claims:
         """Return the result of each threshold in the last step."""
         bounds = self._bounds or [(math.nan, math.nan)] * len(self._thresholds)
         return [
-            Claim(one.limits.id, evidence.active, *pair, self._why(one, evidence, pair))
-            for one, evidence, pair in zip(self._thresholds, self._evidence, bounds)
+            Claim(
+                threshold.limits.id, evidence.active, *pair, self._why(threshold, evidence, pair)
+            )
+            for threshold, evidence, pair in zip(self._thresholds, self._evidence, bounds)
         ]
 
     def _why(self, one: StateThreshold, evidence: Evidence, pair: Pair) -> str:

@@ -85,7 +85,7 @@ def outcomes_finding(
     except KeyError as problem:
         raise EvidenceError(f"there is no outcome for the state {problem.args[0]!r}") from None
     if len(outcomes) != len(states):
-        unknown = sorted(str(one) for one in outcomes if one not in states)
+        unknown = sorted(str(outcome) for outcome in outcomes if outcome not in states)
         raise EvidenceError(f"there is no state {', '.join(unknown)}")
     return finding(values, states, virtual=virtual)
 

@@ -39,7 +39,7 @@ class Explanation(NamedTuple):
         lines += [f"{name}: {' or '.join(states)}" for name, states in facts.undecided.items()]
         lines += [f"unknown: {', '.join(facts.unknown_inputs)}"] if facts.unknown_inputs else []
         lines += [f"accepted: {one}" for one in facts.accepted]
-        return "\n".join([*lines, *(one.text() for one in self.claims)])
+        return "\n".join([*lines, *(claim.text() for claim in self.claims)])
 
 
 class Explaining(BayesianNetworkMonitor):

@@ -92,7 +92,7 @@ def facts_of(
             accepted.append(f"{spec.id}: {key}")
         if reader.possible:
             states = (taken, *(one for one in reader.possible if one != taken))
-            undecided[nodes[node].id] = tuple(nodes[node].states[one] for one in states)
+            undecided[nodes[node].id] = tuple(nodes[node].states[state] for state in states)
     failed = step.rows is None or step.problem or step.answer.problems
     valid = not (unknown or undecided or failed)
     return Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(dict.fromkeys(accepted)))

@@ -75,7 +75,7 @@ class Methods:
                 if self._constant.problems.pop(node, None) is None:
                     continue
             self._asked.append((node, name, spec.states, None))
-            if code is not None and any(one is True for one in code.co_consts):
+            if code is not None and any(co_const is True for co_const in code.co_consts):
                 self.outputs.add(node)
         # nodes that a method observes, or may observe
         self.observed = {*self._constant.findings, *(node for node, *_ in self._asked)}
@@ -134,5 +134,5 @@ def _reads_nothing(code: Any) -> bool:
     return (
         not (code.co_names or code.co_freevars or code.co_cellvars)
         and (code.co_argcount, code.co_kwonlyargcount) == (1, 0)
-        and not any(isinstance(one, type(code)) for one in code.co_consts)
+        and not any(isinstance(co_const, type(code)) for co_const in code.co_consts)
     )

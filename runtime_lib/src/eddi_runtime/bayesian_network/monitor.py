@@ -52,7 +52,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
                 foreseen, and no inference is there for it.
         """
         self._sources = self.sources()
-        self._fed = {one.node: (k, one) for k, one in enumerate(self._sources)}
+        self._fed = {source.node: (k, source) for k, source in enumerate(self._sources)}
         self._timed = any(source.reader.timed for source in self._sources)
         self._methods = None
         outputs, observed = {*self.foreseen.outputs}, {*self.foreseen.observable}
@@ -82,7 +82,9 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def read(self, eddi_input: object) -> tuple[object, ...]:
         """Return the value of each source; compiled monitors write this out."""
-        found = [read(eddi_input, one.spec.attribute, one.spec.id) for one in self._sources]
+        found = [
+            read(eddi_input, source.spec.attribute, source.spec.id) for source in self._sources
+        ]
         return tuple([None if type(value) is Absent else value for value in found])
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
@@ -160,7 +162,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         for one in output:
             for given in one.output_nodes:
                 found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
-        found.update((one.id, one.active) for one in self.claims())
+        found.update((claim.id, claim.active) for claim in self.claims())
         return found
 
     def decided(self, output: Output) -> Named:
@@ -172,7 +174,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         for one in output:
             for given in one.output_nodes:
                 found[given.title] = max(given.outcomes, key=lambda two: two.value).name
-        found.update((one.id, one.active) for one in self.claims())
+        found.update((claim.id, claim.active) for claim in self.claims())
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
@@ -295,10 +297,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             logging.getLogger(__name__).warning("%s, so steps take longer", reason)
         self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
         self._shown = self._shown_with(set())
-        self._given = [one[1:] for one in self._titles if one[0] not in self._judged_only]
+        self._given = [title[1:] for title in self._titles if title[0] not in self._judged_only]
         self._readers = [
-            (self._positions[one.node], one.reader.read, one.reader.absent)
-            for one in self._sources
+            (self._positions[source.node], source.reader.read, source.reader.absent)
+            for source in self._sources
         ]
 
     def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:

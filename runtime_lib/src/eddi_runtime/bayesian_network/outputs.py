@@ -107,7 +107,7 @@ def status_message(network_id: str, status: int, unobserved: Sequence[str], fact
 
 
 def _node_tree(node: Any) -> Tree:
-    outcomes = [_outcome_tree(one) for one in node.outcomes]
+    outcomes = [_outcome_tree(outcome) for outcome in node.outcomes]
     return "NodeOutput", {"title": _text(node.title), "outcomes": outcomes}
 
 

@@ -150,7 +150,7 @@ class _Arrays:
                 slots[slot] = cases[choose(states)]
             for function, one, other, out in operations:
                 function(slots[one], slots[other], slots[out])
-            return [slots[one].tolist() for one in answers]
+            return [slots[answer].tolist() for answer in answers]
 
         return step
 

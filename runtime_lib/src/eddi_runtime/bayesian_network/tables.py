@@ -46,7 +46,7 @@ class JointTables:
         inputs = {position for table in made.tables for position, _ in table.strides}
         self._priors = made.priors
         self._vectors = {
-            one: _vectors(made.priors.get(one) or [1.0] * cards[one]) for one in inputs
+            input_: _vectors(made.priors.get(input_) or [1.0] * cards[input_]) for input_ in inputs
         }
         tables = [self._filled(table) for table in made.tables]
         look_up = made.bind(*[table.rows for table in tables])
@@ -85,8 +85,8 @@ class JointTables:
             if position in weights:
                 vectors.append(self._vector(position, states, weights))
                 steps = range(0, stride * len(vectors[-1]), stride)
-            offsets = [one + step for one in offsets for step in steps]
-        row = [value for one in offsets for value in table.rows[one]]
+            offsets = [offset + step for offset in offsets for step in steps]
+        row = [value for offset in offsets for value in table.rows[offset]]
         for vector in vectors:
             largest = max(row)
             if scale and largest > 0.0:

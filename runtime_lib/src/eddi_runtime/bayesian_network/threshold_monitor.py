@@ -21,8 +21,8 @@ class ThresholdMonitor(BayesianNetworkMonitor):
     def __init__(self, hooks: object | None = None) -> None:
         self._claims = Claims(self.thresholds)
         super().__init__(hooks)
-        self._timed |= any(one.limits.hold_ns for one in self.thresholds)
-        self._doubtful = [one.reader for one in self._sources if one.reader.doubtful]
+        self._timed |= any(threshold.limits.hold_ns for threshold in self.thresholds)
+        self._doubtful = [source.reader for source in self._sources if source.reader.doubtful]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; see ``BayesianNetworkMonitor``."""
@@ -42,7 +42,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
             "bayesian_network_id": self.model_id,
             "valid": facts.valid,
             "unknown_inputs": list(facts.unknown_inputs),
-            "evidence": [("BayesianNetworkThreshold", one._asdict()) for one in self.claims()],
+            "evidence": [("BayesianNetworkThreshold", claim._asdict()) for claim in self.claims()],
         }
         return "BayesianNetworkEvidence", fields
 
@@ -55,7 +55,7 @@ class ThresholdMonitor(BayesianNetworkMonitor):
 
         A bound that was not computed is None.
         """
-        facts, rows = self.facts(), [one._asdict() for one in self.claims()]
+        facts, rows = self.facts(), [claim._asdict() for claim in self.claims()]
         for row in rows:
             row.update((k, None) for k in ("low", "high") if not math.isfinite(row[k]))
         return {
@@ -69,16 +69,17 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         """Return every threshold after the last step."""
         facts = self.facts()
         return [
-            Standing("threshold", one.id, one.active, *_why(one, facts)) for one in self.claims()
+            Standing("threshold", claim.id, claim.active, *_why(claim, facts))
+            for claim in self.claims()
         ]
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return input id -> thresholds that are not active; see ``Monitor``."""
         rows = self.claims()
         found: dict[str, tuple[str, ...]] = {}
-        if lost := tuple(one.id for one in rows if one.reason in UNKNOWN):
+        if lost := tuple(row.id for row in rows if row.reason in UNKNOWN):
             found = dict.fromkeys(self.facts().unknown_inputs, lost)
-        if inactive := tuple(one.id for one in rows if not one.active):
+        if inactive := tuple(row.id for row in rows if not row.active):
             fed = {source.spec.id for source in self._sources}
             found.update((name, inactive) for name in not_known if name in fed)
         return found

@@ -35,8 +35,10 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
-        self.guarantee_ids = tuple(one.id for one in self.guarantees)
-        self.published_ids = tuple(one.published or one.id for one in self.guarantees)
+        self.guarantee_ids = tuple(guarantee.id for guarantee in self.guarantees)
+        self.published_ids = tuple(
+            guarantee.published or guarantee.id for guarantee in self.guarantees
+        )
         self._input_ids = tuple(spec.id for spec in self.inputs)
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
@@ -52,7 +54,7 @@ class ConSert(Monitor[Rows]):
         if self.filter is not None:
             values = self.filter.apply(values)
         sets = self._sets_of(values)
-        return tuple([sets.value(one) == TRUE for one in self.guarantees])
+        return tuple([sets.value(guarantee) == TRUE for guarantee in self.guarantees])
 
     def read(self, source: object) -> tuple[object, ...]:
         """Return the value of each input, ``Absent`` where it cannot be read; never raises."""
@@ -70,7 +72,10 @@ class ConSert(Monitor[Rows]):
         """
         look_again(eddi_input, t_ns)
         flags = self.step(eddi_input)
-        return [{"id": one, "active": flag} for one, flag in zip(self.published_ids, flags)]
+        return [
+            {"id": published_id, "active": flag}
+            for published_id, flag in zip(self.published_ids, flags)
+        ]
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
         """Return guarantee id -> is it active."""
@@ -79,7 +84,7 @@ class ConSert(Monitor[Rows]):
     def verdicts(self) -> dict[str, str]:
         """Return guarantee id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step."""
         sets = self._sets()
-        return {one.id: NAMES[sets.value(one)] for one in self.guarantees}
+        return {guarantee.id: NAMES[sets.value(guarantee)] for guarantee in self.guarantees}
 
     def input_verdicts(self) -> dict[str, str]:
         """Return input id -> ``TRUE``, ``UNKNOWN`` or ``FALSE`` after the last step, filtered."""
@@ -92,7 +97,7 @@ class ConSert(Monitor[Rows]):
         guarantee comes last.
         """
         sets = self._sets()
-        active = [one for one in self.guarantees if sets.value(one) == TRUE]
+        active = [guarantee for guarantee in self.guarantees if sets.value(guarantee) == TRUE]
         active.sort(key=lambda one: (one.default, one.ranking is None, one.ranking or 0))
         return {
             service: next((one.id for one in active if one.id in names), None)
@@ -120,7 +125,8 @@ class ConSert(Monitor[Rows]):
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
             return tuple(
-                self._explain(one, sets, reasons, loss_sets=loss_sets) for one in self.guarantees
+                self._explain(guarantee, sets, reasons, loss_sets=loss_sets)
+                for guarantee in self.guarantees
             )
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
@@ -175,12 +181,12 @@ class ConSert(Monitor[Rows]):
         sets, reasons = self._sets(), self.reasons()
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
-        for one in self.guarantees:
-            active, (groups, _) = sets.value(one) == TRUE, sets.missing(one)
+        for guarantee in self.guarantees:
+            active, (groups, _) = sets.value(guarantee) == TRUE, sets.missing(guarantee)
             group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
             lacks = tuple((name, reasons[name].text) for name in group)
             reason = "" if active or groups else "nothing can activate it"
-            found.append(Standing("guarantee", one.id, active, lacks, reason))
+            found.append(Standing("guarantee", guarantee.id, active, lacks, reason))
         return tuple(found)
 
     def accepted(self) -> tuple[str, ...]:
@@ -205,7 +211,9 @@ class ConSert(Monitor[Rows]):
             if value == UNKNOWN or name in named
         ]
         sets = self._sets()
-        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
+        blocking = [
+            (guarantee.id, sets.blocking(guarantee)) for guarantee in self.guarantees if unknown
+        ]
         found = {name: tuple(id_ for id_, by in blocking if name in by) for name in unknown}
         return {name: ids for name, ids in found.items() if ids}
 
@@ -229,7 +237,7 @@ class ConSert(Monitor[Rows]):
             rows = output
         else:
             faults.append("the output is not a list; nothing is published as active")
-            rows = [{"id": one, "active": False} for one in self.published_ids]
+            rows = [{"id": published_id, "active": False} for published_id in self.published_ids]
         trees = [_row_tree(row, faults) for row in rows]
         self._output_faults = tuple(faults)
         return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
@@ -238,10 +246,14 @@ class ConSert(Monitor[Rows]):
         """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         sets = self._sets()
         rows: list[Tree] = []
-        for one in self.guarantees:
-            groups, _ = sets.missing(one)
+        for guarantee in self.guarantees:
+            groups, _ = sets.missing(guarantee)
             missing = [*groups[0]] if groups else []
-            row: dict[str, Field] = {"id": one.id, "verdict": sets.value(one), "missing": missing}
+            row: dict[str, Field] = {
+                "id": guarantee.id,
+                "verdict": sets.value(guarantee),
+                "missing": missing,
+            }
             rows.append(("GuaranteeStatus", row))
         return "ConSertStatus", {
             "model_id": self.model_id,

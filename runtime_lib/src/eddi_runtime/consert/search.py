@@ -146,10 +146,10 @@ class Search(Sets):
         """Return the node and the gates that it depends on; inputs come before their users."""
         seen, stack = {node}, [node]
         while stack:
-            for one in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
-                if one >= self._graph.leaves and one not in seen:
-                    seen.add(one)
-                    stack.append(one)
+            for input_ in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
+                if input_ >= self._graph.leaves and input_ not in seen:
+                    seen.add(input_)
+                    stack.append(input_)
         return sorted(seen)
 
     def _mocus(self, node: int, *, paths: bool) -> _Family:
@@ -168,25 +168,27 @@ class Search(Sets):
             combine = work.both if is_and == paths else work.either
             if (self._values[k] == TRUE) == paths:
                 family, inputs = _ALREADY, ()
-            for one in inputs:
-                found = families.get(one)
+            for input_ in inputs:
+                found = families.get(input_)
                 if found is None:
-                    there = (self._values[one] == TRUE) == paths
-                    found = _ALREADY if there else _Family(((1, self._bit(one)),), truncated=False)
+                    there = (self._values[input_] == TRUE) == paths
+                    found = (
+                        _ALREADY if there else _Family(((1, self._bit(input_)),), truncated=False)
+                    )
                 family = combine(family, found)
             families[k] = family
-            for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[one] -= 1
-                if not users[one]:  # a long chain would else hold every set on the way
-                    families.pop(one, None)
+            for input_ in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[input_] -= 1
+                if not users[input_]:  # a long chain would else hold every set on the way
+                    families.pop(input_, None)
         return families[node]
 
     def _users(self, gates: list[int]) -> dict[int, int]:
         """Return how often each node is an input of one of the gates."""
         users: dict[int, int] = {}
         for k in gates:
-            for one in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[one] = users.get(one, 0) + 1
+            for input_ in self._graph.nodes[k - self._graph.leaves].inputs:
+                users[input_] = users.get(input_, 0) + 1
         return users
 
     def _named(self, family: _Family) -> tuple[list[Group], bool]:

@@ -79,13 +79,13 @@ class EventMonitor(Conditions, Monitor[Rows]):
         self._verdicts = now
         return [
             {
-                "id": one.id,
+                "id": event.id,
                 "verdict": _VERDICTS[int(value)],
-                "active": value == 2 or (one.hazard and value == 1),
+                "active": value == 2 or (event.hazard and value == 1),
                 "raised": value == 2 and last != 2,
                 "cleared": value != 2 and last == 2,
             }
-            for one, value, last in zip(self.events, now, before)
+            for event, value, last in zip(self.events, now, before)
         ]
 
     def read(self, source: object) -> tuple[object, ...]:
@@ -127,19 +127,19 @@ class EventMonitor(Conditions, Monitor[Rows]):
 
     def standings(self) -> list[Standing]:
         """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
-        waits: dict[str, list[tuple[str, str]]] = {one.id: [] for one in self.events}
+        waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
         for one, events in self.blocked().items():
             for name in events:
                 waits[name].append((one, "not known"))
         return [
             Standing(
                 "event",
-                one.id,
-                value == 2 or (one.hazard and value == 1),
-                tuple(waits[one.id]),
-                "" if value == 2 or waits[one.id] else _REASONS[int(value)],
+                event.id,
+                value == 2 or (event.hazard and value == 1),
+                tuple(waits[event.id]),
+                "" if value == 2 or waits[event.id] else _REASONS[int(value)],
             )
-            for one, value in zip(self.events, self._verdicts)
+            for event, value in zip(self.events, self._verdicts)
         ]
 
     def accepted(self) -> tuple[str, ...]:
@@ -153,10 +153,10 @@ class EventMonitor(Conditions, Monitor[Rows]):
         that is TRUE, a HAZARD that is FALSE.
         """
         found: dict[str, list[str]] = {}
-        for one, value in zip(self.events, self._verdicts):
-            words = one.accepts if value == (0 if one.hazard else 2) else ()
-            of_inputs = accepted([self.inputs[k] for k in one.needs], self._source)
-            found[one.id] = [*of_inputs, *(f"{one.id}: {word}" for word in words)]
+        for event, value in zip(self.events, self._verdicts):
+            words = event.accepts if value == (0 if event.hazard else 2) else ()
+            of_inputs = accepted([self.inputs[k] for k in event.needs], self._source)
+            found[event.id] = [*of_inputs, *(f"{event.id}: {word}" for word in words)]
         return found
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
@@ -165,9 +165,9 @@ class EventMonitor(Conditions, Monitor[Rows]):
         found: dict[str, tuple[str, ...]] = {}
         for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
             events = tuple(
-                one.id
-                for one, value in zip(self.events, self._verdicts)
-                if value == 1 and k in one.needs
+                event.id
+                for event, value in zip(self.events, self._verdicts)
+                if value == 1 and k in event.needs
             )
             if events and (spec.id in unknown or raw is None or is_nan(raw) or self._fault(k)):
                 found[spec.id] = events

@@ -167,7 +167,7 @@ class Health:
         """
         now = time.monotonic()
         seen, said = self._seen, self._said
-        then = {name: one.age_at(seen.at) for name, one in seen.receipts.items()}
+        then = {name: receipt.age_at(seen.at) for name, receipt in seen.receipts.items()}
         receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
         reasons = {**graph.reasons, **graph.wrong_types}
         facts = []

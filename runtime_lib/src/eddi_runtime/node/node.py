@@ -126,7 +126,7 @@ class Node:
 
     def topics(self) -> Mapping[str, str]:
         """Return the id of each source with the full name of its topic."""
-        return {one.id: one.topic for one in self._sources}
+        return {source.id: source.topic for source in self._sources}
 
     # What all have.
 

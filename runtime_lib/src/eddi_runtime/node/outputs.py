@@ -188,10 +188,12 @@ class Publications:
 
 def channels(outputs: Iterable[Output]) -> Iterator[Output]:
     """Yield one output for each topic: its own, and that of the facts behind it."""
-    for one in outputs:
-        yield one
-        if one.status_topic is not None:
-            yield Output(one.id, one.status_topic, one.status_type, of="status", qos=one.qos)
+    for output in outputs:
+        yield output
+        if output.status_topic is not None:
+            yield Output(
+                output.id, output.status_topic, output.status_type, of="status", qos=output.qos
+            )
 
 
 def picked(message: object, channel: Output) -> object:

@@ -69,7 +69,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         except Exception as problem:  # noqa: BLE001 - whatever a person's method raises
             file = getattr(sys.modules.get(type(self.__given).__module__), "__file__", "")
             calls = traceback.extract_tb(problem.__traceback__)
-            last = ([one for one in calls if one.filename == file] or calls)[-1]
+            last = ([call for call in calls if call.filename == file] or calls)[-1]
             state = invalid(problem, None)
             where = f"{Path(last.filename).name} line {last.lineno}"
             return state._replace(reason=f"{state.reason} in {where}")

@@ -58,10 +58,10 @@ class Receipts:
     def __init__(self, sources: Collection[Input], arrived: Callable[[], None]) -> None:
         self._lock = threading.Lock()
         self._arrived = arrived
-        self._silent = {one.id for one in sources if not one.wakes}
+        self._silent = {source.id for source in sources if not source.wakes}
         self._latest: dict[str, Receipt] = {}
         self._queues: dict[str, deque[object]] = {
-            one.id: deque(maxlen=MAX_QUEUED) for one in sources if one.every_message
+            source.id: deque(maxlen=MAX_QUEUED) for source in sources if source.every_message
         }
         self._dropped: dict[str, int] = {}
 

@@ -123,9 +123,9 @@ def report(
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
-    for one in monitor.standings:
-        key = f"{one.what}.{one.id}" if one.what else one.id
-        values.append((key, standing_text(one, by_id)))
+    for standing in monitor.standings:
+        key = f"{standing.what}.{standing.id}" if standing.what else standing.id
+        values.append((key, standing_text(standing, by_id)))
     for fact in inputs:
         values += _input_values(fact)
     values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
@@ -156,7 +156,7 @@ def _blamed(fact: InputFact) -> list[SourceFact]:
     if fact.state not in (WAITING, NEVER, LATE):
         return []
     limit = fact.limit if isinstance(fact.limit, (int, float)) else math.inf
-    return [one for one in fact.sources if one.age is None or not one.age <= limit]
+    return [source for source in fact.sources if source.age is None or not source.age <= limit]
 
 
 def _late(source: SourceFact, limit: float | str | None) -> str:

@@ -38,8 +38,8 @@ class Silence:
     def quiet(self, receipts: Mapping[str, Receipt]) -> list[tuple[Input, float | None]]:
         """Return each source without a recent message, and the seconds since its last one."""
         now = time.monotonic()
-        ages = {name: now - one.at for name, one in receipts.items()}
-        found = [(one, ages.get(one.id)) for one in self._sources]
+        ages = {name: now - receipt.at for name, receipt in receipts.items()}
+        found = [(source, ages.get(source.id)) for source in self._sources]
         return [(one, age) for one, age in found if age is None or age > _QUIET_S]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:

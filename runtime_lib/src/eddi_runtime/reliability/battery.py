@@ -151,7 +151,7 @@ class FreeHorizon:
             self._found = dict.fromkeys(range(_EMPTY, _STATES), _FAILED)
         if state not in self._found:
             ends = self._ends(state)
-            self._found[state] = [one / sum(ends) for one in ends]
+            self._found[state] = [end / sum(ends) for end in ends]
         return self._found[state]
 
     def _ends(self, state: int) -> list[float]:
@@ -161,7 +161,7 @@ class FreeHorizon:
         self._powers = self._powers or [self._longest()]
         for power in factors(self._powers, self._whole):
             row = [dot(row, column) for column in zip(*power)]
-        ends = [[dot(self._weights, one) for one in terms] for terms in self._terms]
+        ends = [[dot(self._weights, term) for term in terms] for terms in self._terms]
         return [dot(row, column) for column in zip(*ends)]
 
     def _longest(self) -> Matrix:

@@ -112,17 +112,17 @@ class Chain:
     def after(self, beliefs: list[Belief], quanta: int) -> list[Belief]:
         """Return several beliefs when time has passed unobserved."""
         if quanta == 1:
-            return [self.quantum(one) for one in beliefs]
+            return [self.quantum(belief) for belief in beliefs]
         self._powers = self._powers or [
             [self.quantum(self.sure_of(i)) for i in range(self.states)]
         ]
         for power in factors(self._powers, quanta):
-            beliefs = [[dot(one, column) for column in zip(*power)] for one in beliefs]
+            beliefs = [[dot(belief, column) for column in zip(*power)] for belief in beliefs]
         return beliefs
 
     def bounds(self, beliefs: list[Belief], at: int, reason: str = "") -> Estimate:
         """Return what lies ahead at a prepared horizon if one of several beliefs is right."""
-        failed, alive, lives = zip(*[_divided(self.look(one, at)) for one in beliefs])
+        failed, alive, lives = zip(*[_divided(self.look(belief, at)) for belief in beliefs])
         return Estimate(min(failed), max(failed), min(alive), min(lives), (), reason)
 
     def bounded(self, seen: Seen, at: int, reason: str = "") -> Estimate:
@@ -132,7 +132,7 @@ class Chain:
             rows = self.rows(at)
             failed, alive, lives = zip(*([rows[state] for state in seen.states] or [_LOST]))
             # that no state is left is a failure
-            lost = seen.alive and not all(one.states for one in seen.completions)
+            lost = seen.alive and not all(completion.states for completion in seen.completions)
             worst = _LOST if lost else (max(failed), min(alive), min(lives))
             found = seen.bounds[at] = (min(failed), *worst)
         return Estimate(*found, seen.unknown, reason)

@@ -19,8 +19,8 @@ class BoundedTree(FaultTree):
 
     def __init__(self) -> None:
         by_size: dict[int, list[tuple[int, ...]]] = {}
-        for one in self.sets:
-            by_size.setdefault(len(one), []).append(one)
+        for set_ in self.sets:
+            by_size.setdefault(len(set_), []).append(set_)
         self._groups = [np.array(group, dtype=int) for group in by_size.values()]
         super().__init__()
 

@@ -28,7 +28,7 @@ class Missed:
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         """Let time pass, keep what is consistent with each completion, look ahead."""
         moved = self._chain.after(self.beliefs, moment.quanta)
-        left = [self._left(moved, one) for one in seen.completions]
+        left = [self._left(moved, completion) for completion in seen.completions]
         reason = "" if any(left) else INCONSISTENT
         # what is believed after an observation that leaves nothing, too
         kept = [
@@ -36,7 +36,10 @@ class Missed:
             for some, one in zip(left, seen.completions)
         ]
         self.beliefs = hull([belief for some in kept for belief in some])
-        self.lost = any(one.fatal or (self.lost and not one.alive) for one in seen.completions)
+        self.lost = any(
+            completion.fatal or (self.lost and not completion.alive)
+            for completion in seen.completions
+        )
         if seen.unknown:
             return self._chain.bounded(seen, moment.at, reason)
         return self._chain.bounds(self.beliefs, moment.at, reason)

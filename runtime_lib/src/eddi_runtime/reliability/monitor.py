@@ -42,10 +42,10 @@ class Reliability(Monitor[ReliabilityResult]):
     def __init__(self) -> None:
         self.components = self._models()  # the models by name
         self._sources = [spec for spec in self.inputs if spec.id in self.rules]
-        self._steps = [(name, one.step) for name, one in self.components.items()]
+        self._steps = [(name, component.step) for name, component in self.components.items()]
         self._parts = tuple(self.components.values())
-        self._grows = all(one.grows for one in self._parts)
-        self._evidence = [Evidence(one) for one in self.thresholds]
+        self._grows = all(part.grows for part in self._parts)
+        self._evidence = [Evidence(threshold) for threshold in self.thresholds]
         self._quantum = self.quantum_ns / _HOUR_NS
         self.reset()
 
@@ -187,7 +187,7 @@ class Reliability(Monitor[ReliabilityResult]):
 
     def _doubt(self) -> str:
         """Return what was missed before and is still open in a step that is valid."""
-        found = [(name, one.doubt()) for name, one in self.components.items()]
+        found = [(name, component.doubt()) for name, component in self.components.items()]
         return "; ".join([f"{name}: {text}" for name, text in found if text])
 
     def doubts(self) -> tuple[str, ...]:
@@ -213,14 +213,16 @@ class Reliability(Monitor[ReliabilityResult]):
             {k: v for k, v in self._taken.items() if v is not None and k not in result.unknown},
             {name: faults.get(name, "") for name in result.unknown},
             dict(faults),
-            tuple(one for one in shares if one[0] != self.top or len(shares) == 1),
+            tuple(share for share in shares if share[0] != self.top or len(shares) == 1),
             self.importances() if result.contributions else (),
             self.latched(),
         )
 
     def latched(self) -> dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""
-        return {n: one.latched for n, one in self.components.items() if one.latched}
+        return {
+            n: component.latched for n, component in self.components.items() if component.latched
+        }
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
         """Return a result with its names; what is not finite becomes None."""

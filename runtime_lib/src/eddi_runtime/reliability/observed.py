@@ -131,7 +131,7 @@ class MarkovChain(Component):
             return independent([frozenset(), *(frozenset({state}) for state in consistent)])
         values = product((False, True), repeat=len(unknown))
         return independent(
-            {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
+            {self._consistent({**given, **dict(zip(unknown, value))}) for value in values}
         )
 
     def doubt(self) -> str:

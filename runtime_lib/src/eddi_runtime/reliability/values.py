@@ -73,7 +73,7 @@ def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
         return None, ""
     if len(items) != rule.length:
         return None, f"{rule.length} statuses are expected, not {len(items)}"
-    return [one if isinstance(one, bool) else None for one in items], ""
+    return [item if isinstance(item, bool) else None for item in items], ""
 
 
 def _wrong(expected: str, raw: object) -> str:

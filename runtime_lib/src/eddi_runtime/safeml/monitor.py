@@ -181,7 +181,9 @@ class SafeML(Monitor[SafeMLResult]):
         """
         if self._last.omission or self._statistics is None:
             return ()
-        outcomes = (self._outcome(test, one) for test, one in enumerate(self._statistics))
+        outcomes = (
+            self._outcome(test, statistic) for test, statistic in enumerate(self._statistics)
+        )
         return tuple(sorted(outcomes, key=lambda one: -one.statistic))
 
     def _outcome(self, test: int, statistic: float) -> OneTest:

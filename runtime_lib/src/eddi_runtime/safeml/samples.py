@@ -89,9 +89,9 @@ def _array(message: Any) -> Any:
 
 def _check_elements(types: set[type]) -> None:
     """Refuse what numpy would make numbers of, in a list: it was not meant as a sample."""
-    if any(issubclass(one, (bool, np.bool_)) for one in types):
+    if any(issubclass(type_name, (bool, np.bool_)) for type_name in types):
         raise _NoNumbersError("Booleans")
-    if any(issubclass(one, (list, tuple, np.ndarray)) for one in types):
+    if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
         raise _NoNumbersError("lists in a list")
 
 

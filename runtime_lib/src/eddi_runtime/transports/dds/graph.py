@@ -139,7 +139,7 @@ class Graph:
 
     def start(self) -> None:
         """Begin to receive, and tell the graph the name of the node."""
-        self._tell([one.reader for one in self._readers.values()], [*self._writers.values()])
+        self._tell([reader.reader for reader in self._readers.values()], [*self._writers.values()])
         self._thread.start()
 
     def _tell(self, readers: list[Any], writers: list[Any]) -> None:
@@ -148,8 +148,8 @@ class Graph:
             types.rmw_dds_common_NodeEntitiesInfo(
                 node_namespace=namespace,
                 node_name=name,
-                reader_gid_seq=[self._gid(one) for one in readers],
-                writer_gid_seq=[self._gid(one) for one in writers],
+                reader_gid_seq=[self._gid(reader) for reader in readers],
+                writer_gid_seq=[self._gid(writer) for writer in writers],
             )
         ]
         info = types.rmw_dds_common_ParticipantEntitiesInfo(
@@ -165,13 +165,13 @@ class Graph:
 
     def _run(self) -> None:
         waiting = WaitSet(self._participant)
-        conditions = [ReadCondition(one.reader, _ANY) for one in self._readers.values()]
+        conditions = [ReadCondition(reader.reader, _ANY) for reader in self._readers.values()]
         for condition in (*conditions, self._guard):
             waiting.attach(condition)
         while not self._stopped:
             waiting.wait(_WAIT)
-            for one in self._readers.values():
-                _take(one)
+            for reader in self._readers.values():
+                _take(reader)
         for condition in (*conditions, self._guard):
             waiting.detach(condition)
 

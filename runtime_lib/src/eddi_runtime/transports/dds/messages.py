@@ -165,15 +165,15 @@ def diagnostics_of(statuses: list[Status]) -> object:
     array = OWN.diagnostic_msgs_DiagnosticArray(
         status=[
             OWN.diagnostic_msgs_DiagnosticStatus(
-                level=one.report.level,
-                name=one.name,
-                message=one.report.message,
-                hardware_id=one.node,
+                level=statuse.report.level,
+                name=statuse.name,
+                message=statuse.report.message,
+                hardware_id=statuse.node,
                 values=[
-                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in one.report.values
+                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in statuse.report.values
                 ],
             )
-            for one in statuses
+            for statuse in statuses
         ]
     )
     array.header.stamp = stamp()

@@ -63,7 +63,7 @@ class MonitorNode(Node):
 
     def topics(self) -> dict[str, str]:
         """Return input id -> full name of its topic."""
-        return {one.id: self._given.topic(one.topic) for one in self._sources}
+        return {source.id: self._given.topic(source.topic) for source in self._sources}
 
     def advertise(self, channel: Output) -> Publish:
         """Return what publishes to a topic."""

@@ -109,7 +109,10 @@ class MonitorNode(Node):
     def expected_types(self) -> dict[str, tuple[str, str]]:
         """Return resolved topic -> (input id, ROS type name) of every subscription."""
         subscribers = dict(self._subscribers)
-        return {one.resolved_name: (name, str(one.type)) for name, one in subscribers.items()}
+        return {
+            subscriber.resolved_name: (name, str(subscriber.type))
+            for name, subscriber in subscribers.items()
+        }
 
     def run(self) -> int:
         """Advertise, publish once, subscribe and loop; return the exit status.

@@ -53,13 +53,13 @@ def diagnostics_of(statuses: list[Status], stamp: object) -> object:
     array = DiagnosticArray(
         status=[
             DiagnosticStatus(
-                level=bytes([one.report.level]),
-                name=one.name,
-                message=one.report.message,
-                hardware_id=one.node,
-                values=[KeyValue(key=key, value=value) for key, value in one.report.values],
+                level=bytes([statuse.report.level]),
+                name=statuse.name,
+                message=statuse.report.message,
+                hardware_id=statuse.node,
+                values=[KeyValue(key=key, value=value) for key, value in statuse.report.values],
             )
-            for one in statuses
+            for statuse in statuses
         ]
     )
     array.header.stamp = stamp

@@ -66,7 +66,7 @@ def keeps(profile: QoSProfile) -> bool:
 
 def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
     """Return what of every writer is less than a reader asks for, empty when one fits."""
-    reasons = [_lacking(reader, one) for one in writers]
+    reasons = [_lacking(reader, writer) for writer in writers]
     return reasons[0] if reasons and all(reasons) else ""
 
 
