@@ -1,25 +1,38 @@
 """What is often wrong in the methods of ``bayesian_network_config.py``: warnings with their line.
 
-The file is read as text and never run. The faults are those of published monitors that were made
-with the tools of SESAME D7.2: a missing ``else``, 0.0 in place of 1.0, NaN that counts as safe.
+The file is read as text and never run. Which paths a body has is not followed: ``discretisation:``
+declares the same without a gap, and with NaN as missing.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import PurePath
 
 from eddi_scaffold.common.escaping import parse_shallow
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
-from eddi_scaffold.kinds.bayesian_network import lint_ways as ways
 
 FILE = "bayesian_network_config.py"
 _DECLARED = re.compile(r"\s*# Declared: (?:discretised|taken) from ")
-_GUARDS = ("isnan", "isfinite", "isinf")
+
+
+@dataclass(frozen=True)
+class _OutcomeAssignment:
+    """An assignment ``outcome_<state> = ...``.
+
+    Attributes:
+        name: its target.
+        value: the number that is assigned, ``None`` for any other expression.
+        line: where it is.
+    """
+
+    name: str
+    value: float | None
+    line: int
 
 
 @dataclass(frozen=True)
@@ -38,7 +51,7 @@ def is_config_module(name: str) -> bool:
 
 
 def lint(source: Source) -> list[Problem]:
-    """Return what looks wrong (B406, B410 to B417), or that the file is not Python (B418)."""
+    """Return what looks wrong (B406, B412, B414, B417), or that the file is not Python (B418)."""
     try:
         tree = parse_shallow(source.data)
     except SyntaxError as fault:
@@ -63,7 +76,7 @@ def _method(function: ast.FunctionDef, lines: list[str]) -> _Method:
     )
     start = 0 if begin is None else begin + 1
     head = function.body if begin is None else function.body[:begin]
-    given = [found for one in head if (found := ways.assignment(one)) is not None]
+    given = [found for one in head if (found := _assignment(one)) is not None]
     outcomes = [one.name for one in given if one.value == 0.0]
     stop = function.body[start].lineno if start < len(function.body) else function.lineno
     declared = any(_DECLARED.match(line) for line in lines[function.lineno : stop])
@@ -84,21 +97,16 @@ def _faults(method: _Method) -> Iterator[Fault]:
     """Yield code, line, message and hint of each fault."""
     yield from _names(method)
     yield from _values(method)
-    real = [assignment for assignment in ways.assignments(method.body) if assignment.value != 0.0]
+    real = [assignment for assignment in _assignments(method.body) if assignment.value != 0.0]
     if real and method.declared:
         text = (
             f"{method.name} is declared in the configuration and set here, which takes precedence"
         )
         yield "B406", real[0].line, text, "remove the declaration, or this body"
-    flags = [
-        statement for statement in ways.statements(method.body) if ways.flags_output(statement)
-    ]
+    flags = [statement for statement in _statements(method.body) if _flags_output(statement)]
     if real and flags:
         text = f"{method.name} is an output and evidence at once: it only echoes what is set"
         yield "B414", flags[0].lineno, text, None
-    yield from _ways(method)
-    for chain in ways.chains(method.body):
-        yield from _chain(method, chain)
 
 
 def _names(method: _Method) -> Iterator[Fault]:
@@ -115,45 +123,54 @@ def _names(method: _Method) -> Iterator[Fault]:
 
 
 def _values(method: _Method) -> Iterator[Fault]:
-    for assignment in ways.assignments(method.body):
+    for assignment in _assignments(method.body):
         if assignment.value is not None and not 0.0 <= assignment.value <= 1.0:
             text = f"{method.name}: an outcome of {assignment.value:g} is outside [0, 1]"
             yield "B417", assignment.line, text, None
 
 
-def _ways(method: _Method) -> Iterator[Fault]:
-    """Yield what is wrong with one of the ways through the whole method."""
-    found = ways.through(method.body)
-    if found is None:
-        return
-    open_chain = next((chain for chain in ways.chains(method.body) if chain.sets_no_else), None)
-    if method.declared:
-        open_chain = None  # the declaration applies where nothing is set
-    if open_chain and any(way.names for way in found) and not all(way.names for way in found):
-        text = f"a path through {method.name} sets no outcome: the node is unobserved there"
-        yield "B410", open_chain.line, text, "is an `else` missing?"
-    twice = next((way for way in found if len(way.sure) > 1), None)
-    if twice is not None:
-        names = " and ".join(sorted(twice.sure))
-        text = f"a path through {method.name} sets {names} to 1"
-        yield "B413", max(twice.lines), text, "two certain states contradict each other: set one"
+def _statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:
+    """Yield every statement of a body, those inside others too, in the order of the text."""
+    for statement in body:
+        for item in ast.walk(statement):
+            if isinstance(item, ast.stmt):
+                yield item
 
 
-def _chain(method: _Method, chain: ways.IfChain) -> Iterator[Fault]:
-    for zero in chain.zeros_in_else():
-        text = f"{method.name}: this `else` sets an outcome to 0, which it is already"
-        yield "B411", zero.line, text, "is 1.0 meant?"
-    guarded = any(
-        isinstance(item, ast.Name | ast.Attribute)
-        and getattr(item, "attr", getattr(item, "id", "")) in _GUARDS
-        for statement in method.body
-        for item in ast.walk(statement)
-    )
-    if chain.else_sets and chain.orders and not guarded:
-        text = f"{method.name}: NaN takes this `else`"
-        hint = "test for it first (math.isfinite), or declare the node in the configuration"
-        yield "B415", chain.otherwise[0].lineno, text, hint
-    for line, low, high in chain.breaks():
-        what = "leave a gap" if low < high else "overlap"
-        text = f"{method.name}: the comparisons {what} between {low:g} and {high:g}"
-        yield "B416", line, text, None
+def _assignments(body: Iterable[ast.stmt]) -> Iterator[_OutcomeAssignment]:
+    """Yield every assignment to an outcome in a body, those inside others too."""
+    for statement in _statements(body):
+        found = _assignment(statement)
+        if found is not None:
+            yield found
+
+
+def _assignment(statement: ast.stmt) -> _OutcomeAssignment | None:
+    """Return the assignment to an outcome that a statement is, ``None`` for all others."""
+    match statement:
+        case ast.Assign(targets=[ast.Name(id=name)], value=value) if name.startswith("outcome_"):
+            return _OutcomeAssignment(name, _constant(value), statement.lineno)
+    return None
+
+
+def _flags_output(statement: ast.stmt) -> bool:
+    """Return whether a statement is ``is_bn_output = ...`` with something else than False."""
+    if not isinstance(statement, ast.Assign) or len(statement.targets) != 1:
+        return False
+    target, value = statement.targets[0], statement.value
+    is_flag = isinstance(target, ast.Name) and target.id == "is_bn_output"
+    return is_flag and not (isinstance(value, ast.Constant) and value.value is False)
+
+
+def _constant(value: ast.expr) -> float | None:
+    """Return the number that an expression is, ``None`` for all others."""
+    if isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.USub):
+        number = _constant(value.operand)
+        return None if number is None else -number
+    written = value.value if isinstance(value, ast.Constant) else None
+    if isinstance(written, int | float) and not isinstance(written, bool):
+        try:
+            return float(written)
+        except OverflowError:
+            return None
+    return None

@@ -53,63 +53,18 @@ def said(source: Source) -> list[str]:
     ("body", "wanted"),
     [
         (
-            "if math.isfinite(x) and x <= 1:\n    outcome_low = 1.0\n",
-            (
-                "8: a path through node_Speed sets no outcome: the node is unobserved there "
-                "(is an `else` missing?) [B410]"
-            ),
-        ),
-        (
-            "if self.dra_data.slow:\n    outcome_low = 1.0\nelse:\n    outcome_high = 0.0\n",
-            (
-                "11: node_Speed: this `else` sets an outcome to 0, which it is already "
-                "(is 1.0 meant?) [B411]"
-            ),
-        ),
-        (
             "outcome_hihg = 1.0\n",
             "8: node_Speed has no 'outcome_hihg' (did you mean 'outcome_high'?) [B412]",
-        ),
-        (
-            "outcome_low = 1.0\noutcome_high = 1\n",
-            (
-                "9: a path through node_Speed sets outcome_high and outcome_low to 1 "
-                "(two certain states contradict each other: set one) [B413]"
-            ),
         ),
         (
             "is_bn_output = True\noutcome_low = 1.0\n",
             "8: node_Speed is an output and evidence at once: it only echoes what is set [B414]",
         ),
-        (
-            "if self.dra_data.speed <= 1:\n    outcome_low = 1.0\nelse:\n    outcome_high = 1.0\n",
-            (
-                "11: node_Speed: NaN takes this `else` (test for it first (math.isfinite), or "
-                "declare the node in the configuration) [B415]"
-            ),
-        ),
-        (
-            (
-                "if isnan(x):\n    pass\nelif x <= 1:\n    outcome_low = 1.0\n"
-                "elif 1.5 < x:\n    outcome_high = 1.0\nelse:\n    outcome_high = 1.0\n"
-            ),
-            "12: node_Speed: the comparisons leave a gap between 1 and 1.5 [B416]",
-        ),
-        (
-            (
-                "if isnan(x):\n    pass\nelif x <= 1:\n    outcome_low = 1.0\n"
-                "elif x > 0.5 and x < 3:\n    outcome_high = 1.0\nelse:\n    outcome_high = 1.0\n"
-            ),
-            "12: node_Speed: the comparisons overlap between 1 and 0.5 [B416]",
-        ),
         ("outcome_low = 1.5\n", "8: node_Speed: an outcome of 1.5 is outside [0, 1] [B417]"),
     ],
 )
 def test_a_fault_is_told_with_its_line(body: str, wanted: str) -> None:
-    found = said(module(body))
-    if "B411" in wanted:  # such a body leaves the node unobserved as well
-        found = [one for one in found if "B410" not in one]
-    assert found == [wanted]
+    assert said(module(body)) == [wanted]
 
 
 def test_a_declared_node_that_is_set_by_hand() -> None:
@@ -121,8 +76,6 @@ def test_a_declared_node_that_is_set_by_hand() -> None:
         )
     ]
     assert said(module("pass\n", declared)) == []
-    (one,) = said(module("if self.dra_data.slow:\n    outcome_low = 1.0\n", declared))
-    assert one.endswith("[B406]")  # and no B410: where nothing is set, the declaration applies
 
 
 @pytest.mark.parametrize(
