@@ -1,4 +1,4 @@
-"""What a monitor claims, and which values of its inputs bring a claim nearer.
+"""What a monitor claims, which values bring a claim nearer, and what its messages say.
 
 A claim asserts something good: an active guarantee, a threshold that is kept, a hazard that is
 known to be absent. Silence must never bring a claim nearer: neither the silence of a sensor, nor

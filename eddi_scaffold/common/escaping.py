@@ -1,10 +1,4 @@
-"""Texts of models and configurations as parts of other languages: one function for each target.
-
-Whatever the text contains, it stays text there. Names are not escaped but checked
-(``identifiers``); CMake and ROS launch files get names and numbers only. What an answers file may
-hold of the results is repeated in ``copier_templates/shapes.jinja``, because answers can be given
-to Copier directly.
-"""
+"""Texts of models as parts of other languages, a function for each; Python as a tree."""
 
 from __future__ import annotations
 

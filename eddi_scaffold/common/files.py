@@ -1,4 +1,4 @@
-"""Files of anybody: only regular ones are opened, and never read beyond a limit.
+"""Files: read once, only regular ones and with a limit; those of other tools are named.
 
 FIFOs, sockets and devices may wait for ever, or be read without end.
 """

@@ -1,4 +1,4 @@
-"""Units of measurement: one table for models, configurations, expressions and messages.
+"""Units of measurement: one table for everything, and quantities as people write them.
 
 Factors are exact, but for those with pi, which is the nearest double. ``degC`` and ``K`` are two
 dimensions: a factor cannot distinguish a temperature of 5 K from a difference.

@@ -1,4 +1,4 @@
-"""Texts of events as tokens."""
+"""Texts of events as tokens, and reading them one after the other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Field paths of a configuration: ``data``, ``pose.position.x``, ``guarantees[G0].active``.
+"""Field paths of a configuration, by themselves and against the messages they lead into.
 
 A path is parsed here and becomes a Python expression in which only checked names and literals
 occur, so text of a configuration never becomes code. What the messages define of it, such as which

@@ -1,4 +1,4 @@
-"""One configuration as it was read: its content, and where each part of it is."""
+"""One configuration as it was read, the model that it names, and what a robot overrides."""
 
 from __future__ import annotations
 

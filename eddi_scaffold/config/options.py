@@ -1,4 +1,4 @@
-"""Options of a configuration for the kind of its model."""
+"""Options of a configuration for the kind of its model, as plain values with places."""
 
 from __future__ import annotations
 
@@ -28,7 +28,6 @@ from eddi_scaffold.yaml_text.nodes import (
     number_for_11,
     value_11,
 )
-from eddi_scaffold.yaml_text.scalars import advice
 
 Places = dict[tuple[str | int, ...], Place]
 """Path of a value -> its place; with KEY at the end, that of its key."""
@@ -118,7 +117,7 @@ def violations(
             if not key.isidentifier() and _key_before(path, places) == "expression":
                 hint = "put the expression in quotes: inside { } a comma ends it"
             else:
-                hint = hint_for_decimals(key) or advice(key) or hint
+                hint = hint_for_decimals(key) or hint
             yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
         else:
             raised = found.get("ctx", {}).get("error")  # by our own checks
@@ -127,7 +126,6 @@ def violations(
                 own = "true, false, a number or a text is expected"
             elif isinstance(raised, HintedError):
                 hint = raised.hint
-            hint = hint or advice(str(found["input"]))
             own = own.replace("Input should be", "must be")  # of pydantic, for a literal
             yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
 

@@ -1,8 +1,4 @@
-"""A fleet as if each robot read the guarantees of the others from topics: for checks of its wiring.
-
-How guarantees travel does not matter to what they rest on: rings, meanings and ages are found by
-the same checks as within one robot.
-"""
+"""``check`` of a deployment file: each robot by itself, and what only all of them show."""
 
 from __future__ import annotations
 

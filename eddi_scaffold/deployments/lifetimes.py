@@ -1,4 +1,4 @@
-"""How long a claim may outlive the silence of a source.
+"""How long a claim may outlive its sources, and whether messages come often enough.
 
 From the last message of a source to the loss of a claim behind n monitors pass at most the age
 limit of the first monitor's input and one period of every monitor on the way: a step may fall just

@@ -1,4 +1,4 @@
-"""What the inputs of a monitor read: which field of which message, and what for."""
+"""Check that each field that is read of a monitor's message rests only on what is known."""
 
 from __future__ import annotations
 

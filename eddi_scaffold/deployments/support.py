@@ -1,4 +1,4 @@
-"""What each claim rests on, and the rings in which claims rest on themselves.
+"""What each claim rests on, where less is accepted, and rings of claims.
 
 Two ConSerts that feed each other keep each other active for ever after their sources have died:
 the messages are fresh, and ages do not help. A ring is one of claims, not of topics: two ConSerts

@@ -1,4 +1,4 @@
-"""Who publishes what: monitors, and their topics with full names."""
+"""Who publishes what: monitors, topics with full names, and publishers not at hand."""
 
 from __future__ import annotations
 

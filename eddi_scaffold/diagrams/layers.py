@@ -1,4 +1,4 @@
-"""Layers of a graph: every edge leads to a later layer, long edges through bends in between.
+"""Layers of a graph, and the order of nodes within them, with few crossings of edges.
 
 The steps of Sugiyama, Tagawa and Toda, "Methods for Visual Understanding of Hierarchical System
 Structures" (1981): break cycles, assign layers, reduce crossings, place.

@@ -1,9 +1,4 @@
-"""Names of elements, attributes and classes, compared the way that real files need it.
-
-Namespace URIs, prefixes, trailing underscores and the case of letters differ between the tools
-that write EDDIs, so names are compared folded. The scanned text of SESAME D7.2 prints "ConSert"
-as "Consent" in many places, and users copy from it: folding undoes that too.
-"""
+"""Names of the metamodel in EDDI XML with their spellings: the place to change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Write models that are no part of the metamodel into an EDDI."""
+"""Models written elsewhere: into an EDDI, as pictures, as monitors without a runtime."""
 
 from __future__ import annotations
 

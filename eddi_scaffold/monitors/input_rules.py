@@ -1,4 +1,4 @@
-"""What the configuration of an input accepts in place of a value that somebody vouches for.
+"""What counts as known of an input: by its configuration, and by what a message states.
 
 The same list goes two ways: ``check``, ``show`` and ``trace`` name the claims that rest on it, and
 the monitor reports at run time which are in use.

@@ -1,4 +1,4 @@
-"""Which models are in a file, whatever its format: the one way from a path to typed models."""
+"""Which models are in a file, whatever its format, and which of them is asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The survey of ``show --json``: every model of a file, also of kinds without a monitor."""
+"""Which files of a folder are models, and all models of a file, with a monitor or not."""
 
 from __future__ import annotations
 

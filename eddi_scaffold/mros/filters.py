@@ -1,4 +1,4 @@
-"""Which topics of a system are wanted: by name, by component, without infrastructure."""
+"""Which topics of a system are wanted, and ids that stay when the system changes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Systems and models as plain JSON: what ``show --json`` prints."""
+"""Systems and models for ``show``: as plain JSON, and as a tree for people."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bags by rosbags, so that a channel that nobody asks for cannot spoil one.
+"""Bags by rosbags: one channel at a time, and the message definitions they carry.
 
 Needs the extra ``bags``: rosbags by itself reads the definitions of all channels at first.
 """

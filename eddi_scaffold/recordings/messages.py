@@ -1,4 +1,4 @@
-"""Messages of ours without ROS: objects made of a monitor's message trees.
+"""What a monitor publishes in each step, and messages of ours without ROS.
 
 They are checked field by field: a tree that does not fit its ``.msg`` file is refused, as a node
 would refuse it.

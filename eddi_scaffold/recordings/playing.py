@@ -1,4 +1,4 @@
-"""When a node steps while a recording is played. Times are nanoseconds."""
+"""Recordings played to monitors: one timeline, on which each steps as its node would."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Message classes in the module of a node, which rospy and rclpy import by the same names."""
+"""Our messages in a workspace: which it needs, and their classes in a node's module."""
 
 from __future__ import annotations
 

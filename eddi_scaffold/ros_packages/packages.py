@@ -1,4 +1,4 @@
-"""What the packages say of themselves in the MROS languages (docs/reference/mros.md)."""
+"""Packages of a workspace: the shared ones, their names, what they say in MROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The messages that are watched: those that monitors publish about themselves."""
+"""The messages that are watched, and what they say of a node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The newest view, for all who look at it: written by one thread, read by those of connections."""
+"""The newest view, for all who look at it, and what of it is new for each of them."""
 
 from __future__ import annotations
 

@@ -31,7 +31,6 @@ from eddi_scaffold.yaml_text.scalars import (
     as_text,
     describe,
     is_null,
-    misplaced,
     shown,
     value_12,
 )
@@ -199,7 +198,6 @@ def _scalar_11(text: str) -> Any:
         return text
 
 
-_NEAR = 5
 """Lines above the one that the parser stops at, in which the cause is looked for."""
 _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _NOT = "put the text in quotes, and write NOT for `!`"
@@ -282,12 +280,6 @@ class _Composer:
             if mark is not None and self._has_tab(mark.line):
                 message = "this is not YAML: a tab indents this line"
                 raise _Stop(message, place, "indent with spaces") from None
-            odd = self._misplaced(mark.line) if mark is not None else None
-            if odd is not None:
-                line, column, advice = odd
-                place = Place(self.name, line + 1, column + 1)
-                message = "this is not YAML: a typographic character is no sign of YAML"
-                raise _Stop(message, place, advice) from None
             parts = [part for part in (problem.context, problem.problem) if part]
             hint = None if mark is None else self._quotes(problem.context or "", mark.line)
             if problem.problem == _NO_COLON and problem.context_mark:
@@ -301,15 +293,6 @@ class _Composer:
         """Return whether a line, counted from 0, is indented with a tab."""
         text = self._line(line)
         return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
-
-    def _misplaced(self, last: int) -> tuple[int, int, str] | None:
-        """Return line and column, from 0, of a typographic character near above, and advice."""
-        first = max(0, last - _NEAR)
-        for line in range(last, first - 1, -1):
-            found = misplaced(self._line(line))
-            if found is not None:
-                return line, *found
-        return None
 
     def _conflict(self, last: int) -> int | None:
         """Return the first line up to ``last``, from 0, that git put before both sides."""

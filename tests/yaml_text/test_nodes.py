@@ -171,32 +171,6 @@ def test_what_cannot_be_read(text):
     assert (problem.code, problem.level) == ("Y001", "error")
 
 
-NO_SIGN = {
-    "a:\u00a01\nb: 2\n": (1, 3, "type a space in place of U+00A0, no-break space"),
-    "a:\n  - b: 1\n  \u2013 c: 1\n": (3, 3, "type - in place of \u2013 U+2013, en dash"),
-    "a:\n\u200b  b: 1\n  c: 1\n": (2, 1, "delete U+200B, zero width space"),
-    "# \u00a0: no\na: \u201cb: 1\u201d\n": (
-        2,
-        4,
-        'type " or nothing in place of \u201c U+201C, left double quotation mark',
-    ),
-}
-
-
-@pytest.mark.parametrize("text", NO_SIGN)
-def test_what_a_word_processor_writes_is_named_with_what_to_type(text):
-    node, (problem,) = read(text)
-    assert node is None
-    assert problem.message == "this is not YAML: a typographic character is no sign of YAML"
-    assert (problem.place.line, problem.place.col, problem.hint) == NO_SIGN[text]
-
-
-def test_texts_may_have_any_character_and_wrong_values_name_it():
-    node, problems = read("a: the \u201clidar\u201d\u00a0\u2013 fast\nb: \u22121\n")
-    assert (problems, y.describe(node.get("a"))) != ([], "")
-    assert "(type - in place of \u2212 U+2212, minus sign)" in y.describe(node.get("b"))
-
-
 def test_not_utf8():
     node, (problem,) = read(b"a: b\nc: \xff\n")
     assert node is None

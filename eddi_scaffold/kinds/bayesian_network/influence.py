@@ -1,4 +1,4 @@
-"""Which observed nodes can reach which others, whatever else is observed."""
+"""Which observed nodes can reach which others; evidence weaker than it seems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Edges of bins that the names of states suggest: shown as a comment, never used by themselves."""
+"""``bayesian_network_config.py`` of a package (D7.2 Figs 15, 19, 20), and its draft."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The words of a network that is text (BIF), with their places; the first fault ends it."""
+"""Bayesian networks from BIF text (Cozman, "The Interchange Format ..." 0.15)."""
 
 from __future__ import annotations
 

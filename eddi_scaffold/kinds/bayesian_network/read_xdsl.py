@@ -1,10 +1,4 @@
-"""Noisy-MAX nodes of GeNIe as tables (Diez 1993, "Parameter adjustment in Bayes networks").
-
-The file holds, for each parent, one column of probabilities per state of that parent in the order
-of its strengths, then a column for the leak; the last column of a parent belongs to the state that
-causes nothing and is 0 ... 0 1 (SMILE manual, "Noisy-MAX"). The node takes the strongest of the
-states that its parents and the leak cause each by itself; its first state is the strongest.
-"""
+"""Bayesian networks from XDSL (GeNIe, SMILE), with noisy-MAX nodes as tables."""
 
 from __future__ import annotations
 

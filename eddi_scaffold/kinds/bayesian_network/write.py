@@ -1,4 +1,4 @@
-"""A network as XDSL that GeNIe opens: parents first, titles and places in the GeNIe extension."""
+"""A network as XDSL that GeNIe opens, and as XMLBIF 0.3."""
 
 from __future__ import annotations
 

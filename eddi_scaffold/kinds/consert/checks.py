@@ -1,4 +1,4 @@
-"""Checks of ConSerts: what is wrong with a model by itself."""
+"""Checks of ConSerts: what is wrong with a model by itself (C006 to C026)."""
 
 from __future__ import annotations
 

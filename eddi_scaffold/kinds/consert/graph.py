@@ -1,4 +1,4 @@
-"""The graph of a ConSert: what feeds what."""
+"""The graph of a ConSert: what feeds what, and its path sets as bit masks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of the names that generated code derives from ids: C018 and C019."""
+"""Checks of names that generated code derives from ids, and of services: C018 to C022."""
 
 from __future__ import annotations
 

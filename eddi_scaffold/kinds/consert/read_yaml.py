@@ -1,4 +1,4 @@
-"""ConSerts from and to YAML."""
+"""ConSert YAML (SESAME D7.2 Fig 6) -> model: what each key holds, and its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``show`` prints of a ConSert: counts, and the trees below its guarantees."""
+"""What ``show`` prints of a ConSert, and its picture as SESAME D7.2 Fig 4 draws it."""
 
 from __future__ import annotations
 

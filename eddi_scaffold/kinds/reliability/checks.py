@@ -1,4 +1,4 @@
-"""What is wrong with a Markov chain."""
+"""What is wrong with a system that was read: before anything is computed of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Text description of a system, for ``show`` and for a package's README."""
+"""Text description of a system, for ``show`` and for a package's README; its picture."""
 
 from __future__ import annotations
 

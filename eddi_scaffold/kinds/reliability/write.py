@@ -1,4 +1,4 @@
-"""A fault tree as an Open-PSA file, as far as that format has what the tree consists of."""
+"""A system as ``reliability_config.yml``, and a fault tree as an Open-PSA file."""
 
 from __future__ import annotations
 

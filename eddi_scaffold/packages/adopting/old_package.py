@@ -1,4 +1,4 @@
-"""One Python module of an old package: its class, the methods that people edited, and the rest.
+"""Files of an old package, and its Python modules: what people edited, and the rest.
 
 Nothing is executed: syntax trees and lines of text only.
 """

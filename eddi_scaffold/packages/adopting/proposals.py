@@ -1,4 +1,4 @@
-"""Declarations that would do what a hand-written body does (SESAME D7.2 Fig 19)."""
+"""What the old generator wrote; declarations that do what a body does (D7.2 Fig 19)."""
 
 from __future__ import annotations
 

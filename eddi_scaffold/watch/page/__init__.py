@@ -1,4 +1,4 @@
-"""The view as a page on this machine: HTML that works by itself, and events that keep it new."""
+"""The view as a page on this machine: texts, graph and pictures of a snapshot as HTML."""
 
 from __future__ import annotations
 
