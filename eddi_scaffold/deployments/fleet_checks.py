@@ -141,7 +141,9 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
     """Report topics of sensors that several robots read (D014)."""
     first: dict[str, Member] = {}
     for member in together.members:
-        used = {require.id for binding in member.monitor.inputs for require in binding.requires}
+        used = {
+            requirement.id for binding in member.monitor.inputs for requirement in binding.requires
+        }
         for index, source in enumerate(member.config.config.SimulatorOutputs):
             if source.id not in used or member.topic(source.topic) in together.publishers:
                 continue

@@ -260,7 +260,9 @@ def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
 def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
     config = member.config
     required = {name for entry in config.config.EDDIInputs for name in entry.requires}
-    required |= {require.id for binding in member.monitor.inputs for require in binding.requires}
+    required |= {
+        requirement.id for binding in member.monitor.inputs for requirement in binding.requires
+    }
     for index, source in enumerate(config.config.SimulatorOutputs):
         topic = member.topic(source.topic)
         if source.id not in required or kind_of_message(source.type) is None or source.peers:

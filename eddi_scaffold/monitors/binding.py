@@ -442,13 +442,15 @@ class _InputBinder:
         """
         fleet = self.config.config.Fleet
         lease = fleet.lease if fleet is not None else None
-        limits = [lease if require.peers else require.limit for require in self.requires]
+        limits = [
+            lease if requirement.peers else requirement.limit for requirement in self.requires
+        ]
         written = self.entry.is_computed and None in limits
         allowed = (
-            require.max_age
-            if require.max_age is not None or (written and not require.peers)
+            requirement.max_age
+            if requirement.max_age is not None or (written and not requirement.peers)
             else limit
-            for require, limit in zip(self.requires, limits, strict=True)
+            for requirement, limit in zip(self.requires, limits, strict=True)
         )
         ages = [age for age in allowed if age is not None]
         numbers = [age for age in ages if not isinstance(age, str)]

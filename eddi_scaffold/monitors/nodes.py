@@ -53,7 +53,9 @@ class MonitorNode:
 
     @cached_property
     def _required(self) -> list[SimulatorOutput]:
-        used = {require.id for binding in self.monitor.inputs for require in binding.requires}
+        used = {
+            requirement.id for binding in self.monitor.inputs for requirement in binding.requires
+        }
         first: dict[str, SimulatorOutput] = {}
         for entry in self.config.config.SimulatorOutputs:
             first.setdefault(entry.id, entry)

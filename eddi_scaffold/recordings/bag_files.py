@@ -228,7 +228,7 @@ def _reads(
 ) -> Iterator[tuple[SimulatorOutput, FieldPath, bool]]:
     """Yield message, path, and whether what is there is the value itself."""
     if binding.computed is not None:
-        sources = {attribute(require.id): require for require in binding.requires}
+        sources = {attribute(requirement.id): requirement for requirement in binding.requires}
         document: Any = binding.computed
         names = (n for p in document["parts"] for v in p["form"]["variables"] for n in inputs_of(v))
         for name in dict.fromkeys(names):

@@ -255,7 +255,9 @@ def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]
     found: dict[str, list[_Wanted]] = {}
     for monitor in monitors:
         sources = {
-            require.id: require for binding in monitor.inputs for require in binding.requires
+            requirement.id: requirement
+            for binding in monitor.inputs
+            for requirement in binding.requires
         }
         for source in sources.values():
             found.setdefault(monitor.topic(source.topic), []).append(_Wanted(monitor, source))

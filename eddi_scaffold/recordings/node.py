@@ -75,7 +75,7 @@ class GivenInput(EDDIInputBase):
     def processing(self, simulator_outputs: Mapping[str, Any]) -> None:
         """Update every input with the messages that are there."""
         for binding, update, process in self.__bound:
-            requires = [require.id for require in binding.requires]
+            requires = [requirement.id for requirement in binding.requires]
             update(binding.model.id, process, simulator_outputs, requires)
 
     def __updater(self, binding: InputBinding) -> Callable[..., None]:

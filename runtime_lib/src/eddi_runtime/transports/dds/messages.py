@@ -165,15 +165,15 @@ def diagnostics_of(statuses: list[Status]) -> object:
     array = OWN.diagnostic_msgs_DiagnosticArray(
         status=[
             OWN.diagnostic_msgs_DiagnosticStatus(
-                level=statuse.report.level,
-                name=statuse.name,
-                message=statuse.report.message,
-                hardware_id=statuse.node,
+                level=status.report.level,
+                name=status.name,
+                message=status.report.message,
+                hardware_id=status.node,
                 values=[
-                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in statuse.report.values
+                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in status.report.values
                 ],
             )
-            for statuse in statuses
+            for status in statuses
         ]
     )
     array.header.stamp = stamp()

@@ -82,7 +82,7 @@ def diagnostics_publisher() -> Callable[[list[Status]], None]:
     publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
 
     def publish(statuses: list[Status]) -> None:
-        array = DiagnosticArray(status=[_status(statuse) for statuse in statuses])
+        array = DiagnosticArray(status=[_status(status) for status in statuses])
         array.header.stamp = stamp()
         publisher.publish(array)
 

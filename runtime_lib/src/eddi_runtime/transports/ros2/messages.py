@@ -53,13 +53,13 @@ def diagnostics_of(statuses: list[Status], stamp: object) -> object:
     array = DiagnosticArray(
         status=[
             DiagnosticStatus(
-                level=bytes([statuse.report.level]),
-                name=statuse.name,
-                message=statuse.report.message,
-                hardware_id=statuse.node,
-                values=[KeyValue(key=key, value=value) for key, value in statuse.report.values],
+                level=bytes([status.report.level]),
+                name=status.name,
+                message=status.report.message,
+                hardware_id=status.node,
+                values=[KeyValue(key=key, value=value) for key, value in status.report.values],
             )
-            for statuse in statuses
+            for status in statuses
         ]
     )
     array.header.stamp = stamp
