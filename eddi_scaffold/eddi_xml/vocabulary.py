@@ -215,3 +215,19 @@ ONE_THING = {
     for name in spelling.folded
 } | {fold(PUBLIC_UNIT.name): UNIT.name}
 """Attributes -> what several of them say."""
+
+NETWORKS = (
+    'descendant-or-self::*[contains(local-name(), "ayesianNetwork") or '
+    '@*[local-name() = "type" and contains(., "ayesianNetwork")]]'
+)
+"""XPath below a root: Bayesian networks."""
+
+_LOWER = 'translate({0}, "FAULTREMKOVCHINS", "faultremkovchins")'
+_CLASS = " or ".join(
+    f'contains({_LOWER}, "{name}")' for name in ("faulttree", "markovchain", "statemachine")
+)
+CHAINS_AND_TREES = (
+    f"self::*[{_CLASS.format('local-name()')}] | "
+    f'descendant-or-self::*[@*[local-name() = "type" and ({_CLASS.format(".")})]]'
+)
+"""XPath at a root: chains, trees and state machines; classes are compared without case."""

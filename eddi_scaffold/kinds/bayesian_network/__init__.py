@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.eddi_xml.vocabulary import NETWORKS
 from eddi_scaffold.kinds import Alias, Functions, Kind
 from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES, VERDICTS
 
@@ -20,11 +21,6 @@ _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
     "renamed", "evidence",
 )  # fmt: skip
-IN_EDDI = (
-    'descendant-or-self::*[contains(local-name(), "ayesianNetwork") or '
-    '@*[local-name() = "type" and contains(., "ayesianNetwork")]]'
-)
-"""Networks, as elements of an EDDI."""
 
 
 def _sniff(source: Source) -> bool:
@@ -53,7 +49,7 @@ KIND = Kind(
     verdicts=VERDICTS,
     load=_functions,
     topic="posteriors",
-    in_eddi=IN_EDDI,
+    in_eddi=NETWORKS,
     options=_KEYS,
     inputs_of_model=False,
     aliases=(

@@ -12,8 +12,7 @@ from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.findings import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
-from eddi_scaffold.kinds.bayesian_network import IN_EDDI
+from eddi_scaffold.eddi_xml.vocabulary import NETWORKS, Spelling, fold
 from eddi_scaffold.kinds.bayesian_network.checks import check_network, first_missing
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network
 
@@ -40,7 +39,7 @@ def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], li
 def network_elements(document: EddiDocument) -> Iterator[Element]:
     """Yield the elements of class BayesianNetwork, wherever they are contained."""
     for root in document.roots:
-        for element in select(root, IN_EDDI):
+        for element in select(root, NETWORKS):
             stated = document.class_of(element).name
             if stated == CLASS or (not stated and fold(document.feature(element)) in _FEATURES):
                 yield element

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES
 from eddi_scaffold.kinds import Functions, Kind
 from eddi_scaffold.kinds.reliability.messages import MESSAGES, VERDICTS
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds.reliability.system import ReliabilityModel
 
 _SUFFIXES = (".yml", ".yaml")
-MEF_SUFFIXES = (".xml", ".opsa", ".mef")
+_MEF_SUFFIXES = (".xml", ".opsa", ".mef")
 _MEF = re.compile(rb"<opsa-mef[\s>/]")
 _HEAD = 65536
 _OWN_KEY = re.compile(
@@ -29,21 +30,11 @@ _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-_LOWER = 'translate({0}, "FAULTREMKOVCHINS", "faultremkovchins")'
-_CLASS = " or ".join(
-    f'contains({_LOWER}, "{name}")' for name in ("faulttree", "markovchain", "statemachine")
-)
-IN_EDDI = (
-    f"self::*[{_CLASS.format('local-name()')}] | "
-    f'descendant-or-self::*[@*[local-name() = "type" and ({_CLASS.format(".")})]]'
-)
-"""Chains, trees and state machines, as root or elements of an EDDI; classes are compared without
-case."""
 
 
 def _sniff(source: Source) -> bool:
     name = source.name.lower()
-    if name.endswith(MEF_SUFFIXES):
+    if name.endswith(_MEF_SUFFIXES):
         with source.open() as stream:
             return _MEF.search(stream.read(_HEAD)) is not None
     if not name.endswith(_SUFFIXES):
@@ -69,7 +60,7 @@ KIND = Kind(
     verdicts=VERDICTS,
     load=_functions,
     topic="reliability",
-    in_eddi=IN_EDDI,
+    in_eddi=CHAINS_AND_TREES,
     options=_KEYS,
     without_input="p_fail is the worst case of it, and not valid",
     inputs_of_model=False,  # `observe` and `observed` of a configuration make inputs

@@ -13,8 +13,8 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, ReadResult, Skeleton
-from eddi_scaffold.kinds.reliability import MEF_SUFFIXES, show
 from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
+from eddi_scaffold.kinds.reliability import show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
@@ -43,7 +43,7 @@ def read_eddi(document: EddiDocument, source: Source, _: Sequence[str]) -> ReadR
 
 def read_file(source: Source, _: Sequence[str]) -> ReadResult:
     """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
-    if source.name.lower().endswith(MEF_SUFFIXES):
+    if not source.name.lower().endswith((".yml", ".yaml")):
         return _read_mef(source)
     root, problems = read_map(source, "R001")
     if root is None or has_errors(problems):

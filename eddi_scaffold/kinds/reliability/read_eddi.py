@@ -12,8 +12,7 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.findings import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.survey import has_rate, kind_of_model
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
-from eddi_scaffold.kinds.reliability import IN_EDDI
+from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES, Spelling, fold
 from eddi_scaffold.kinds.reliability.read_eddi_laws import CommonCauses, Laws, joined
 from eddi_scaffold.kinds.reliability.system import (
     GATES,
@@ -67,7 +66,7 @@ class _Reader:
     def systems(self) -> list[ReliabilitySystem]:
         elements: list[Element] = []
         for root in self.document.roots:
-            elements += select(root, IN_EDDI)
+            elements += select(root, CHAINS_AND_TREES)
         for element in elements:
             kind = kind_of_model(self.document, element)
             if kind == "markov_chain":
