@@ -68,7 +68,7 @@ class _Handler(Handler):
         if self.path == "/":
             self.send(HTTPStatus.OK, HTML, render(self.start).encode())
         elif self.path in _FILES:
-            data = files(__package__).joinpath(self.path[1:]).read_bytes()
+            data = files(__package__).joinpath("page", self.path[1:]).read_bytes()
             self.send(HTTPStatus.OK, _FILES[self.path], data)
         else:
             raise Refused(HTTPStatus.NOT_FOUND, "there is nothing here")

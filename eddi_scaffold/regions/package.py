@@ -303,10 +303,11 @@ def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
             folder = folder.parent
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
+    if any(step.data is not None for step in steps):
+        place.mkdir(parents=True)  # fails where a link is in its place: nothing goes through it
     try:
         for number, step in enumerate(steps):
             if step.data is not None:
-                place.mkdir(parents=True, exist_ok=True)
                 write_durably(place / str(number), step.data, step.mode)
     except OSError:
         shutil.rmtree(place, ignore_errors=True)

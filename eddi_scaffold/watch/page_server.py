@@ -84,7 +84,7 @@ class _Handler(Handler):
         elif path == "/metrics":
             self._metrics()
         elif path in _FILES:
-            data = files(__package__).joinpath(path[1:]).read_bytes()
+            data = files(__package__).joinpath("page", path[1:]).read_bytes()
             self.send(HTTPStatus.OK, _FILES[path], data)
         else:
             super().get()

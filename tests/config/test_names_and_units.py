@@ -47,7 +47,7 @@ def test_ros2_says_what_its_rule_is(old: str, new: str, where: str, tmp_path: Pa
 
 def test_a_draft_passes_check(tmp_path: Path) -> None:
     pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
-    from tests.replay.test_bags import written
+    from tests.recordings.test_bags import written
 
     shutil.copy(FIELD / "ros1-digit-topic" / "near.events", tmp_path)
     float32 = "std_msgs/msg/Float32"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 
 import pytest
-from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.eddi_xml.parsing import Limits
@@ -13,6 +12,7 @@ from eddi_scaffold.eddi_xml.reading import EddiDocument, read_document, read_str
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.data_files import ORACLES, data_file
+from tests.eddi_xml.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
 
 
 def document(text: str) -> EddiDocument:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import io
 
 import pytest
-from tests.readers.eddi_texts import ROVER, codes, read, texts
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.eddi_xml.parsing import Limits, load
 from eddi_scaffold.eddi_xml.reading import read_document
+from tests.eddi_xml.eddi_texts import ROVER, codes, read, texts
 
 BOM = b"\xef\xbb\xbf"
 

@@ -60,7 +60,7 @@ from tests.fuzz.damage import Reader, Sample
 from tests.package_texts import INPUT, eddi_input
 
 EXAMPLES = ROOT / "examples"
-MAPS = Path(__file__).parents[1] / "readers" / "models"
+MAPS = Path(__file__).parents[1] / "eddi_xml" / "models"
 SMALL = 20_000
 """Bytes of the largest sample: damage to a large file takes long and finds no more."""
 
@@ -425,7 +425,7 @@ def _recordings(folder: Path) -> Made:
 
 
 def _bags(folder: Path) -> Made:
-    from tests.replay.test_bags import demand, healthy, written
+    from tests.recordings.test_bags import demand, healthy, written
 
     path = folder / "a.bag"
     written(path, [healthy(0, False), healthy(0.25, True), demand(0.45, True), demand(1.2, False)])

@@ -227,12 +227,3 @@ def test_hostile_answers_of_a_package_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match='Question "inputs" is required'):
         copier.run_recopy(package, defaults=True, overwrite=True, quiet=True, unsafe=True)
     assert files_below(package) == before
-
-
-def test_answers_of_an_older_release_are_enough(tmp_path: Path) -> None:
-    answers = dict(sound("ros1")["conserta"])
-    del answers["description_markdown"]
-    answers["description"] = "a `b` <c> [d](e)"
-    files = rendered(answers)
-    assert files is not None
-    assert b"\na \\`b\\` \\<c\\> \\[d\\](e)\n" in files["README.md"]

@@ -12,7 +12,6 @@ from typing import Any
 
 import pytest
 import yaml
-from tests.replay.full_form import full_form
 
 from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -21,6 +20,7 @@ from eddi_scaffold.recordings.csv_recording import Sample, Tape
 from eddi_scaffold.recordings.messages import Publications, blank
 from eddi_scaffold.recordings.parts import of_messages, rhythm
 from eddi_scaffold.recordings.playing import PlayedMonitor, play
+from tests.recordings.full_form import full_form
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {case["id"]: case for case in yaml.safe_load(ORACLE.read_text("utf-8"))["cases"]}

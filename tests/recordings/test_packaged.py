@@ -67,7 +67,7 @@ def test_lines_that_need_more_than_a_value_are_named(folder: Path, package: Path
 
 def test_a_bag_reaches_every_line(folder: Path, package: Path) -> None:
     pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
-    from tests.replay.test_bags import demand, healthy, written
+    from tests.recordings.test_bags import demand, healthy, written
 
     write(package, DEMAND, ANY_DEMAND)
     written(folder / "a.bag", [healthy(0, True), demand(0, False), demand(0.1, False)])

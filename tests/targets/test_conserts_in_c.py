@@ -8,8 +8,6 @@ import random
 import subprocess
 from pathlib import Path
 
-from tests.language.c_program import SANITIZE, compile_c
-
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.compiling.compilation import program_of
 from eddi_scaffold.compiling.document import check_document
@@ -19,6 +17,7 @@ from eddi_scaffold.targets.kept_bodies import keep_in_folder
 from eddi_scaffold.targets.monitor_model import named
 from runtime_lib.tests.documents import binary, categorical, compiled, document, give, numeric
 from tests.cli.command import ROOT, run
+from tests.conditions.c_program import SANITIZE, compile_c
 
 TEXTS = ["low", "mid", 'é ??/ "\\', "a\0b"]
 VALUES = {

@@ -21,7 +21,7 @@ FALSE, UNKNOWN, TRUE = 0, 1, 2
 def status(**verdicts: Any) -> SimpleNamespace:
     rows = [
         SimpleNamespace(id=k, verdict=v, missing=[] if v == TRUE else [f"needs_{k}"])
-        for k, v in messages.items()
+        for k, v in verdicts.items()
     ]
     return SimpleNamespace(model_id="Cart", model_digest="ab", guarantees=rows, accepted=[])
 

@@ -10,7 +10,7 @@ from eddi_runtime.reliability import Reliability
 from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.document import ModelFile, check_document, digest_of
 from eddi_scaffold.compiling.execution import build, module_of
-from eddi_scaffold.compiling.reliability.emission import lines_of
+from eddi_scaffold.compiling.reliability.emission import FORMAT, lines_of
 
 NS = 1_000_000_000
 
@@ -33,7 +33,7 @@ def compiled(
     """Compile a module with nothing, or less, written out."""
     made = model_file(components, inputs, **model)
     lines = lines_of(made, states=states, nodes=nodes)
-    return module_of(module_text(made, {"reliability": 1}, lines), made.id)
+    return module_of(module_text(made, {"reliability": FORMAT}, lines), made.id)
 
 
 def model_file(

@@ -108,12 +108,12 @@ def test_a_public_network_has_the_posteriors_of_pgmpy(public: tuple[bytes, Any])
             assert list(found) == pytest.approx(values, abs=1e-9)
 
 
-@pytest.mark.parametrize("form", ["bif", "net", "xdsl"])
+@pytest.mark.parametrize("form", ["bif", "xdsl"])
 def test_what_pgmpy_writes_is_read(public: tuple[bytes, Any], form: str, tmp_path: Path) -> None:
     from pgmpy import readwrite
 
     text, peer = public
-    writer = {"bif": "BIFWriter", "net": "NETWriter", "xdsl": "XDSLWriter"}[form]
+    writer = {"bif": "BIFWriter", "xdsl": "XDSLWriter"}[form]
     path = tmp_path / f"n.{form}"
     getattr(readwrite, writer)(peer).write(str(path))
     found = {node.id: node for node in read_path(path).data.nodes}

@@ -10,7 +10,6 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.readers.eddi_texts import OLDER, ROVER, SAFETY_CASE, codes, read, texts
 
 from eddi_scaffold.common.problems import Problem, has_errors
 from eddi_scaffold.kinds.consert.model import (
@@ -29,6 +28,7 @@ from eddi_scaffold.kinds.consert.model import (
     RequiredService,
 )
 from tests.data_files import data_file
+from tests.eddi_xml.eddi_texts import OLDER, ROVER, SAFETY_CASE, codes, read, texts
 
 DRIVE = ConSert(
     name="Drive",

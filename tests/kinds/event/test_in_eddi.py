@@ -15,7 +15,7 @@ from eddi_scaffold.kinds import Model, Options, kinds
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 
-MODELS = Path(__file__).parents[2] / "readers" / "models"
+MODELS = Path(__file__).parents[2] / "eddi_xml" / "models"
 LANDING = (MODELS / "landing.xml").read_text("utf-8")
 EVENTS = """// of the winding
 VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 500ms
