@@ -129,12 +129,11 @@ def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
         ages: topic -> when its messages are too old, where that is known.
     """
     need = decision.need
-    if decision.state in ("taken", "chosen"):
+    if decision.state == "taken":
         best = decision.candidates[0]
         taken = _keys(best)
         source = [_key_line(key, value) for key, value in taken.items()]
-        is_ours = decision.state == "taken"
-        why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")] if is_ours else []
+        why = [_comment(f"taken, {_why(best)}{_ahead(decision)}")]
         limit = age_line(best.topic, ages)
         age = _todo("max_age", _NO_RATE.format(best.topic.topic)) if limit is None else limit
     else:

@@ -191,7 +191,7 @@ INTENTS = Spelling("inferenceIntents", ("inferenceIntent",))
 REQUIRED_EVIDENCES = Spelling("requiredEvidences", ("requiredEvidence",))
 INFERENCE_TARGETS = Spelling("inferenceTargets", ("inferenceTarget",))
 INFERENCES = Spelling("inferences", ("inference",))
-EVENT, ACTION = Spelling("event"), Spelling("action")
+EVENT = Spelling("event")
 
 LINKS = frozenset(
     fold(name)

@@ -9,17 +9,12 @@ from pathlib import Path
 
 from eddi_scaffold.common.escaping import parse_python
 from eddi_scaffold.common.files import read_regular
+from eddi_scaffold.common.identifiers import INPUT_MEMBERS
 from eddi_scaffold.packages.mistakes import Inputs, Messages, is_self
 from eddi_scaffold.regions.marked_file import Region
 
 NO_MESSAGES = Messages()
 _BASE = "EDDIInputBase"
-_INHERITED = (
-    *("begin_processing", "begin_step", "bind", "end_step", "expression", "look_again"),
-    *("processed", "processing", "received", "setup", "states"),
-    *("update", "update_each", "update_expression"),
-    *dir(object),
-)
 _OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 ADOPT = (
     "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
@@ -120,4 +115,4 @@ def _known(owner: ast.ClassDef, inside: Iterable[ast.AST]) -> set[str] | None:
         for node in ast.walk(line)
         if isinstance(node, ast.Name)
     }
-    return {*methods, *assigned, *_INHERITED}
+    return {*methods, *assigned, *INPUT_MEMBERS, *dir(object)}

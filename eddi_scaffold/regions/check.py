@@ -114,7 +114,7 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
     steps: list[Step] = []
     stamps = {}
     for name in sorted(_files_of(root)):
-        file = package.read_file(root, name)
+        stamp, file = package.stamp_of(root / name), package.read_file(root, name)
         if file is None or file.faults or len(file.sides) > 1:
             continue
         lines = file.text.split("\n")
@@ -124,7 +124,7 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
                 end = "\r" if lines[region.line - 1].endswith("\r") else ""
                 tail = tail_of(region.now.digests, region.was)
                 lines[region.line - 1] = with_tail(region.begin, id_, tail) + end
-                stamps[name] = file.stamp
+                stamps[name] = stamp
         if name in stamps:
             steps.append(Step(name, package.bytes_of("\n".join(lines)), file.mode))
     return Plan(root, steps=steps, stamps=stamps), found

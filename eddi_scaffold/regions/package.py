@@ -134,7 +134,6 @@ class PackageFile:
 
     data: bytes
     mode: int
-    stamp: tuple[int, ...] = ()  # tells whether it was saved meanwhile
 
     @cached_property
     def text(self) -> str:
@@ -175,9 +174,8 @@ class PackageFile:
 
 def read_file(root: Path, name: str) -> PackageFile | None:
     """Read a generated file, ``None`` where there is none, or an obstacle; may fail (OSError)."""
-    path = root / name
-    stamp, data = stamp_of(path), bytes_at(root, name)
-    return None if data is None else PackageFile(data, path.lstat().st_mode & 0o777, stamp)
+    data = bytes_at(root, name)
+    return None if data is None else PackageFile(data, (root / name).lstat().st_mode & 0o777)
 
 
 # manifest -----------------------------------------------------------------------------------------
