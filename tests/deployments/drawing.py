@@ -169,7 +169,7 @@ def _latched(
         for t in range(0, END + 1, TICK):
             if not history.latching or not history.begins(instance.name, t):
                 continue
-            for topic in set(instance.topics.values()) & offers.keys():
+            for topic in sorted(set(instance.topics.values()) & offers.keys()):
                 said = [one for one in values if one.topic == topic and one.t < t]
                 if said and offers[topic] != "array" and rng.random() < 0.5:
                     yield Value(t, topic, said[-1].value, latched=True)

@@ -101,9 +101,16 @@ RUNTIME: Mapping[str, Callable[[], Observer]] = {"latched": Latched, "ageless": 
 
 def faulty(fault: str, rng: Random) -> Draft:
     """Draw a deployment that has a fault, beside other monitors."""
+    if fault == "latched":
+        return next(draft for draft in iter(lambda: draft_of(rng), None) if _latches(draft))
     if fault in RUNTIME:
         return draft_of(rng)
     return _ring(rng) if fault == "cycle" else draft_of(rng, unsound()[fault])
+
+
+def _latches(draft: Draft) -> bool:
+    """Whether a monitor begins anew and hears what a source said to others before."""
+    return any(value.latched for value in draft.values)
 
 
 def _ring(rng: Random) -> Draft:
