@@ -75,6 +75,23 @@ class Meaning:
 
 
 @dataclass(frozen=True)
+class Claim:
+    """One thing that a monitor claims.
+
+    Attributes:
+        id: as it is in messages; empty for the whole result of a kind that names none.
+        rests_on: ids of the inputs without which it is not made.
+        hold_s: seconds for which it may outlive its inputs, by what its options accept.
+        polarity: of an event, ``EVIDENCE`` or ``HAZARD``; empty for others.
+    """
+
+    id: str
+    rests_on: frozenset[str]
+    hold_s: float = 0.0
+    polarity: str = ""
+
+
+@dataclass(frozen=True)
 class Acceptance:
     """Less than "active for every value that may be" that a key of its own accepts.
 

@@ -17,8 +17,10 @@ from eddi_scaffold.common.claims import Acceptance, Listen, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place, error
 
 if TYPE_CHECKING:
+    from eddi_scaffold.common.claims import Claim
     from eddi_scaffold.common.files import Source
     from eddi_scaffold.common.problems import Problem
+    from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.eddi_xml.document import EddiDocument
     from eddi_scaffold.eddi_xml.links import Links
@@ -375,6 +377,14 @@ class Functions(Generic[M]):
         support: of ``config/model.json``: claim -> inputs that it rests on.
         unfulfilled: why an output of a model does not fulfil an input of another one of this
             kind, ``None`` where it does, or where nothing is asked of that input.
+        compile: the monitor, of a configured model and its bound inputs.
+        claims: of a configured model, its bound inputs, and the steps per second: its claims.
+        acceptances: of the same: what the model and its options accept in place of what is not
+            known.
+        input_timeouts: input -> seconds after which the kind itself takes it as unknown, for those
+            that have such a limit.
+        field_meanings: what the fields of its messages express of what is known, where a topic
+            has these claims; ``None``: they are not known.
         skeleton: what a configuration with these options has still to say, for kinds whose inputs
             are not all in the model; an option may still be ``TODO``.
     """
@@ -406,6 +416,11 @@ class Functions(Generic[M]):
     support: Callable[[JsonObject], Mapping[str, frozenset[str]]] = _nothing
     unfulfilled: Callable[[M, str, M, str], str | None] | None = None
     skeleton: Callable[[M, Options], Skeleton] | None = None
+    compile: Callable[[M, Declaration], CompiledMonitor] | None = None
+    claims: Callable[[M, Sequence[BoundInput], float], Sequence[Claim]] | None = None
+    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] | None = None
+    input_timeouts: Callable[[M], Mapping[str, float]] = _nothing
+    field_meanings: Callable[[Sequence[Claim] | None], Meanings] | None = None
 
 
 @dataclass(frozen=True)
