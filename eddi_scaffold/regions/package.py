@@ -94,9 +94,11 @@ def entries(folder: Path, skip: Collection[str] = ()) -> Iterator[tuple[str, str
 
 def obstacle(root: Path, name: str) -> str | None:
     """Return why a generated file cannot be at a path of a package: a link, a folder."""
-    for folder in list(PurePosixPath(name).parents)[-2::-1]:
+    for folder in [*PurePosixPath(name).parents][-2::-1]:
+        if not os.path.lexists(root / folder):
+            return None
         kind = kind_of(root / folder)
-        if kind != "a folder" and os.path.lexists(root / folder):
+        if kind != "a folder":
             return f"{folder} is {kind or 'a file'}"
     kind = kind_of(root / name)
     return f"{name} is {kind}" if kind is not None else None
