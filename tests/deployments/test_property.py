@@ -1,6 +1,6 @@
 """Random deployments: nothing good is claimed because something is silent.
 
-Each run looks at 2,000 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
+Each run looks at 750 deployments, `--hypothesis-profile=long` at 100,000, always the same ones.
 `pytest -rA` prints what was counted.
 """
 
@@ -33,7 +33,7 @@ from tests.deployments.world import Observer, World
 
 SIZE = 250
 """Deployments of one test."""
-SHARDS = 400 if settings.default.max_examples > 1000 else 5
+SHARDS = 400 if settings.default.max_examples > 1000 else 3
 FAULTS = (*BAD, *UNSOUND, "cycle", *RUNTIME)
 PATIENCE = 60
 """Deployments with a fault of which one at least must be found."""
