@@ -7,6 +7,7 @@ from typing import Any
 
 from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.expressions.emission import expression_classes
+from eddi_scaffold.compiling.monitor import Declaration
 from eddi_scaffold.compiling.text import (
     Item,
     Part,
@@ -20,19 +21,24 @@ from eddi_scaffold.compiling.text import (
 )
 
 
-def head_lines(base: str, model_file: ModelFile, paths: Mapping[str, str]) -> list[str]:
+def declaration_of(model_file: ModelFile) -> Declaration:
+    """Return what a compiled monitor begins with."""
+    return Declaration(model_file.id, model_file.digest, model_file.inputs)
+
+
+def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) -> list[str]:
     """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs.
 
     Args:
         base: class of the runtime that it inherits from.
-        model_file: the model.
+        declaration: of the monitor.
         paths: input id -> fragment path of its element in the EDDI.
     """
     return [
         f"class Monitor({base}):",
-        f"    model_id = {text_literal(model_file.id)}",
-        f'    digest = "{model_file.digest}"',
-        *_input_lines(model_file.inputs, paths),
+        f"    model_id = {text_literal(declaration.model_id)}",
+        f'    digest = "{declaration.digest}"',
+        *_input_lines(declaration.inputs, paths),
     ]
 
 

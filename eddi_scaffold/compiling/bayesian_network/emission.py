@@ -33,7 +33,7 @@ from eddi_scaffold.compiling.bayesian_network.text import (
 )
 from eddi_scaffold.compiling.bayesian_network.width import WIDE, Plan, TooWideError
 from eddi_scaffold.compiling.document import ModelError, ModelFile
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.inputs import attribute_of, declaration_of, head_lines
 from eddi_scaffold.compiling.text import (
     Group,
     Item,
@@ -104,7 +104,7 @@ def module_lines(
     rest = None if further is None else module.program(further, "all_", loop=True)
     lines = [
         *module.lines(),
-        *head_lines(", ".join(_bases(model)), model_file, {}),
+        *head_lines(", ".join(_bases(model)), declaration_of(model_file), {}),
         *_nodes(model),
         *assignment("given", literal(model.outputs), 4),
         *assignment("foreseen", main, 4),

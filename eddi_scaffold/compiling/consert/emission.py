@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.consert.model import (
 from eddi_scaffold.compiling.consert.paths import written_paths
 from eddi_scaffold.compiling.consert.program import Compiled, compiled, program_of
 from eddi_scaffold.compiling.document import ModelFile
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.inputs import attribute_of, declaration_of, head_lines
 from eddi_scaffold.compiling.program.python import Printer
 from eddi_scaffold.compiling.text import (
     Group,
@@ -78,7 +78,7 @@ def lines_of(
     data, graph = consert.data, consert.graph
     size = graph.leaves + sum(len(node.inputs) + 1 for node in graph.nodes)
     lines = [
-        *head_lines("consert.ConSert", model_file, data.paths),
+        *head_lines("consert.ConSert", declaration_of(model_file), data.paths),
         *_tables(data, graph, written_paths(graph) if size <= limit else None),
     ]
     if data.filter is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile, take, texts
 from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.inputs import attribute_of, declaration_of, head_lines
 from eddi_scaffold.compiling.program.instructions import (
     BOOL,
     NUMBER,
@@ -50,7 +50,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
     limits = (_limits(numbers_read.get(spec.id)) for spec in model_file.inputs)
     events = _events(program, sampling, places, model_file.model)
     lines = [
-        *head_lines("event.EventMonitor", model_file, {}),
+        *head_lines("event.EventMonitor", declaration_of(model_file), {}),
         *assignment("types", tuple_of(types), 4),
         *assignment("limits", tuple_of(limits), 4),
         *assignment("events", tuple_of(events), 4),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from eddi_scaffold.compiling.document import InputData, ModelError, ModelFile
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.inputs import attribute_of, declaration_of, head_lines
 from eddi_scaffold.compiling.reliability import chains, trees
 from eddi_scaffold.compiling.reliability.markov import Chain, mean_times
 from eddi_scaffold.compiling.reliability.model import (
@@ -95,7 +95,7 @@ def _about(name: str, component: Component, plan: Plan) -> str:
 
 def _monitor(model_file: ModelFile, plan: Plan) -> Iterator[str]:
     owners = {key: plan.places[name] for key, name in plan.owners.items()}
-    yield from head_lines("reliability.Reliability", model_file, owners)
+    yield from head_lines("reliability.Reliability", declaration_of(model_file), owners)
     read = [input_ for input_ in model_file.inputs if input_.id in plan.rules]
     rules = (Item(_rule(plan.rules[one.id]), f"{text_literal(one.id)}: ") for one in read)
     yield from assignment("rules", Group("{", tuple(rules), "}"), 4)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from eddi_scaffold.compiling.document import ModelFile
-from eddi_scaffold.compiling.inputs import head_lines
+from eddi_scaffold.compiling.inputs import declaration_of, head_lines
 from eddi_scaffold.compiling.safeml.limits import critical_values
 from eddi_scaffold.compiling.safeml.model import Axes, SafeMLData, Table, read_safeml
 from eddi_scaffold.compiling.text import (
@@ -31,7 +31,7 @@ def lines_of(model_file: ModelFile) -> list[str]:
     """
     data = read_safeml(model_file)
     lines = [
-        *head_lines("safeml.SafeML", model_file, {}),
+        *head_lines("safeml.SafeML", declaration_of(model_file), {}),
         f'    metric = "{data.metric}"',
         f'    metric_name = "{data.metric_name}"',
     ]
