@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import Meaning, Meanings
+from eddi_scaffold.common.claims import Claim, Meaning, Meanings
 from eddi_scaffold.common.graphs import reached
-from eddi_scaffold.kinds.consert.graph import constants
+from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
 from eddi_scaffold.kinds.consert.matching import mismatch
-from eddi_scaffold.kinds.consert.options import publishing
+from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.kinds.consert.options import options_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
-    from eddi_scaffold.kinds.consert.model import ConSert
+    from eddi_scaffold.kinds.consert.model import ConSert, ConSertModel
 
 _ACTIVE = Meaning(
     (False,),
@@ -37,6 +38,20 @@ MEANINGS: Meanings = {
 """Message -> field -> its meaning."""
 
 
+def claims(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[Claim]:
+    """Return each guarantee, by its id in messages, with the evidence and demands it rests on."""
+    consert, options = model.data, options_of(model)
+    sources, leaves = inputs_of(consert), frozenset(leaves_of(consert))
+    return [
+        Claim(
+            options.published(guarantee.id),
+            frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
+            options.hold_s(frequency),
+        )
+        for guarantee in consert.guarantees
+    ]
+
+
 def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     """Return the evidence and demands on which each guarantee rests, by its id in messages."""
     model = document["model"]
@@ -45,7 +60,7 @@ def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
     for source, target in model["edges"]:
         feeding[target].append(source)
     leaves = frozenset(one["id"] for kind in ("evidence", "demands") for one in model[kind])
-    publish = publishing(document["settings"])
+    publish = published_class if document["settings"]["guarantee_ids"] == "class" else str
     return {
         publish(name): frozenset() if is_default else leaves & reached(feeding, [name])
         for name, is_default in (

@@ -10,11 +10,19 @@ from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Functions, ReadResult, with_status
 from eddi_scaffold.kinds.consert.checks import check_consert
-from eddi_scaffold.kinds.consert.claims import MEANINGS, support, unfulfilled
+from eddi_scaffold.kinds.consert.claims import MEANINGS, claims, support, unfulfilled
+from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
-from eddi_scaffold.kinds.consert.options import accepted, configure, lag, published_ids, settings
+from eddi_scaffold.kinds.consert.options import (
+    acceptances,
+    accepted,
+    configure,
+    lag,
+    published_ids,
+    settings,
+)
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 from eddi_scaffold.kinds.consert.read_yaml import read_draft
 from eddi_scaffold.kinds.consert.runtime_model import runtime_model
@@ -79,6 +87,10 @@ FUNCTIONS = Functions(
     accepted=accepted,
     lag=lag,
     support=support,
+    compile=compile_consert,
+    claims=claims,
+    acceptances=acceptances,
+    field_meanings=lambda _claims: MEANINGS,
     unfulfilled=lambda provider, output, user, item: unfulfilled(
         provider.data, published_ids(provider).get(output, output), user.data, item
     ),

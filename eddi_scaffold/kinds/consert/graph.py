@@ -1,4 +1,9 @@
-"""The graph of a ConSert: what feeds what, and its path sets as bit masks."""
+"""The graph of a ConSert: what feeds what, and its path sets.
+
+Path sets are the minimal sets of leaves whose being TRUE makes a node TRUE. ConSerts have no
+negation, so these sets describe a node completely. They are found from the leaves upwards by MOCUS
+(Fussell and Vesely 1972): union for And, collection for Or, absorption after each step.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +11,33 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import in_order
-from eddi_scaffold.compiling.consert.paths import Sets, Work, combined
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from eddi_scaffold.common.graphs import Graph
     from eddi_scaffold.kinds.consert.model import ConSert
+
+CAP = 256
+"""Most sets that are kept for one node."""
+_BUDGET = 3_000_000
+_MOST_SETS, _MOST_IDS = 64, 2_000
+"""Most sets of a guarantee that stand in ``compiled.py``, and a reviewer reads; ids in all sets."""
+
+Sets = frozenset[int]
+"""Path sets as bit masks; empty: constant FALSE; with 0: constant TRUE."""
+
+
+class Work:
+    """What may still be spent on path sets: they can grow exponentially."""
+
+    def __init__(self) -> None:
+        self.remaining = _BUDGET
+
+    def spend(self, amount: int) -> bool:
+        """Take an amount of work; ``False`` when there is not enough left."""
+        self.remaining -= amount
+        return self.remaining >= 0
 
 
 def node_ids(consert: ConSert) -> list[str]:
@@ -77,6 +102,56 @@ def path_sets(consert: ConSert) -> dict[str, Sets | None]:
             given = [found[source] for source in inputs[id_]]
             found[id_] = combined(given, is_or=id_ in ors, work=work)
     return found
+
+
+def combined(inputs: Sequence[Sets | None], *, is_or: bool, work: Work) -> Sets | None:
+    """Return the path sets of an And or Or over nodes with these path sets.
+
+    None where there are more than :data:`CAP`, or where they are not worth the work.
+    """
+    known = [sets for sets in inputs if sets is not None]
+    if len(known) != len(inputs):
+        return None
+    if is_or:
+        return _minimal({mask for sets in known for mask in sets}, work)
+    result: Sets | None = frozenset({0})
+    for sets in known:
+        if result is None or len(result) * len(sets) > CAP * CAP:
+            return None
+        result = _minimal({first | second for first in result for second in sets}, work)
+    return result
+
+
+def _minimal(masks: Iterable[int], work: Work) -> Sets | None:
+    """Return the masks that contain no other one; ``None`` beyond the cap or the budget."""
+    kept: list[int] = []
+    for mask in sorted(masks, key=lambda m: (m.bit_count(), m)):
+        if not work.spend(len(kept) + 1):
+            return None
+        if not any(other & mask == other for other in kept):
+            kept.append(mask)
+            if len(kept) > CAP:
+                return None
+    return frozenset(kept)
+
+
+def written_paths(consert: ConSert) -> list[list[tuple[str, ...]]] | None:
+    """Return the path sets of each guarantee as ids of leaves, by size and then by ids.
+
+    None where there are too many to be written down: then they are searched on the robot.
+    """
+    sets, leaves = path_sets(consert), leaves_of(consert)
+    written = []
+    for guarantee in consert.guarantees:
+        masks = sets[guarantee.id]
+        if masks is None or len(masks) > _MOST_SETS:
+            return None
+        paths = (
+            tuple(sorted(id_ for k, id_ in enumerate(leaves) if mask >> k & 1)) for mask in masks
+        )
+        written.append(sorted(paths, key=lambda path: (len(path), path)))
+    ids = sum(len(path) for paths in written for path in paths)
+    return written if ids <= _MOST_IDS else None
 
 
 def _defaults(consert: ConSert) -> set[str]:

@@ -7,12 +7,12 @@ Places do not count in comparisons: two files with the same content hold equal C
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds import JsonValue, TypedModel
+from eddi_scaffold.kinds import TypedModel
+from eddi_scaffold.kinds.consert.options import ConSertOptions
 
 NAME = "consert"
 
@@ -198,5 +198,5 @@ class ConSert:
     system: str = ""
 
 
-ConSertModel = TypedModel[ConSert, Mapping[str, JsonValue]]
-"""A ConSert; its options are the settings of its runtime."""
+ConSertModel = TypedModel[ConSert, ConSertOptions]
+"""A ConSert, and what its configuration chooses."""

@@ -2,19 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.problems import Problem, error
-from eddi_scaffold.kinds import JsonValue, Options
-from eddi_scaffold.kinds.consert.model import ConSertModel
 from eddi_scaffold.kinds.consert.names import published_class
 
+if TYPE_CHECKING:
+    from eddi_scaffold.kinds import Options
+    from eddi_scaffold.kinds.consert.model import ConSertModel
+
 KEYS = ("guarantee_ids", "debounce", "filter")
-_IDS = ("source", "class")
-_NO_FILTER: Mapping[str, JsonValue] = {"kind": "none"}
+_FILTERS = {"debounce": "regain_after", "majority": "window"}
+_MAX_SAMPLES = 100_000
+"""Longest history of a filter; at 1 kHz that is 100 s."""
+
+
+@dataclass(frozen=True)
+class ConSertOptions:
+    """What a configuration chooses.
+
+    Attributes:
+        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
+            names of classes.
+        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
+        filter_steps: over how many steps.
+    """
+
+    guarantee_ids: str = "source"
+    filter: str = ""
+    filter_steps: int = 1
+
+    def published(self, id_: str) -> str:
+        """Return the id of a guarantee in messages."""
+        return published_class(id_) if self.guarantee_ids == "class" else id_
+
+    def hold_s(self, frequency: float) -> float:
+        """Return for how many seconds a majority may hold after it was lost: half its window."""
+        return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
+
+
+def options_of(model: ConSertModel) -> ConSertOptions:
+    """Return the options of a model, the defaults before it was configured."""
+    return model.options or ConSertOptions()
 
 
 def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | None, list[Problem]]:
@@ -22,38 +54,77 @@ def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | Non
 
     ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
     names (``class``); ``debounce: n`` lets a leaf count as TRUE again in the n-th step in a
-    row in which it is; ``filter`` is the general form, which the runtime checks.
+    row in which it is; ``filter`` is the general form.
     """
-    values = options.values
     problems = list(_wrong(options))
-    filtering = values.get("filter")
-    if filtering is None and values.get("debounce") is not None:
-        filtering = {"kind": "debounce", "regain_after": values["debounce"]}
-    chosen = {
-        "guarantee_ids": values.get("guarantee_ids", "source"),
-        "filter": dict(filtering if isinstance(filtering, Mapping) else _NO_FILTER),
-    }
-    return (None if problems else replace(model, options=chosen)), problems
-
-
-def settings(model: ConSertModel) -> dict[str, JsonValue]:
-    """Return the ``settings`` part of ``config/model.json``."""
-    return dict(model.options or {"guarantee_ids": "source", "filter": dict(_NO_FILTER)})
+    if problems:
+        return None, problems
+    values: Mapping[str, Any] = options.values
+    debounce, filter_ = values.get("debounce"), values.get("filter")
+    if filter_ is None and debounce is not None:
+        filter_ = {"kind": "debounce", "regain_after": debounce}
+    kind = filter_["kind"] if filter_ is not None else "none"
+    steps = filter_.get(_FILTERS[kind], 1) if filter_ is not None and kind != "none" else 1
+    ids = values.get("guarantee_ids") or "source"
+    configured = ConSertOptions(ids, kind if steps > 1 else "", steps)
+    return replace(model, options=configured), []
 
 
 def published_ids(model: ConSertModel) -> dict[str, str]:
     """Return the ids that guarantees have in messages -> their ids in the model."""
-    publish = publishing(settings(model))
+    publish = options_of(model).published
     return {publish(guarantee.id): guarantee.id for guarantee in model.data.guarantees}
 
 
-def publishing(settings: Mapping[str, Any]) -> Callable[[str], str]:
-    """Return what gives a guarantee its id in messages."""
-    return published_class if settings["guarantee_ids"] == "class" else str
+def acceptances(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[Acceptance]:
+    """Return what a filter by majority accepts: the majority of old steps."""
+    seconds = options_of(model).hold_s(frequency)
+    if not seconds:
+        return ()
+    key, what = "filter: majority", "the majority of old steps"
+    return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
+
+
+def _wrong(options: Options) -> Iterator[Problem]:
+    ids, debounce, filter_ = (options.values.get(key) for key in KEYS)
+    if ids is not None and ids not in ("source", "class"):
+        message = "Model.guarantee_ids: must be 'source' or 'class'"
+        yield error("K005", message, options.place("guarantee_ids"))
+    if debounce is not None and (type(debounce) is not int or debounce < 1):
+        message = "Model.debounce: a whole number of steps from 1 on is expected"
+        yield error("K005", message, options.place("debounce"))
+    elif isinstance(debounce, int) and debounce > _MAX_SAMPLES:
+        message = f"'regain_after' of the filter is not from 1 to {_MAX_SAMPLES}"
+        yield error("K028", message, options.place("debounce"))
+    if debounce is not None and filter_ is not None:
+        message = "debounce and filter exclude each other"
+        yield error("K011", message, options.place("filter"), "keep one of them")
+    if filter_ is None:
+        return
+    if not isinstance(filter_, Mapping):
+        yield error("K005", "Model.filter: a map is expected", options.place("filter"))
+        return
+    kind = filter_.get("kind")
+    key = _FILTERS.get(kind) if isinstance(kind, str) else None
+    if key is None and kind != "none":
+        message = f"the filter {kind!r} is not known: none, debounce or majority"
+        yield error("K028", message, options.place("filter"))
+    steps = filter_.get(key, 1) if key is not None else 1
+    if type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
+        message = f"{key!r} of the filter is not from 1 to {_MAX_SAMPLES}"
+        yield error("K028", message, options.place("filter"))
+
+
+def settings(model: ConSertModel) -> dict[str, Any]:
+    """Return the ``settings`` part of ``config/model.json``."""
+    options = options_of(model)
+    steps = {_FILTERS[options.filter]: options.filter_steps} if options.filter else {}
+    filter_ = {"kind": options.filter or "none", **steps}
+    return {"guarantee_ids": options.guarantee_ids, "filter": filter_}
 
 
 def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
-    """Return what a filter by majority accepts: the majority of old steps."""
+    """Return what a filter by majority accepts, of ``config/model.json``."""
     seconds = lag(document, frequency)
     if not seconds:
         return ()
@@ -62,22 +133,6 @@ def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptan
 
 
 def lag(document: Mapping[str, Any], frequency: float) -> float:
-    """Return for how many seconds a majority may hold after it was lost: half of its window."""
+    """Return for how many seconds a majority may hold after it was lost, of the same."""
     filtering = document["settings"]["filter"]
     return filtering.get("window", 1) // 2 / frequency if filtering["kind"] == "majority" else 0.0
-
-
-def _wrong(options: Options) -> Iterable[Problem]:
-    values = options.values
-    ids, debounce, filtering = (values.get(key) for key in KEYS)
-    if ids is not None and ids not in _IDS:
-        message = "Model.guarantee_ids: must be 'source' or 'class'"
-        yield error("K005", message, options.place("guarantee_ids"))
-    if debounce is not None and (type(debounce) is not int or debounce < 1):
-        message = "Model.debounce: a whole number of steps from 1 on is expected"
-        yield error("K005", message, options.place("debounce"))
-    if filtering is not None and not isinstance(filtering, Mapping):
-        yield error("K005", "Model.filter: a map is expected", options.place("filter"))
-    if debounce is not None and filtering is not None:
-        message = "debounce and filter exclude each other"
-        yield error("K011", message, options.place("filter"), "keep one of them")

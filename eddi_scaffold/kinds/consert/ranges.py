@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Exact = Fraction | float
 """A fraction, or an infinity."""
 
-_MAX_DIGITS = 64
+_MAX_DIGITS = 1000
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,12 @@ def is_nan(bound: Bound) -> bool:
 
 
 def is_empty(one: Range) -> bool:
-    """Return whether no number lies in a range."""
+    """Return whether no double lies in a range."""
     exact_span = span(one)
     if exact_span.closed and not exact_span.open:
         return exact_span.start > exact_span.end
+    if exact_span.open and math.nextafter(one.start.value, math.inf) > one.end.value:
+        return True
     return exact_span.start >= exact_span.end
 
 

@@ -1,7 +1,7 @@
 """Static checks of one ConSert, S001 to S007: what its author may not have meant.
 
 They report what follows from the trees, regardless of the evidence: constants, redundancy,
-implication and single points of failure. Findings that need more than :data:`paths.CAP` path sets
+implication and single points of failure. Findings that need more than :data:`graph.CAP` path sets
 are left out, and S000 reports it.
 """
 
@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.common.problems import Problem, info, warning
-from eddi_scaffold.compiling.consert.paths import CAP, Sets, Work
 from eddi_scaffold.kinds.consert.graph import (
+    CAP,
+    Sets,
+    Work,
     constants,
     implies,
     inputs_of,

@@ -1,0 +1,308 @@
+"""A ConSert as straight-line Python: judge the evidence, then one line for each gate."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+from eddi_scaffold.common.graphs import in_order, reached
+from eddi_scaffold.compiling.expressions.inlining import inlined
+from eddi_scaffold.compiling.inputs import attribute_of, head_lines
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.compiling.program.instructions import (
+    BOOL,
+    MAX_NS,
+    NUMBER,
+    TEXT,
+    Interval,
+    Operation,
+    Program,
+    Read,
+    Result,
+)
+from eddi_scaffold.compiling.program.python import Printer
+from eddi_scaffold.compiling.text import (
+    Group,
+    Item,
+    Part,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    returned,
+    statement,
+    text_literal,
+    tuple_of,
+    unpacked,
+    variables,
+)
+from eddi_scaffold.kinds.consert.graph import inputs_of, written_paths
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    ConSertModel,
+    Demand,
+    Evidence,
+    Range,
+)
+from eddi_scaffold.kinds.consert.options import options_of
+from eddi_scaffold.kinds.consert.ranges import exact, range_text
+
+FORMAT = 3
+MODULES = ("filters", "search")
+"""Modules of the part that a ConSert imports where it uses them."""
+
+STRAIGHT_LINE_LIMIT = 20_000
+"""Inputs + edges + gates up to which the step is written out; beyond, the runtime's loop over the
+tables does the same, 10 times slower: Python compiles such a text in seconds and with gigabytes.
+"""
+
+_RESERVED = {"float", "getattr", "int", "raw", "self", "source", "str", "t_ns", "type", "values"}
+_RESERVED |= {"INF"}
+
+
+class Leaf(NamedTuple):
+    """Evidence or a demand as it is judged, with bounds in the unit in which values arrive.
+
+    Attributes:
+        id: of the input.
+        type: of the value that is read.
+        judgement: the operation that judges it.
+        covered: the texts or ranges that are good.
+        constructor: the same for the runtime.
+        about: the same for people.
+    """
+
+    id: str
+    type: str
+    judgement: str
+    covered: tuple[str, ...] | tuple[Interval, ...] | None
+    constructor: Part
+    about: str
+
+
+def compile_consert(
+    model: ConSertModel, declaration: Declaration, *, limit: int = STRAIGHT_LINE_LIMIT
+) -> CompiledMonitor:
+    """Compile a configured ConSert.
+
+    Args:
+        model: the ConSert.
+        declaration: of the monitor.
+        limit: size above which step and path sets are left to the runtime.
+    """
+    return _Compilation(model, declaration).compiled(limit)
+
+
+class _Compilation:
+    """The elements of a ConSert by number: first the inputs, then gates and guarantees."""
+
+    def __init__(self, model: ConSertModel, declaration: Declaration) -> None:
+        self.consert, self.options = model.data, options_of(model)
+        self.declaration = declaration
+        consert = self.consert
+        nodes: Sequence[Evidence | Demand] = (*consert.evidence, *consert.demands)
+        leaves = {node.id: node for node in nodes}
+        self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]
+        elements = (*nodes, *consert.gates, *consert.guarantees)
+        self.paths = {node.id: node.place.path or "" for node in elements}
+        self.sources = inputs_of(consert)
+        self.is_and = {node.id: True for node in consert.guarantees}
+        self.is_and |= {gate.id: gate.function == "And" for gate in consert.gates}
+        self.inner = in_order(
+            {
+                node.id: tuple(source for source in self.sources[node.id] if source not in leaves)
+                for node in (*consert.gates, *consert.guarantees)
+            }
+        )
+        self.names = [*(leaf.id for leaf in self.leaves), *self.inner]
+        self.numbers = {name: k for k, name in enumerate(self.names)}
+
+    def compiled(self, limit: int) -> CompiledMonitor:
+        """Return the monitor."""
+        program, elements = self._program()
+        size = len(self.leaves) + sum(len(self.sources[name]) + 1 for name in self.inner)
+        lines = [
+            *head_lines("consert.ConSert", self.declaration, self.paths),
+            *assignment("leaves", tuple_of(leaf.constructor for leaf in self.leaves), 4),
+            *self._guarantees(written_paths(self.consert) if size <= limit else None),
+        ]
+        if self.options.filter:
+            filter_ = f"filters.{self.options.filter.capitalize()}"
+            made = call("super().__init__", [call(filter_, [str(self.options.filter_steps)])])
+            lines += ["", "    def __init__(self):", *statement(made, 8)]
+        if size <= limit:
+            lines += ["", *self._step(program, elements)]
+        program = inlined(program, self.declaration.inputs)
+        return CompiledMonitor(FORMAT, lines, MODULES, program=program)
+
+    def _about(self, name: str) -> str:
+        path = self.paths[name]
+        return comment(f"{name}: {path}" if path else name)
+
+    def _program(self) -> tuple[Program, dict[int, str]]:
+        """Return the program, and operation -> the element whose value it is."""
+        operations: list[Operation] = []
+        elements: dict[int, str] = {}
+        values: dict[str, int] = {}
+
+        def add(operation: Operation, name: str) -> None:
+            operations.append(operation)
+            values[name] = len(operations) - 1
+            elements[values[name]] = name
+
+        for k, leaf in enumerate(self.leaves):
+            operations.append(Operation("variable", (), leaf.type, k, leaf.id))
+            raw, words = len(operations) - 1, self._about(leaf.id)
+            add(Operation(leaf.judgement, (raw,), BOOL, leaf.covered, words), leaf.id)
+        if filter_ := self.options.filter:
+            for leaf in self.leaves:
+                words = f"{filter_} {self._about(leaf.id)}"
+                steps = self.options.filter_steps
+                add(Operation(filter_, (values[leaf.id],), BOOL, steps, words), leaf.id)
+        guarantees = [guarantee.id for guarantee in self.consert.guarantees]
+        needed = reached(self.sources, guarantees)
+        for name in self.inner:
+            if name not in needed:
+                continue
+            is_and, args = self.is_and[name], tuple(values[one] for one in self.sources[name])
+            if len(args) > 1:
+                op, title = ("and", "And") if is_and else ("or", "Or")
+                add(Operation(op, args, BOOL, None, f"{title} {self._about(name)}"), name)
+            elif args:
+                values[name] = args[0]
+            else:
+                operations.append(
+                    Operation("truth", (), BOOL, 2 if is_and else 0, self._about(name))
+                )
+                values[name] = len(operations) - 1
+        results = (
+            Result(self.options.published(name), values[name], about=self._about(name))
+            for name in guarantees
+        )
+        reads = map(_read, self.leaves, self.declaration.inputs)
+        return Program(0, tuple(reads), tuple(operations), tuple(results)), elements
+
+    def _guarantees(self, paths: Sequence[Sequence[Sequence[str]]] | None) -> Iterator[str]:
+        """Yield the lines of guarantees and services; without paths, what these are searched in."""
+        sets: list[dict[str, Part]]
+        guarantees = self.consert.guarantees
+        if paths is None:
+            yield "    # Name, gate, numbers of what it reads: the inputs first, then these nodes."
+            graph = call("search.Graph", ["inputs", tuple_of(self._graph())])
+            yield from assignment("graph", graph, 4)
+            sets = [{"node": str(self.numbers[guarantee.id])} for guarantee in guarantees]
+        else:
+            if guarantees:
+                yield "    # Paths: the smallest sets of inputs of which each gives the guarantee."
+            sets = [{"paths": literal(tuple(path))} for path in paths]
+        rows = []
+        for guarantee, keywords in zip(guarantees, sets, strict=True):
+            published = self.options.published(guarantee.id)
+            if published != guarantee.id:
+                keywords["published"] = literal(published)
+            if guarantee.default:
+                keywords["default"] = "True"
+            if guarantee.ranking is not None:
+                keywords["ranking"] = literal(guarantee.ranking)
+            rows.append(call("consert.Guarantee", [text_literal(guarantee.id)], **keywords))
+        yield from assignment("guarantees", tuple_of(rows), 4)
+        if services := self.consert.provided_services:
+            parts = (literal((service.id, service.guarantees)) for service in services)
+            yield from assignment("services", tuple_of(parts), 4)
+
+    def _graph(self) -> Iterator[Item]:
+        for name in self.inner:
+            gate = text_literal("And" if self.is_and[name] else "Or")
+            sources = literal(tuple(self.numbers[source] for source in self.sources[name]))
+            row = tuple_of([text_literal(name), gate, sources])
+            yield Item(row, behind=str(self.numbers[name]))
+
+    def _step(self, program: Program, elements: dict[int, str]) -> list[str]:
+        names = dict(zip(self.names, variables(self.names, _RESERVED), strict=True))
+        leaves = [names[leaf.id] for leaf in self.leaves]
+        printer = Printer(program, leaves, {k: names[name] for k, name in elements.items()})
+        lines = ["    def step(self, source):"]
+        if leaves:
+            inputs = self.declaration.inputs
+            reads = tuple_of(attribute_of("source", input_.attribute) for input_ in inputs)
+            lines += ["        try:", *assignment("raw", reads, 12)]
+            lines += ["        except Exception:", "            raw = self.read(source)"]
+            lines += ["        self.raw, self.source = raw, source", *unpacked(leaves, "raw")]
+        lines += [*printer.operations(), *printer.flags()]
+        if not self.consert.guarantees:
+            return lines
+        # The method that names the flags (SESAME D7.2 Fig 9).
+        flags = [names[guarantee.id] for guarantee in self.consert.guarantees]
+        rows = (
+            Item(
+                Group("{", (Item(text_literal(result.id), '"id": '), Item(flag, '"active": ')), "}")
+            )
+            for result, flag in zip(program.results, flags, strict=True)
+        )
+        lines += ["", "    def execute_step(self, source, t_ns=None):"]
+        lines += ["        eddi_runtime.look_again(source, t_ns)"]
+        lines += unpacked(flags, "self.step(source)")
+        return [*lines, *returned(Group("[", tuple(rows), "]"), 8)]
+
+
+def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
+    # A demand gets whether some guarantee that fulfils it is active, whatever its dimensions.
+    dimension = node.dimension if isinstance(node, Evidence) else BinaryDimension("")
+    if isinstance(dimension, BinaryDimension):
+        if dimension.value:
+            return Leaf(node.id, BOOL, "is_true", None, "consert.Binary()", "")
+        return Leaf(node.id, BOOL, "is_false", None, "consert.Binary(False)", "good: false")
+    if isinstance(dimension, CategoricalDimension):
+        texts = dimension.covered
+        constructor = call("consert.Categorical", map(text_literal, texts))
+        return Leaf(node.id, TEXT, "is_covered", texts, constructor, f"good: {' or '.join(texts)}")
+    ranges = tuple(_interval(covered, input_.factor) for covered in dimension.covered)
+    text = " or ".join(map(range_text, dimension.covered))
+    text += f" {dimension.uom}" if dimension.uom else ""
+    if input_.factor is not None:
+        ends = (f"[{r.start:.9g}, {r.end:.9g}{']' if r.closed else ')'}" for r in ranges)
+        text = f"{' or '.join(ends)}, which is {text}"
+    rows = (tuple_of([number(r.start), number(r.end), str(r.closed)]) for r in ranges)
+    constructor = call("consert.Numeric", [tuple_of(rows), text_literal(text)])
+    return Leaf(node.id, NUMBER, "is_within", ranges, constructor, f"good: {text}")
+
+
+def _interval(covered: Range, factor: tuple[int, int] | None) -> Interval:
+    """Return a range in the unit of the input."""
+    start, end = _in_unit(covered.start, factor), _in_unit(covered.end, factor)
+    if not covered.start_inclusive:
+        start = math.nextafter(start, math.inf)
+    return Interval(start, end, covered.inclusive)
+
+
+def _in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:
+    """Return a bound in the unit of the input.
+
+    It is divided exactly and rounded once: ``36 km/h`` is exactly 10 m/s, and a value is never
+    multiplied, which could round it into the range.
+    """
+    value = exact(bound)
+    if factor is None or isinstance(value, float) or not value:
+        return bound.value
+    try:
+        return float(value / Fraction(*factor))
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def _read(leaf: Leaf, input_: BoundInput) -> Read:
+    age = input_.max_age if isinstance(input_.max_age, int | float) else None
+    timeout = None if age is None else round(min(age * 1e9, MAX_NS))
+    return Read(
+        leaf.id,
+        leaf.type,
+        timeout=timeout,
+        infinite=leaf.type == NUMBER,
+        stamped=timeout is not None,
+        about=comment(leaf.about),
+    )
