@@ -9,11 +9,10 @@ from eddi_scaffold.common.claims import Claim, Meaning, Meanings
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
 from eddi_scaffold.kinds.consert.matching import mismatch
-from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import options_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from eddi_scaffold.kinds.consert.model import ConSert, ConSertModel
 
@@ -50,26 +49,6 @@ def claims(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[C
         )
         for guarantee in consert.guarantees
     ]
-
-
-def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-    """Return the evidence and demands on which each guarantee rests, by its id in messages."""
-    model = document["model"]
-    ids = [one["id"] for group in _GROUPS for one in model[group]]
-    feeding: dict[str, list[str]] = {id_: [] for id_ in ids}
-    for source, target in model["edges"]:
-        feeding[target].append(source)
-    leaves = frozenset(one["id"] for kind in ("evidence", "demands") for one in model[kind])
-    publish = published_class if document["settings"]["guarantee_ids"] == "class" else str
-    return {
-        publish(name): frozenset() if is_default else leaves & reached(feeding, [name])
-        for name, is_default in (
-            (guarantee["id"], guarantee["default"]) for guarantee in model["guarantees"]
-        )
-    }
-
-
-_GROUPS = ("evidence", "demands", "gates", "guarantees")
 
 
 def unfulfilled(provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str) -> str | None:

@@ -10,22 +10,21 @@ from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Functions, ReadResult, with_status
 from eddi_scaffold.kinds.consert.checks import check_consert
-from eddi_scaffold.kinds.consert.claims import MEANINGS, claims, support, unfulfilled
+from eddi_scaffold.kinds.consert.claims import MEANINGS, claims, unfulfilled
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
-from eddi_scaffold.kinds.consert.options import (
-    acceptances,
-    accepted,
-    configure,
-    lag,
-    published_ids,
-    settings,
-)
+from eddi_scaffold.kinds.consert.options import acceptances, configure, published_ids
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 from eddi_scaffold.kinds.consert.read_yaml import read_draft
-from eddi_scaffold.kinds.consert.runtime_model import runtime_model
+from eddi_scaffold.kinds.consert.runtime_model import (
+    accepted,
+    lag,
+    runtime_model,
+    settings,
+    support,
+)
 from eddi_scaffold.kinds.consert.show import counts, diagram, outline
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml

@@ -113,26 +113,3 @@ def _wrong(options: Options) -> Iterator[Problem]:
     if type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
         message = f"{key!r} of the filter is not from 1 to {_MAX_SAMPLES}"
         yield error("K028", message, options.place("filter"))
-
-
-def settings(model: ConSertModel) -> dict[str, Any]:
-    """Return the ``settings`` part of ``config/model.json``."""
-    options = options_of(model)
-    steps = {_FILTERS[options.filter]: options.filter_steps} if options.filter else {}
-    filter_ = {"kind": options.filter or "none", **steps}
-    return {"guarantee_ids": options.guarantee_ids, "filter": filter_}
-
-
-def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
-    """Return what a filter by majority accepts, of ``config/model.json``."""
-    seconds = lag(document, frequency)
-    if not seconds:
-        return ()
-    key, what = "filter: majority", "the majority of old steps"
-    return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
-
-
-def lag(document: Mapping[str, Any], frequency: float) -> float:
-    """Return for how many seconds a majority may hold after it was lost, of the same."""
-    filtering = document["settings"]["filter"]
-    return filtering.get("window", 1) // 2 / frequency if filtering["kind"] == "majority" else 0.0

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from eddi_scaffold.common.claims import Acceptance
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,
     ConSert,
+    ConSertModel,
     Demand,
     Dimension,
     Evidence,
     Guarantee,
 )
+from eddi_scaffold.kinds.consert.options import _FILTERS, options_of
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Place
@@ -107,3 +112,46 @@ def _dimension(dimension: Dimension) -> Json:
         "subset": dimension.subset,
         "uom": dimension.uom,
     }
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return the evidence and demands on which each guarantee rests, by its id in messages."""
+    model = document["model"]
+    ids = [one["id"] for group in _GROUPS for one in model[group]]
+    feeding: dict[str, list[str]] = {id_: [] for id_ in ids}
+    for source, target in model["edges"]:
+        feeding[target].append(source)
+    leaves = frozenset(one["id"] for kind in ("evidence", "demands") for one in model[kind])
+    publish = names.published_class if document["settings"]["guarantee_ids"] == "class" else str
+    return {
+        publish(name): frozenset() if is_default else leaves & reached(feeding, [name])
+        for name, is_default in (
+            (guarantee["id"], guarantee["default"]) for guarantee in model["guarantees"]
+        )
+    }
+
+
+_GROUPS = ("evidence", "demands", "gates", "guarantees")
+
+
+def settings(model: ConSertModel) -> dict[str, Any]:
+    """Return the ``settings`` part of ``config/model.json``."""
+    options = options_of(model)
+    steps = {_FILTERS[options.filter]: options.filter_steps} if options.filter else {}
+    filter_ = {"kind": options.filter or "none", **steps}
+    return {"guarantee_ids": options.guarantee_ids, "filter": filter_}
+
+
+def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
+    """Return what a filter by majority accepts, of ``config/model.json``."""
+    seconds = lag(document, frequency)
+    if not seconds:
+        return ()
+    key, what = "filter: majority", "the majority of old steps"
+    return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
+
+
+def lag(document: Mapping[str, Any], frequency: float) -> float:
+    """Return for how many seconds a majority may hold after it was lost, of the same."""
+    filtering = document["settings"]["filter"]
+    return filtering.get("window", 1) // 2 / frequency if filtering["kind"] == "majority" else 0.0

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import Acceptance, Meaning, Meanings, Use
+from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings, Use
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
+
+if TYPE_CHECKING:
+    from eddi_scaffold.kinds.event.events import EventModel
 
 _VERDICT = Meaning(
     (1,),
@@ -19,34 +22,6 @@ _KNOWN = (("verdict", 0, 2),)
 _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (True,)}
 
 
-def meanings(document: Mapping[str, Any] | None, event: str | None) -> Meanings:
-    """Return the meaning of the fields of an ``EventOutput``.
-
-    Args:
-        document: the ``model`` part of ``config/model.json``; ``None``: not at hand.
-        event: the only one on the topic, ``None`` for any.
-    """
-    outputs = () if document is None else document["form"]["outputs"]
-    on_topic = [output for output in outputs if event in (None, output["id"])]
-    polarities = {one["polarity"] for one in on_topic}
-    verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
-    active = _active(on_topic, polarities) if document is not None else Meaning((), known=_KNOWN)
-    # Not at hand: `active` may have the polarity that the reader has in mind.
-    return {"EventOutput": {"verdict": verdict, "active": active}}
-
-
-def _active(on_topic: Sequence[Mapping[str, Any]], polarities: set[str]) -> Meaning:
-    if len(polarities) != 1:
-        refused = "the value of `active` when it is unknown depends on the event"
-        return Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
-    (polarity,) = polarities
-    return Meaning(
-        _SILENT[polarity],
-        refused=_REFUSED[polarity].format(" ".join(one["id"] for one in on_topic)),
-        instead=_INSTEAD[polarity],
-    )
-
-
 _REFUSED = {
     "EVIDENCE": "`active` of the EVIDENCE {} is false also when it is unknown",
     "HAZARD": "`active` of the HAZARD {} is true also when it is unknown",
@@ -55,6 +30,26 @@ _INSTEAD = {
     "EVIDENCE": "`verdict == 0`, or a separate event with NOT",
     "HAZARD": "`expression: NOT {field}`, known to be absent; `verdict == 2` is that it is there",
 }
+
+
+def field_meanings(claims: Sequence[Claim] | None) -> Meanings:
+    """Return the meaning of the fields of an ``EventOutput``.
+
+    Args:
+        claims: the events on the topic; ``None``: not known.
+    """
+    polarities = {claim.polarity for claim in claims or ()}
+    verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
+    if claims is None:
+        active = Meaning((), known=_KNOWN)  # it may have the polarity that the reader has in mind
+    elif len(polarities) == 1:
+        (polarity,) = polarities
+        refused = _REFUSED[polarity].format(" ".join(claim.id for claim in claims))
+        active = Meaning(_SILENT[polarity], refused=refused, instead=_INSTEAD[polarity])
+    else:
+        refused = "the value of `active` when it is unknown depends on the event"
+        active = Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
+    return {"EventOutput": {"verdict": verdict, "active": active}}
 
 
 def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
@@ -70,39 +65,50 @@ def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
     return found
 
 
-def acceptances(document: Mapping[str, Any], _frequency: float) -> Sequence[Acceptance]:
-    """Return what the events of a file accept of silence, with the events that do."""
-    form = document["model"]["form"]
-    found: dict[Silence, list[str]] = {}
-    for output in form["outputs"]:
-        for one in accepted(form, output["node"]):
-            found.setdefault(one, []).append(output["id"])
+def form_of(model: EventModel) -> Mapping[str, Any]:
+    """Return the conditions of configured events."""
+    form = model.data.analysis.form
+    assert form is not None
+    return form
+
+
+def claims(model: EventModel, _inputs: object, _frequency: float) -> Sequence[Claim]:
+    """Return the events, each with the variables that it rests on."""
+    form = form_of(model)
+    names = [inputs_of(variable) for variable in form["variables"]]
     return [
-        Acceptance(one.word, one.accepts, lasts(one), one.seconds, at=one.at, outputs=tuple(events))
-        for one, events in found.items()
+        Claim(
+            output["id"],
+            frozenset(
+                name
+                for node in nodes_below(form["nodes"], output["node"])
+                if node["op"] in ("variable", "age")
+                for name in names[node["value"]]
+            ),
+            polarity=output["polarity"],
+        )
+        for output in form["outputs"]
     ]
 
 
-def limits(document: Mapping[str, Any]) -> Mapping[str, float]:
+def acceptances(model: EventModel, _inputs: object, _frequency: float) -> Sequence[Acceptance]:
+    """Return what the events of a file accept of silence, with the events that do."""
+    form = form_of(model)
+    events: dict[Silence, list[str]] = {}
+    for output in form["outputs"]:
+        for silence in accepted(form, output["node"]):
+            events.setdefault(silence, []).append(output["id"])
+    return [
+        Acceptance(one.word, one.accepts, lasts(one), one.seconds, at=one.at, outputs=tuple(ids))
+        for one, ids in events.items()
+    ]
+
+
+def input_timeouts(model: EventModel) -> Mapping[str, float]:
     """Return the TIMEOUT of each variable that has one."""
     return {
         name: variable["timeout"] / 1e9
-        for variable in document["model"]["form"]["variables"]
+        for variable in form_of(model)["variables"]
         if variable.get("timeout") is not None
         for name in inputs_of(variable)
-    }
-
-
-def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-    """Return the variables on which each event rests."""
-    form = document["model"]["form"]
-    names = [inputs_of(variable) for variable in form["variables"]]
-    return {
-        output["id"]: frozenset(
-            name
-            for node in nodes_below(form["nodes"], output["node"])
-            if node["op"] in ("variable", "age")
-            for name in names[node["value"]]
-        )
-        for output in form["outputs"]
     }

@@ -16,7 +16,6 @@ from eddi_scaffold.conditions.findings import Locate, line_and_column
 from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
-from eddi_scaffold.conditions.uses import accepted as silences
 from eddi_scaffold.kinds import InputType, ModelInput, Options, ReadResult, Skeleton, TypedModel
 from eddi_scaffold.kinds.event.claims import uses_of
 
@@ -181,20 +180,6 @@ def _commented(text: str) -> Iterator[tuple[str, str]]:
         if found is not None:
             yield found[1], " ".join([*above, comment])
         above = [*above, comment] if comment and not code else []
-
-
-def model_part(model: EventModel) -> dict[str, Any]:
-    """Return the ``model`` part of ``config/model.json``."""
-    form = model.data.analysis.form
-    assert form is not None
-    words = {
-        output["id"]: list(
-            dict.fromkeys(silence.word for silence in silences(form, output["node"]))
-        )
-        for output in form["outputs"]
-    }
-    accepts = {id_: found for id_, found in words.items() if found}
-    return {"form": form, "accepts": accepts} if accepts else {"form": form}
 
 
 def counts(model: EventModel) -> Mapping[str, int]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from eddi_scaffold.kinds import Functions
-from eddi_scaffold.kinds.event.claims import acceptances, limits, meanings, support
+from eddi_scaffold.kinds.event import runtime_model as document
+from eddi_scaffold.kinds.event.claims import acceptances, claims, field_meanings, input_timeouts
+from eddi_scaffold.kinds.event.compile import compile_events
 from eddi_scaffold.kinds.event.events import (
     configure,
     counts,
     export,
     inputs,
-    model_part,
     outline,
     parts,
     read_file,
@@ -26,13 +27,18 @@ FUNCTIONS = Functions(
     outline=outline,
     export=export,
     inputs=inputs,
-    runtime_model=model_part,
+    runtime_model=document.model_part,
     configure=configure,
     readme=readme,
     parts=parts,
-    meanings=meanings,
-    accepted=acceptances,
-    limits=limits,
-    support=support,
+    compile=compile_events,
+    claims=claims,
+    acceptances=acceptances,
+    input_timeouts=input_timeouts,
+    field_meanings=field_meanings,
+    meanings=document.meanings,
+    accepted=document.acceptances,
+    limits=document.limits,
+    support=document.support,
     skeleton=skeleton,
 )
