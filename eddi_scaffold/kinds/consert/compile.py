@@ -108,8 +108,8 @@ class _Compilation:
         nodes: Sequence[Evidence | Demand] = (*consert.evidence, *consert.demands)
         leaves = {node.id: node for node in nodes}
         self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]
-        elements = (*nodes, *consert.gates, *consert.guarantees)
-        self.paths = {node.id: node.place.path or "" for node in elements}
+        groups = (consert.evidence, consert.demands, consert.gates, consert.guarantees)
+        self.paths = {node.id: node.place.path or "" for group in groups for node in group}
         self.sources = inputs_of(consert)
         self.is_and = {node.id: True for node in consert.guarantees}
         self.is_and |= {gate.id: gate.function == "And" for gate in consert.gates}

@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import Problem, error, has_errors, in_order
+from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import (
     DeclaredInput,
@@ -19,8 +21,8 @@ from eddi_scaffold.kinds import (
     with_status,
 )
 from eddi_scaffold.kinds.safeml import runtime_model, show
-from eddi_scaffold.kinds.safeml.claims import MEANINGS, limits, support
-from eddi_scaffold.kinds.safeml.messages import VIOLATION_FIELD, VIOLATION_FIELDS
+from eddi_scaffold.kinds.safeml.compile import compile_safeml
+from eddi_scaffold.kinds.safeml.messages import MEANINGS, VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.read_eddi import in_map, read_eddi
 from eddi_scaffold.kinds.safeml.reference import read_named
@@ -32,6 +34,7 @@ from eddi_scaffold.kinds.safeml.scope import (
     SafeMLModel,
     SafeMLOptions,
 )
+from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.kinds.safeml.show import picture
 
@@ -140,11 +143,22 @@ def data_files(model: SafeMLModel) -> Mapping[str, bytes]:
     return runtime_model.data_files(_connection(model).plan)
 
 
+def claims(_model: SafeMLModel, inputs: Sequence[BoundInput], _frequency: float) -> Sequence[Claim]:
+    """Return what "in scope" rests on: the samples."""
+    return [Claim("in_scope", frozenset(input_.id for input_ in inputs))]
+
+
+def input_timeouts(model: SafeMLModel) -> Mapping[str, float]:
+    """Return the age after which a sample is an omission."""
+    options = _connection(model)
+    return {} if options.max_age is None else {options.input_id: options.max_age}
+
+
 def export(model: SafeMLModel) -> Mapping[str, str]:
     """Return configuration and reference."""
     if isinstance(model.source, PartSource):  # of several, each with a reference of its own
-        return runtime_model.export(model.data, f"{model.name}.safeml", f"{model.name}.csv")
-    return runtime_model.export(model.data, model.source.stem)
+        return settings_text(model.data, f"{model.name}.safeml", f"{model.name}.csv")
+    return settings_text(model.data, model.source.stem)
 
 
 def counts(model: SafeMLModel) -> Mapping[str, int]:
@@ -200,8 +214,13 @@ FUNCTIONS = Functions(
     data_files=data_files,
     readme=readme,
     diagram=diagram,
-    limits=limits,
-    support=support,
+    compile=compile_safeml,
+    claims=claims,
+    acceptances=lambda _model, _inputs, _frequency: (),
+    input_timeouts=input_timeouts,
+    field_meanings=lambda _claims: MEANINGS,
+    limits=runtime_model.limits,
+    support=runtime_model.support,
     skeleton=skeleton,
     meanings=lambda _document, _part: MEANINGS,
 )

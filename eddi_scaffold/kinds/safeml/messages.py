@@ -11,7 +11,15 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.common.claims import Listen, StatusReading, Verdict, state_of
+from eddi_scaffold.common.claims import (
+    Listen,
+    Meaning,
+    Meanings,
+    StatusReading,
+    ValidityField,
+    Verdict,
+    state_of,
+)
 
 VIOLATION_FIELD = "violation_field"
 """Key of ``Model:`` in a configuration."""
@@ -83,3 +91,36 @@ def _said(status: Any) -> StatusReading:
 
 
 VERDICTS: dict[str, Listen] = {"SafeMLStatus": _said}
+
+
+_IN_SCOPE = "`field: in_scope` of SafeMLStatus"
+_VERDICT = (("omission", False),)
+
+
+def _fields(message: str) -> dict[str, Meaning]:
+    return {
+        "omission": Meaning(
+            (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
+        ),
+        "odd_violation": Meaning(
+            given=(ValidityField(message, "omission", value=False),),
+            refused="`odd_violation` has no meaning while there is no verdict",
+            instead=f"{_IN_SCOPE}, or `NOT omission` with it",
+            known=_VERDICT,
+        ),
+    }
+
+
+MEANINGS: Meanings = {
+    "SafeMLOutput": _fields("SafeMLOutput"),
+    "SafeMLStatus": {
+        **_fields("SafeMLStatus"),
+        "in_scope": Meaning(
+            (False,),
+            refused="`in_scope` is false also when there is no verdict",
+            instead="`NOT omission AND odd_violation`: known to be a violation",
+            known=_VERDICT,
+        ),
+    },
+}
+"""Message -> field -> its meaning."""

@@ -11,7 +11,6 @@ from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, error, has_errors, warning
-from eddi_scaffold.compiling.safeml.limits import limit_quantile
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate, effective
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows, principal_axes, split
 from eddi_scaffold.kinds.safeml.scope import (
@@ -25,6 +24,7 @@ from eddi_scaffold.kinds.safeml.scope import (
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
     largest_possible,
+    limit_quantile,
     smallest_window,
     theoretical,
 )

@@ -23,9 +23,8 @@ from eddi_scaffold.eddi_xml.extensions import (
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.runtime_model import export
 from eddi_scaffold.kinds.safeml.scope import NAME, SafeMLFile, SafeMLModel, SafeMLSettings
-from eddi_scaffold.kinds.safeml.settings import KEYS, read_settings
+from eddi_scaffold.kinds.safeml.settings import KEYS, export, read_settings
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument

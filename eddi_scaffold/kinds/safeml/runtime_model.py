@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.kinds.safeml.plan import upwards
@@ -14,9 +15,6 @@ from eddi_scaffold.kinds.safeml.scope import (
     SafeMLFile,
     SafeMLOptions,
 )
-
-REFERENCE_FILE = "reference.csv"
-"""Name of an exported reference."""
 
 
 def _sample(plan: Plan) -> Table:
@@ -74,35 +72,6 @@ def data_files(plan: Plan) -> Mapping[str, bytes]:
     return {**_sample(plan).files, **(axes.files if axes is not None else {})}
 
 
-def export(file: SafeMLFile, name: str, reference: str = REFERENCE_FILE) -> Mapping[str, str]:
-    """Return configuration and reference, the first with every key written out."""
-    settings = file.settings
-    lines = [
-        f"window_size: {settings.window_size}",
-        f"reference_sample_file: {reference}",
-        f"significance_level: {settings.significance_level!r}",
-        f"distance_metric: {METRIC_NAMES[settings.metric]}",
-        f"n_components: {_yaml(settings.n_components)}",
-        f"standardize: {_yaml(settings.standardize)}",
-        f"residual_test: {_yaml(settings.residual_test)}",
-        f"calibration: {settings.calibration}",
-        f"stride: {settings.stride}",
-        f"on_omission: {settings.on_omission}",
-        f"input_dtype: {settings.input_dtype}",
-        f"array_backend: {settings.array_backend}",
-    ]
-    if settings.calibration_stride is not None:
-        lines.append(f"calibration_stride: {settings.calibration_stride}")
-    if settings.max_age is not None:
-        lines.append(f"max_age: {settings.max_age!r}")
-    text = file.reference.source.data.decode("utf-8-sig")
-    return {f"{name}.yml": "\n".join(lines) + "\n", reference: text}
-
-
-def _yaml(value: float | None) -> str:
-    return "null" if value is None else str(value).lower()
-
-
 def _reference(reference: ReferenceSample) -> dict[str, JsonValue]:
     rows, features = reference.rows.shape
     return {
@@ -125,3 +94,14 @@ def _thresholds(plan: Plan) -> dict[str, JsonValue]:
         found["threshold_scaled"] = int(plan.threshold)
         found["threshold_theoretical_scaled"] = int(plan.theoretical)
     return found
+
+
+def limits(document: Mapping[str, Any]) -> Mapping[str, float]:
+    """Return the age after which a frame is an omission."""
+    age = document["settings"]["max_age"]
+    return {} if age is None else {spec["id"]: age for spec in document["inputs"]}
+
+
+def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
+    """Return what "in scope" rests on: the frames."""
+    return {"in_scope": frozenset(spec["id"] for spec in document["inputs"])}

@@ -10,7 +10,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, did_you_mean, error
 from eddi_scaffold.compiling.safeml.model import BACKENDS
-from eddi_scaffold.kinds.safeml.scope import METRICS, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, METRICS, SafeMLFile, SafeMLSettings
 from eddi_scaffold.yaml_text.nodes import (
     Map,
     Node,
@@ -194,3 +194,32 @@ _SHOWN = {
     "significance_level": "0.1",
     "distance_metric": "KolmogorovSmirnovDistance",
 }
+
+
+def export(file: SafeMLFile, name: str, reference: str = "reference.csv") -> Mapping[str, str]:
+    """Return configuration and reference, the first with every key written out."""
+    settings = file.settings
+    lines = [
+        f"window_size: {settings.window_size}",
+        f"reference_sample_file: {reference}",
+        f"significance_level: {settings.significance_level!r}",
+        f"distance_metric: {METRIC_NAMES[settings.metric]}",
+        f"n_components: {_yaml(settings.n_components)}",
+        f"standardize: {_yaml(settings.standardize)}",
+        f"residual_test: {_yaml(settings.residual_test)}",
+        f"calibration: {settings.calibration}",
+        f"stride: {settings.stride}",
+        f"on_omission: {settings.on_omission}",
+        f"input_dtype: {settings.input_dtype}",
+        f"array_backend: {settings.array_backend}",
+    ]
+    if settings.calibration_stride is not None:
+        lines.append(f"calibration_stride: {settings.calibration_stride}")
+    if settings.max_age is not None:
+        lines.append(f"max_age: {settings.max_age!r}")
+    text = file.reference.source.data.decode("utf-8-sig")
+    return {f"{name}.yml": "\n".join(lines) + "\n", reference: text}
+
+
+def _yaml(value: float | None) -> str:
+    return "null" if value is None else str(value).lower()

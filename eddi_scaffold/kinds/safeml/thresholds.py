@@ -1,14 +1,20 @@
-"""From which distance on a window differs significantly, when its samples are independent."""
+"""From which distance on a window differs significantly, when its samples are independent.
+
+Laws of the statistics when window and reference have the same distribution. Quantiles of the limits
+of Cramer-von Mises and Anderson-Darling are a table with linear interpolation in the logarithm of
+the level: never below the exact value, at most 0.25 % above it. The statistics of finite samples
+are brought to the mean and variance of the limit (Anderson 1962; Scholz and Stephens 1987).
+"""
 
 from __future__ import annotations
 
 import math
 from functools import lru_cache
+from itertools import accumulate
 
 import numpy as np
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.compiling.safeml.limits import critical_value
 from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.scope import Metric
 
@@ -112,3 +118,96 @@ def largest_possible(metric: Metric, n: int, m: int) -> float:
 def smallest_window(metric: Metric, n: int, level: float, most: int = 2000) -> int | None:
     """Return the smallest window with which the monitor can fire, ``None`` up to ``most``."""
     return next((m for m in range(1, most + 1) if can_fire(metric, n, m, level)), None)
+
+
+_LEVELS = (
+    0.5, 0.4, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05, 0.025, 0.02, 0.01, 0.005, 0.0025, 0.002, 0.001,
+    5e-4, 2.5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6,
+)  # fmt: skip
+_QUANTILES = {
+    "cvm": (
+        0.11887955098036672, 0.1466331130361793, 0.18433025139077172, 0.20938760938799683,
+        0.2412384066043792, 0.2840625910315124, 0.34730492019163517, 0.4613612936058819,
+        0.5806146822447926, 0.619809415521877, 0.7434593137557958, 0.8693852268432897,
+        0.9970459542032077, 1.0384488386137856, 1.1678582965703432, 1.2983060681135699,
+        1.4296160391105475, 1.4720487436028435, 1.6042964491227956, 1.7371365516515027,
+        1.9135191366517197, 2.047455671020586, 2.1817739959820033, 2.3598496226332055,
+        2.4949079149484223,
+    ),
+    "ad": (
+        0.7742142410991224, 0.9235137095575493, 1.1200136588814762, 1.247859635008831,
+        1.4081977009875115, 1.6212385370200144, 1.932957833996474, 2.4923671630289164,
+        3.0774641852376057, 3.270007685553069, 3.8781250389868145, 4.498199682314187,
+        5.127278604661291, 5.331365977038512, 5.9694015267538365, 6.612703826849098,
+        7.260356029823329, 7.46965989618021, 8.122023697409494, 8.777355717835619,
+        9.647547541961064, 10.308364326256964, 10.971093856944899, 11.849776536806877,
+        12.516249303078068,
+    ),
+}  # fmt: skip
+"""Upper quantiles of sum Z_j^2 / (j pi)^2 and of sum Z_j^2 / (j (j + 1)), Z_j standard normal."""
+
+_SLOPES = {"cvm": 2.0 / math.pi**2, "ad": 1.0}
+"""Growth of the quantile per unit of -ln(level) beyond the table, on the safe side."""
+
+_LIMIT_MEAN = {"cvm": 1.0 / 6.0, "ad": 1.0}
+_LIMIT_VARIANCE = {"cvm": 1.0 / 45.0, "ad": 2.0 * (math.pi**2 - 9.0) / 3.0}
+
+
+def limit_quantile(metric: str, level: float) -> float:
+    """Return the upper quantile of the limiting law of ``cvm`` or ``ad``; above 0.5 that of 0.5."""
+    table = _QUANTILES[metric]
+    if level >= _LEVELS[0]:
+        return table[0]
+    if level < _LEVELS[-1]:
+        return table[-1] + _SLOPES[metric] * math.log(_LEVELS[-1] / level)
+    k = next(k for k in range(1, len(_LEVELS)) if level >= _LEVELS[k])
+    share = math.log(_LEVELS[k - 1] / level) / math.log(_LEVELS[k - 1] / _LEVELS[k])
+    return table[k - 1] + share * (table[k] - table[k - 1])
+
+
+def moments(metric: str, n: int, m: int) -> tuple[float, float]:
+    """Return mean and variance of ``cvm`` or ``ad`` for samples of n and m, without ties."""
+    total = n + m
+    if metric == "cvm":
+        spread = 4.0 * n * m * total - 3.0 * (n * n + m * m) - 2.0 * n * m
+        variance = (total + 1.0) * spread / (180.0 * n * m * float(total) ** 2)
+        return (1.0 + 1.0 / total) / 6.0, variance
+    return 1.0, _anderson_darling_variance(n, m)
+
+
+def critical_value(metric: str, level: float, n: int, m: int) -> float:
+    """Return the value that ``cvm`` or ``ad`` reaches with a probability of ``level``."""
+    mean, variance = moments(metric, n, m)
+    excess = limit_quantile(metric, level) - _LIMIT_MEAN[metric]
+    return mean + excess * math.sqrt(variance / _LIMIT_VARIANCE[metric])
+
+
+def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, float]], float]:
+    """Return the law of ``cvm`` or ``ad`` for samples of n and m.
+
+    Returns:
+        (critical value, level), ascending values; and the growth of the value per unit of
+        -ln(level) beyond them. Both are empty where the statistic has no variance.
+    """
+    _, variance = moments(metric, n, m)
+    if variance <= 0.0:
+        return [], 0.0
+    points = [(critical_value(metric, level, n, m), level) for level in _LEVELS]
+    return points, _SLOPES[metric] * math.sqrt(variance / _LIMIT_VARIANCE[metric])
+
+
+def _anderson_darling_variance(n: int, m: int) -> float:
+    """Scholz and Stephens (1987), section 2, for two samples; 0 where they give none (N < 4)."""
+    total = n + m
+    if total < 4:
+        return 0.0
+    harmonic = list(accumulate(1.0 / i for i in range(1, total)))
+    h = harmonic[-1]
+    g = math.fsum((h - harmonic[i - 1]) / (total - i) for i in range(1, total - 1))
+    ratio = 1.0 / n + 1.0 / m
+    a = (4 * g - 6) + (10 - 6 * g) * ratio
+    b = 4 * (2 * g - 4) + 16 * h + (2 * g - 14 * h - 4) * ratio - 8 * h + 4 * g - 6
+    c = 4 * (6 * h + 2 * g - 2) + 2 * (4 * h - 4 * g + 6) + (2 * h - 6) * ratio + 4 * h
+    d = 4 * (2 * h + 6) - 8 * h
+    n3 = float(total)
+    return (a * n3**3 + b * n3**2 + c * n3 + d) / ((n3 - 1) * (n3 - 2) * (n3 - 3))

@@ -15,11 +15,16 @@ import yaml
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.compiling.safeml.limits import critical_value, limit_quantile
 from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.scope import Plan, ReferenceSample, SafeMLSettings
-from eddi_scaffold.kinds.safeml.thresholds import ks_asymptotic, ks_tail, theoretical
+from eddi_scaffold.kinds.safeml.thresholds import (
+    critical_value,
+    ks_asymptotic,
+    ks_tail,
+    limit_quantile,
+    theoretical,
+)
 from tests.data_files import data_file
 from tests.kinds.safeml.monitors import LONG_NAMES, running
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.compiling.safeml.limits import critical_value, moments
 from eddi_scaffold.kinds.safeml.calibration import of_windows
 from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,
+    critical_value,
     ks_asymptotic,
     ks_tail,
+    moments,
     smallest_window,
     theoretical,
 )
