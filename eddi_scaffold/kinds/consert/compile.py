@@ -47,6 +47,8 @@ from eddi_scaffold.kinds.consert.model import (
     ConSertModel,
     Demand,
     Evidence,
+    Gate,
+    Guarantee,
     Range,
 )
 from eddi_scaffold.kinds.consert.options import options_of
@@ -108,15 +110,16 @@ class _Compilation:
         nodes: Sequence[Evidence | Demand] = (*consert.evidence, *consert.demands)
         leaves = {node.id: node for node in nodes}
         self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]
-        groups = (consert.evidence, consert.demands, consert.gates, consert.guarantees)
-        self.paths = {node.id: node.place.path or "" for group in groups for node in group}
+        inner: Sequence[Gate | Guarantee] = (*consert.gates, *consert.guarantees)
+        self.paths = {node.id: node.place.path or "" for node in nodes}
+        self.paths |= {node.id: node.place.path or "" for node in inner}
         self.sources = inputs_of(consert)
         self.is_and = {node.id: True for node in consert.guarantees}
         self.is_and |= {gate.id: gate.function == "And" for gate in consert.gates}
         self.inner = in_order(
             {
                 node.id: tuple(source for source in self.sources[node.id] if source not in leaves)
-                for node in (*consert.gates, *consert.guarantees)
+                for node in inner
             }
         )
         self.names = [*(leaf.id for leaf in self.leaves), *self.inner]
