@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
-from eddi_scaffold.compiling.reliability import markov
-from eddi_scaffold.compiling.reliability.cut_sets import LIMIT, minimal_cut_sets
-from eddi_scaffold.compiling.reliability.diagram import COHERENT, NODE_LIMIT, TooLargeError
-from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.runtime_model import (
-    diagram_of,
-    gate_name,
-    gates_of,
-    runtime_model,
-    used,
-)
+from eddi_scaffold.kinds.reliability import chains
+from eddi_scaffold.kinds.reliability.cut_sets import LIMIT, CutSet, minimal_cut_sets
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, NODE_LIMIT, TooLargeError
+from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
+from eddi_scaffold.kinds.reliability.lowering import chain_of, lower_tree, used
 from eddi_scaffold.kinds.reliability.system import (
     DYNAMIC,
     Chain,
@@ -70,30 +64,27 @@ def starts_failed(state: str) -> str:
 
 
 def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
-    number = {state: i for i, state in enumerate(chain.states)}
-    fail = [number[state] for state in chain.fail]
-    initial = number[chain.initial[0]]
     for state in chain.fail:
         if any(arc.source == state and arc.rate > 0.0 for arc in chain.arcs):
             message = f"fail state {state!r} of chain {name!r} has arcs, which are left out"
             hint = "failure is first passage: what comes after it is ignored"
             yield warning("R013", message, place, hint)
-    arcs = [(number[a.source], number[a.target], a.rate) for a in chain.arcs]
-    given = markov.Chain(tuple(chain.states), initial, tuple(fail), tuple(arcs))
-    reached = markov.reached(given)
-    lost = [state for state, i in number.items() if i not in reached]
+    lowered = chain_of(chain)
+    reached = chains.reached(lowered)
+    lost = [state for number, state in enumerate(chain.states) if number not in reached]
     if lost:
         shown = ", ".join(lost[:8]) + (", ..." if len(lost) > 8 else "")
         yield warning("R013", f"chain {name!r} never reaches {shown}", place)
-    if initial not in markov.reaching(given, fail):
+    if lowered.initial not in chains.reaching(lowered, lowered.fail):
         message = f"chain {name!r} cannot fail: no path leads from {chain.initial[0]!r} to failure"
         yield warning("R013", message, place, "its MTTF is infinite")
-    elif initial not in markov.certain(given):
+    elif lowered.initial not in chains.certain(lowered):
         message = f"chain {name!r} may stay for ever in states that cannot fail"
         yield warning("R013", message, place, "its MTTF is infinite")
-    if len(number) > _LARGE:
-        size = 8e-6 * len(number) ** 2
-        message = f"chain {name!r} has {len(number)} states: {size:.0f} MB for each matrix"
+    count = len(chain.states)
+    if count > _LARGE:
+        size = 8e-6 * count**2
+        message = f"chain {name!r} has {count} states: {size:.0f} MB for each matrix"
         yield warning("R013", message, place)
 
 
@@ -256,21 +247,18 @@ def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Proble
 
 
 def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
-    part = runtime_model(ReliabilitySystem({component.name: component}, component.name))[
-        "components"
-    ][0]
-    gates, events = gates_of(part), part["events"]
-    coherent = all(gate.type in COHERENT for gate in gates)
+    lowered = lower_tree(component.name, tree)
+    coherent = all(gate.type in COHERENT for gate in lowered.gates)
     if tree.approximate:
-        ours = part.get("cut_sets")
+        ours: Sequence[CutSet] | None = lowered.cut_sets
         if ours is None:
             return [_no_bounds(component, tree)]
     else:
-        limit = tree.node_limit or NODE_LIMIT
         try:
-            diagram_of(part)
+            _ = lowered.diagram
         except TooLargeError as problem:
-            gate = gate_name(tree, part, problem.gate)
+            gate = lowered.names[problem.gate - len(lowered.events)].name
+            limit = lowered.limit
             message = (
                 f"the diagram of tree {component.name!r} has {problem.count} nodes below gate "
                 f"{gate!r}, at the limit of {limit}"
@@ -284,12 +272,12 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
         if tree.cut_sets is None or not coherent:
             return []
         try:  # the file lists them whatever the probabilities of the events are
-            ours = minimal_cut_sets(diagram_of(part, {}))
+            ours = minimal_cut_sets(lowered.diagram_knowing({}))
         except TooLargeError:
             return []
     if tree.cut_sets is None or ours is None:
         return []
-    named = frozenset(frozenset(events[i]["name"] for i in our) for our in ours)
+    named = frozenset(frozenset(lowered.events[i].name for i in cut_set) for cut_set in ours)
     if named == tree.cut_sets:
         return []
     message = (
@@ -322,32 +310,38 @@ def _sets(sets: frozenset[frozenset[str]]) -> str:
 
 def _dependence(system: ReliabilitySystem) -> Iterator[Problem]:
     """Report models that enter the top's result in two places, as if they were independent."""
-    part = runtime_model(system)["components"]
+    below = {name: component.below for name, component in system.components.items()}
     within: dict[str, set[str]] = {}
-    for item in part:
-        below = [e["model"] for e in item.get("events", ()) if e["model"]] + item.get("of", [])
-        reached: set[str] = {item["name"]}
-        for name in below:
-            twice = sorted(reached & within[name])
+    for name in order(system.top, below)[0]:
+        reached = {name}
+        for used_model in _uses(system.components[name]):
+            twice = sorted(reached & within[used_model])
             if twice:
-                component = system.components[item["name"]]
                 message = (
-                    f"model {component.name!r} uses {twice[0]!r} in several places, but treats "
+                    f"model {name!r} uses {twice[0]!r} in several places, but treats "
                     "them as independent"
                 )
                 hint = "put its parts into one fault tree"
-                yield error("R009", message, component.place, hint)
-            reached |= within[name]
-        within[item["name"]] = reached
+                yield error("R009", message, system.components[name].place, hint)
+            reached |= within[used_model]
+        within[name] = reached
+
+
+def _uses(component: ComponentModel) -> Sequence[str]:
+    """Return the models that a model uses, each as often as it counts."""
+    if isinstance(component.content, FaultTree):
+        return [event.model for event in lower_tree("", component.content).events if event.model]
+    return component.uses
 
 
 def _inputs(system: ReliabilitySystem) -> Iterator[Problem]:
-    owners: dict[str, Place] = {}
+    types: dict[str, str] = {MISSION_END: "float"} if system.mission_end else {}
     for component in used(system).components.values():
         alone = ReliabilitySystem({component.name: component}, component.name)
+        # a verdict may serve several chains
+        shared = "bool" if isinstance(component.content, Chain) else ""
         for input_ in inputs_of(alone):
-            shared = isinstance(component.content, Chain)  # a verdict may serve several chains
-            if input_.id in owners and not shared:
+            if types.get(input_.id, shared) != shared:
                 message = f"two inputs are called {input_.id!r}: rename a model or an event"
                 yield error("R001", message, component.place)
-            owners[input_.id] = component.place
+            types[input_.id] = input_.type

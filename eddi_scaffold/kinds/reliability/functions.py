@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, warning
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
@@ -17,10 +19,12 @@ from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
 from eddi_scaffold.kinds.reliability import show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
+from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
+from eddi_scaffold.kinds.reliability.lowering import used
 from eddi_scaffold.kinds.reliability.read_open_psa import read_mef
 from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system, with_rate
-from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
+from eddi_scaffold.kinds.reliability.runtime_model import runtime_model
 from eddi_scaffold.kinds.reliability.show import picture
 from eddi_scaffold.kinds.reliability.skeleton import decided, drafted
 from eddi_scaffold.kinds.reliability.system import NAME, ReliabilityModel, ReliabilitySystem
@@ -243,6 +247,19 @@ def diagram(model: ReliabilityModel) -> Diagram:
     return picture(model.name, model.data)
 
 
+def compile_model(model: ReliabilityModel, declaration: Declaration) -> CompiledMonitor:
+    """Return the compiled monitor."""
+    return compile_system(model.data, declaration)
+
+
+def claims(
+    model: ReliabilityModel, bound: Sequence[BoundInput], _frequency: float
+) -> Sequence[Claim]:
+    """Return the thresholds: every input counts in the probability of failure."""
+    inputs_of_model = frozenset(input_.id for input_ in bound)
+    return [Claim(threshold.id, inputs_of_model) for threshold in model.data.thresholds]
+
+
 FUNCTIONS = Functions(
     read_eddi=read_eddi,
     read_file=read_file,
@@ -259,6 +276,9 @@ FUNCTIONS = Functions(
     ids=ids,
     support=support,
     skeleton=skeleton,
+    compile=compile_model,
+    claims=claims,
+    field_meanings=lambda _claims: MEANINGS,
     meanings=lambda _document, _part: MEANINGS,
 )
 """What is done with systems of chains and trees."""

@@ -12,7 +12,7 @@ from eddi_runtime.reliability.result import ReliabilityResult
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, warning
-from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS, motors_of
+from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, motors_of
 from eddi_scaffold.kinds.reliability.read_components import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.system import (
     TYPES,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -40,14 +39,6 @@ def runtime_model(system: ReliabilitySystem) -> dict[str, Any]:
         "on_unknown": "worst_case" if system.worst_case else "inactive",
         "max_gap": system.usual_gap,
     }
-
-
-def used(system: ReliabilitySystem) -> ReliabilitySystem:
-    """Return the system without models that the top does not use."""
-    below = {name: component.below for name, component in system.components.items()}
-    names = set(order(system.top, below)[0])
-    kept = {name: component for name, component in system.components.items() if name in names}
-    return replace(system, components=kept)
 
 
 def _component(component: ComponentModel) -> dict[str, Any]:

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
-from eddi_scaffold.compiling.reliability.cut_sets import minimal_cut_sets
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.diagram import Shape, Tone
-from eddi_scaffold.kinds.reliability.runtime_model import diagram_of, runtime_model
+from eddi_scaffold.kinds.reliability.cut_sets import minimal_cut_sets
+from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import (
     BasicEvent,
     Chain,
@@ -162,9 +162,9 @@ def readme(system: ReliabilitySystem) -> list[str]:
         ]
         unknown = "its worst case counts" if system.worst_case else "no evidence is active"
         lines += ["", f"While an input is unknown, {unknown}.", ""]
-    for component in system.components.values():
+    for name, component in system.components.items():
         if isinstance(component.content, FaultTree):
-            lines += _cut_sets(component)
+            lines += _cut_sets(name, component.content)
     lines.append(
         "Assumed: failures of different models and basic events are independent, rates of chains "
         "are constant."
@@ -172,34 +172,31 @@ def readme(system: ReliabilitySystem) -> list[str]:
     return lines
 
 
-def _cut_sets(component: ComponentModel) -> list[str]:
-    names, tree = cut_sets(component), f"`{markdown_code(component.name)}`"
-    if names is None:
+def _cut_sets(name: str, tree: FaultTree) -> list[str]:
+    sets, shown = cut_sets(name, tree), f"`{markdown_code(name)}`"
+    if sets is None:
         reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
-        return [f"{tree} {reason}.", ""]
-    lines = [f"Minimal cut sets of {tree}: {len(names)}", ""]
-    lines += [f"- {markdown_text(', '.join(name))}" for name in names[:_SHOWN]]
-    if len(names) > _SHOWN:
-        lines.append(f"- and {len(names) - _SHOWN} more")
+        return [f"{shown} {reason}.", ""]
+    lines = [f"Minimal cut sets of {shown}: {len(sets)}", ""]
+    lines += [f"- {markdown_text(', '.join(cut_set))}" for cut_set in sets[:_SHOWN]]
+    if len(sets) > _SHOWN:
+        lines.append(f"- and {len(sets) - _SHOWN} more")
     return [*lines, ""]
 
 
-def cut_sets(component: ComponentModel) -> list[list[str]] | None:
+def cut_sets(name: str, tree: FaultTree) -> list[list[str]] | None:
     """Return the minimal cut sets of a fault tree, smallest first; None: none, or too many.
 
     A tree with NOT or XOR has none.
     """
-    part = runtime_model(ReliabilitySystem({component.name: component}, component.name))[
-        "components"
-    ][0]
-    found = part.get("cut_sets")
-    if found is None:
-        diagram = diagram_of(part)
-        found = minimal_cut_sets(diagram) if diagram.coherent else None
-    if found is None:
+    lowered = lower_tree(name, tree)
+    sets = lowered.cut_sets
+    if sets is None and lowered.diagram is not None and lowered.diagram.coherent:
+        sets = minimal_cut_sets(lowered.diagram)
+    if sets is None:
         return None
-    names = [sorted(part["events"][i]["name"] for i in one) for one in found]
-    return sorted(names, key=lambda one: (len(one), one))
+    names = [sorted(lowered.events[i].name for i in cut_set) for cut_set in sets]
+    return sorted(names, key=lambda events: (len(events), events))
 
 
 _LEGEND = (

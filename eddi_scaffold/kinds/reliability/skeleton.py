@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from eddi_scaffold.eddi_xml.reading import recognises
 from eddi_scaffold.kinds import TODO, JsonValue, Skeleton
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.runtime_model import used
+from eddi_scaffold.kinds.reliability.lowering import used
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilityModel
 
 _NAMES = 12

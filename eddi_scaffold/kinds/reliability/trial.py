@@ -13,12 +13,14 @@ import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.document import InputData, ModelFile
-from eddi_scaffold.compiling.execution import build, module_of
-from eddi_scaffold.compiling.reliability.emission import FORMAT, lines_of
+from eddi_scaffold.compiling.document import ModelFile
+from eddi_scaffold.compiling.execution import module_of
+from eddi_scaffold.compiling.monitor import BoundInput, Declaration
+from eddi_scaffold.kinds.reliability.compile import compile_system
+from eddi_scaffold.kinds.reliability.component_text import STATES_WRITTEN_OUT
 from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
-from eddi_scaffold.kinds.reliability.runtime_model import runtime_model, used
-from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
+from eddi_scaffold.kinds.reliability.lowering import used
+from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300
@@ -40,7 +42,7 @@ def at_start(
         known: everything is in order.
         seconds_left: to the end of the mission, where that is an input; None: the longest.
     """
-    monitor: Reliability = build(_model_file(system))
+    monitor: Reliability = _module(system).Monitor()
     values = _start(system) if known else {}
     if seconds_left is not None:
         values[MISSION_END] = seconds_left
@@ -60,10 +62,7 @@ def mean_life(system: ReliabilitySystem) -> float | None:
     if _size(system) > _TOO_MANY:
         return None
     values = SimpleNamespace(**_start(system))
-    plain = _model_file(replace(system, mission_end=False, thresholds=()))
-    compiled = module_of(
-        module_text(plain, {"reliability": FORMAT}, lines_of(plain, states=0)), plain.id
-    )
+    compiled = _module(replace(system, mission_end=False, thresholds=()), states=0)
     if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
         batteries = vars(compiled)["battery"].Battery
         vars(compiled)["battery"] = SimpleNamespace(Battery=cache(batteries))
@@ -144,13 +143,14 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
     return monitor
 
 
-def _model_file(system: ReliabilitySystem) -> ModelFile:
-    specs = tuple(InputData(input_.id, input_.id) for input_ in inputs_of(used(system)))
-    return ModelFile("", "reliability", "m", "", {}, specs, runtime_model(system), {}, _no_data)
-
-
-def _no_data(_: str) -> bytes:
-    return b""
+def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> ModuleType:
+    """Return the module of a system whose inputs have no names but their ids."""
+    inputs = tuple(BoundInput(input_.id, input_.id) for input_ in inputs_of(used(system)))
+    declaration = Declaration("m", "", inputs)
+    compiled = compile_system(system, declaration, states=states)
+    frame = ModelFile("", NAME, "m", "", {}, inputs, {}, {}, lambda _: b"")
+    text = module_text(frame, {NAME: compiled.format}, [*compiled.lines])
+    return module_of(text, declaration.model_id)
 
 
 def _start(system: ReliabilitySystem) -> dict[str, Any]:
