@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.common.claims import Acceptance, Meaning, Meanings
+from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
+from eddi_scaffold.compiling.monitor import BoundInput
+from eddi_scaffold.kinds.bayesian_network.discretisation import UNOBSERVED
+from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
@@ -68,6 +71,40 @@ def _of_node(
             text, lasts = f"{what} of {node}", "while it is so"
             key = f"{name}: {value}".lower()
             yield Acceptance(key, text, lasts, None, declared["input"], (*path, name))
+
+
+def acceptances(
+    model: NetworkModel, bound: Sequence[BoundInput], frequency: float
+) -> Sequence[Acceptance]:
+    """Return what the declarations of the nodes accept in place of a known state."""
+    inputs = {input_.id: input_ for input_ in bound}
+    accepted = []
+    for entry in settings_of(model).declarations:
+        path = ("Model", "discretisation", entry.node)
+        policy, source = entry.data.get("missing", UNOBSERVED), inputs[entry.input]
+        if policy in _POLICIES and (policy != "default" or source.default is not None):
+            age = source.max_age
+            seconds = age + 1 / frequency if policy == "hold" and isinstance(age, float) else None
+            lasts = "while it is unknown" if seconds is None else f"for {seconds:g} s"
+            text, key = f"{_POLICIES[policy]} of {entry.node}", f"missing: {policy}"
+            accepted.append(Acceptance(key, text, lasts, seconds, entry.input, (*path, "missing")))
+        for name, value, what in _BEYOND:
+            if entry.data.get(name) == value:
+                text, key = f"{what} of {entry.node}", f"{name}: {value}".lower()
+                accepted.append(
+                    Acceptance(key, text, "while it is so", None, entry.input, (*path, name))
+                )
+    return accepted
+
+
+def claims(model: NetworkModel, bound: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+    """Return the thresholds: they rest on every input; raw posteriors claim nothing.
+
+    They may outlive their inputs for as long as a state is held.
+    """
+    held = [entry.seconds or 0.0 for entry in acceptances(model, bound, frequency)]
+    inputs, hold_s = frozenset(input_.id for input_ in bound), max(held, default=0.0)
+    return [Claim(threshold.id, inputs, hold_s) for threshold in settings_of(model).thresholds]
 
 
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}

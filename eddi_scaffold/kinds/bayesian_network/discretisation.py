@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeGuard
@@ -80,6 +80,60 @@ class Declaration:
     input: str
     type: InputType
     data: Mapping[str, Any]
+
+    def reader_arguments(self, states: Sequence[str]) -> dict[str, Any]:
+        """Return the arguments of the runtime's ``Declaration``, without usual ones."""
+        data, number = self.data, {state: k for k, state in enumerate(states)}
+        special = [(value, number[state]) for value, state in data.get("map", [])]
+        for value, state in data.get("sentinel", []):
+            # A raw -1 may come as a whole number or as -1.0, but True is not 1.
+            twins = [value] if isinstance(value, bool | str) else _twins(value)
+            known = len(states) if state == UNOBSERVED else number[state]
+            special += [(twin, known) for twin in twins]
+        arguments = {
+            "missing": len(states),
+            "edges": tuple(data["bins"]) if "bins" in data else None,
+            "order": tuple(number[state] for state in data.get("order", states)),
+            "closed_right": data.get("closed", "right") == "right",
+            "scaled": "scale" in data or "offset" in data,
+            "scale": data.get("scale", 1.0),
+            "offset": data.get("offset", 0.0),
+            "limits": tuple(data.get("range", _USUAL["limits"])),
+            "clamp": data.get("out_of_range") == "clamp",
+            "allow_inf": data.get("allow_inf", False),
+            "hysteresis": data.get("hysteresis", 0.0),
+            "policy": data.get("missing", UNOBSERVED),
+            "special": tuple(special),
+        }
+        return {key: value for key, value in arguments.items() if value != _USUAL.get(key)}
+
+
+_USUAL: Mapping[str, Any] = {
+    "edges": None,
+    "order": (),
+    "closed_right": True,
+    "scaled": False,
+    "scale": 1.0,
+    "offset": 0.0,
+    "limits": (-math.inf, math.inf),
+    "clamp": False,
+    "allow_inf": False,
+    "hysteresis": 0.0,
+    "policy": UNOBSERVED,
+    "special": (),
+}
+"""What the runtime's ``Declaration`` holds where nothing is given."""
+
+
+def _twins(value: float) -> Iterator[int | float]:
+    """Yield a number as a whole number and as a double, where that is exact."""
+    for kind in (int, float):
+        try:
+            twin = kind(value)
+        except OverflowError:
+            continue
+        if twin == value:
+            yield twin
 
 
 def read_discretisation(

@@ -10,6 +10,7 @@ from pathlib import PurePath
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, warning
+from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
@@ -21,7 +22,15 @@ from eddi_scaffold.kinds import (
     ModelOutput,
     ReadResult,
 )
-from eddi_scaffold.kinds.bayesian_network.claims import MEANINGS, accepted, lag, support
+from eddi_scaffold.kinds.bayesian_network.claims import (
+    MEANINGS,
+    acceptances,
+    accepted,
+    claims,
+    lag,
+    support,
+)
+from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
 from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
 from eddi_scaffold.kinds.bayesian_network.method_module import config_module, skeleton
@@ -263,6 +272,11 @@ def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
     return ("", text, "", "| evidence | active while |", "|---|---|", *rows)
 
 
+def compile_model(model: NetworkModel, declaration: Declaration) -> CompiledMonitor:
+    """Return the compiled monitor."""
+    return compile_network(model.data, settings_of(model), declaration)
+
+
 FUNCTIONS = Functions(
     read_eddi=read_eddi,
     read_file=read_file,
@@ -285,5 +299,9 @@ FUNCTIONS = Functions(
     lag=lag,
     support=support,
     skeleton=skeleton,
+    compile=compile_model,
+    claims=claims,
+    acceptances=acceptances,
+    field_meanings=lambda _claims: MEANINGS,
     meanings=lambda _document, _part: MEANINGS,
 )

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, error, has_errors, warning
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.compiling.bayesian_network.graph import Shape
-from eddi_scaffold.compiling.bayesian_network.width import LARGE, TOO_LARGE, Width, width_of
 from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.influence import doubts, without_influence
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
-from eddi_scaffold.kinds.bayesian_network.thresholds import (
-    Threshold,
-    read_thresholds,
-)
+from eddi_scaffold.kinds.bayesian_network.structure import shape_of
+from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold, read_thresholds
+from eddi_scaffold.kinds.bayesian_network.width import LARGE, TOO_LARGE, Width, width_of
 
 _CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", "prior", "hold")}
 
@@ -61,6 +57,26 @@ class NetworkOptions:
             dict.fromkeys([*self.outputs, *(threshold.node for threshold in self.thresholds)])
         )
 
+    @property
+    def observable(self) -> tuple[str, ...]:
+        """The nodes that may be observed: those that `observed:` names, or that inputs feed."""
+        return self.observed if self.foreseen is None else self.foreseen
+
+    @property
+    def virtual(self) -> bool:
+        """Several non-zero outcomes are likelihoods; else D7.2's rule."""
+        return self.evidence.get("evidence_mode") != "d7.2"
+
+    @property
+    def on_inconsistent(self) -> str:
+        """The result on evidence of probability zero: ``silent``, ``prior`` or ``hold``."""
+        return str(self.evidence.get("on_inconsistent", "silent"))
+
+    @property
+    def explain(self) -> bool:
+        """The status message has the relevance of each observed node."""
+        return self.evidence.get("explain") is True
+
 
 NetworkModel = TypedModel[Network, NetworkOptions]
 """A network; its options come from a configuration."""
@@ -72,7 +88,7 @@ def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | Non
     settings, problems = _settings(network, options)
     if settings is not None:
         problems += _too_wide(settings.width, options)
-        problems += without_influence(network, _judged(settings), settings.observed, options)
+        problems += without_influence(network, settings.inferred, settings.observed, options)
     if settings is None or has_errors(problems):
         return None, problems
     return replace(model, name=options.id or model.name, options=settings), problems
@@ -96,7 +112,7 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
     renamed = _renamed(network, options, problems)
     if has_errors(problems):
         return None, problems
-    judged = [*outputs, *(threshold.node for threshold in thresholds)]
+    judged, names = [*outputs, *(threshold.node for threshold in thresholds)], network.names()
     problems += doubts(network, thresholds, declarations, observed, options)
     values = options.values
     evidence = {
@@ -116,7 +132,11 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         tuple(declarations),
         direct,
         inputs,
-        _width(network, judged, observed),
+        width_of(
+            shape_of(network),
+            [names.index(node) for node in judged],
+            [names.index(node) for node in (observed if foreseen is None else foreseen)],
+        ),
         None if foreseen is None else tuple(foreseen),
         renamed,
         evidence,
@@ -124,11 +144,6 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         tuple(by_hand),
     )
     return settings, problems
-
-
-def _judged(settings: NetworkOptions) -> list[str]:
-    """Return the nodes whose posteriors count: the outputs and those of thresholds."""
-    return [*settings.outputs, *(threshold.node for threshold in settings.thresholds)]
 
 
 def settings_of(model: NetworkModel) -> NetworkOptions:
@@ -290,24 +305,6 @@ def _renamed(network: Network, options: Options, problems: list[Problem]) -> dic
             message = f"Model.renamed: there is no node {name!r}"
             problems.append(error("B303", message, options.place("renamed", name)))
     return {str(new): str(old) for new, old in given.items()}
-
-
-def _width(network: Network, outputs: Sequence[str], observed: Sequence[str]) -> Width:
-    number = {name: k for k, name in enumerate(network.names())}
-    shape = Shape(
-        tuple(network.names()),
-        tuple(len(node.states) for node in network.nodes),
-        tuple(tuple(number[parent] for parent in node.parents) for node in network.nodes),
-    )
-    return _width_of(
-        shape,
-        tuple(number[name] for name in outputs),
-        tuple(number[name] for name in observed),
-    )
-
-
-_width_of = lru_cache(maxsize=16)(width_of)
-"""A command configures each network several times, and the search takes longer than all else."""
 
 
 def _too_wide(width: Width, options: Options) -> Iterable[Problem]:

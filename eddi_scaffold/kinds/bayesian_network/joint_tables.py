@@ -1,0 +1,185 @@
+"""Small parts of a network: one table for all cases of evidence.
+
+For each output P(output, inputs) is made once, over the states of every input and, where that may
+be, "not observed" as one more state. The robot needs no numpy for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
+from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, Program
+from eddi_scaffold.kinds.bayesian_network.message_passing import work as work_of
+from eddi_scaffold.kinds.bayesian_network.structure import (
+    Component,
+    NumberedNetwork,
+    bits,
+    mask_of,
+    size_of,
+)
+from eddi_scaffold.kinds.bayesian_network.width import Plan
+
+MAX_NUMBERS = 16_384
+"""Numbers in the table of one output: half a megabyte."""
+MAX_SUMMED = 128
+"""Numbers of a table up to which a sum that is written out is the faster way."""
+_MAX_WORK = 100_000
+"""Multiplications for one message: 30 ms."""
+
+
+class _Factor(NamedTuple):
+    """A table as a flat list, last axis fastest; axes are nodes, or nodes + count for cases."""
+
+    axes: tuple[int, ...]
+    values: list[float]
+
+
+class JointTable(NamedTuple):
+    """P(output, what is observed) of one output.
+
+    Attributes:
+        output: its node, -1 for the probability of the evidence alone.
+        card: number of states of the output; 1 for the evidence alone.
+        inputs: nodes that select a row, ascending.
+        counts: rows for each of them: its states, and behind them "not observed" where that may
+            be.
+        rows: one for each case, the last input fastest.
+        summed: the numbers for "not observed" are sums of others, so they can be left out.
+    """
+
+    output: int
+    card: int
+    inputs: tuple[int, ...]
+    counts: tuple[int, ...]
+    rows: list[list[float]]
+    summed: bool
+
+    def strides(self) -> tuple[int, ...]:
+        """Return the distance between the rows of two states of each input."""
+        return tuple(math.prod(self.counts[k + 1 :]) for k in range(len(self.counts)))
+
+    def few(self) -> bool:
+        """Return whether the sum over all states is short enough for being written out."""
+        states = math.prod(count - 1 for count in self.counts)
+        return self.summed and self.card * states <= MAX_SUMMED
+
+    @property
+    def positive(self) -> bool:
+        """Return whether no case has probability zero."""
+        return all(min(row) > 0.0 for row in self.rows)
+
+
+def fits(program: Program, network: NumberedNetwork, part: Component) -> bool:
+    """Return whether the tables of a part are small."""
+    cards = network.shape.cards
+    for message in program.messages.values():
+        cases = size_of(message.inputs, program.cases)
+        if message.parts and cases * work_of(program.messages, message, cards) > _MAX_WORK:
+            return False
+    for edge in program.answers.values():
+        (node,) = bits(program.messages[edge].mask)
+        if size_of(program.messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
+            return False
+    inputs = mask_of((*part.inputs, *part.given))
+    return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
+
+
+def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
+    """Return input -> its prior, where that goes with its evidence and not with the tables."""
+    in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
+    return {node: network.tables[node] for node in plan.part.inputs if node not in in_tables}
+
+
+def joint_tables(network: NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
+    """Return the table of each output of a part; that of the evidence if there is none."""
+    return _Making(network, plan).tables()
+
+
+class _Making:
+    def __init__(self, network: NumberedNetwork, plan: Plan) -> None:
+        self._network, self._part, self._tree, self._program = network, *plan
+        self._cards = network.shape.cards
+        self._cases: Mapping[int, int] = self._program.cases
+        self._count = len(self._cards)
+        self._priors = priors_of(network, plan)
+
+    def tables(self) -> tuple[JointTable, ...]:
+        factors: dict[Edge, _Factor] = {}
+        program, part = self._program, self._part
+        for edge, message in program.messages.items():
+            if message.parts:
+                one, other = (factors[of] for of in message.parts)
+                factors[edge] = self._product(one, other, message.mask, message.inputs)
+            else:
+                factors[edge] = self._leaf(message)
+        if not program.evidence:
+            return tuple(self._table(factors[program.answers[node]], node) for node in part.outputs)
+        one, other = (factors[edge] for edge in (*program.evidence, *program.evidence)[:2])
+        if len(program.evidence) == 1:
+            other = _Factor((), [1.0])
+        inputs = mask_of((*part.inputs, *part.given))
+        return (self._table(self._product(one, other, 0, inputs), -1),)
+
+    def _leaf(self, message: Message) -> _Factor:
+        leaf = self._tree.leaves[message.leaf]
+        node, card = leaf.node, self._cards[leaf.node]
+        if leaf.kind == TABLE:
+            family = (*self._network.shape.parents[node], node)
+            axes = tuple(one + self._count if leaf.seen >> one & 1 else one for one in family)
+            return _Factor(axes, list(self._network.tables[node]))
+        if leaf.kind != EVIDENCE:
+            return _Factor((node,), [1.0] * card)
+        known = self._priors.get(node, (1.0,) * card)
+        rows = [
+            [float(one == state and p > 0.0) for one, p in enumerate(known)]
+            for state in range(card)
+        ]
+        return _Factor(
+            (node + self._count, node), [value for row in (*rows, known) for value in row]
+        )
+
+    def _product(self, one: _Factor, other: _Factor, mask: int, inputs: int) -> _Factor:
+        """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
+        kept = (*(node + self._count for node in bits(inputs)), *bits(mask))
+        summed = tuple(sorted({*one.axes, *other.axes}.difference(kept)))
+        first, second = (self._offsets(factor, (*kept, *summed)) for factor in (one, other))
+        left, right = one.values, other.values
+        terms = [left[i] * right[j] for i, j in zip(first, second, strict=True)]
+        count = math.prod(self._cards[axis] for axis in summed)
+        if count > 1:
+            terms = [added(terms[k : k + count]) for k in range(0, len(terms), count)]
+        return _Factor(kept, terms)
+
+    def _offsets(self, factor: _Factor, axes: tuple[int, ...]) -> list[int]:
+        strides, stride = {}, 1
+        for axis in reversed(factor.axes):
+            strides[axis] = stride
+            stride *= self._size(axis)
+        offsets = [0]
+        for axis in axes:
+            steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
+            offsets = [offset + step for offset in offsets for step in steps]
+        return offsets
+
+    def _size(self, axis: int) -> int:
+        return self._cards[axis] if axis < self._count else self._cases[axis - self._count]
+
+    def _table(self, factor: _Factor, output: int) -> JointTable:
+        card = 1 if output < 0 else self._cards[output]
+        cases = factor.axes if output < 0 else factor.axes[:-1]
+        inputs = tuple(axis - self._count for axis in cases)
+        values = factor.values
+        rows = [values[k : k + card] for k in range(0, len(values), card)]
+        counts = tuple(map(self._size, cases))
+        return JointTable(output, card, inputs, counts, rows, not self._part.given)
+
+
+def added(values: Sequence[float]) -> float:
+    """Return the sum from left to right: `sum` of Python 3.12 gives other digits than before."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total

@@ -1,0 +1,93 @@
+"""Lines that are not a bracket: sums that are too long for one line, and unpacked names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from eddi_scaffold.compiling.text import WIDTH, Group, Item, number, returned, unpacked
+
+
+def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:
+    """Return the lines of ``target = term + term``, added from left to right."""
+    blanks = " " * indent
+    lines, line = [], f"{blanks}{target} = {terms[0]}"
+    for term in terms[1:]:
+        if len(line) + len(term) + 3 > WIDTH:
+            lines.append(line)
+            line = f"{blanks}{target} = {target}"
+        line += f" + {term}"
+    return [*lines, line]
+
+
+def look_up_lines(
+    name: str, tables: Sequence[Sequence[tuple[int, int]]], about: Sequence[str]
+) -> list[str]:
+    """Return a function: rows of each table -> the look-up, states -> a row of each table.
+
+    Args:
+        name: of the function.
+        tables: (position of an input, distance between the rows of its states), for each table.
+        about: what each table is of, as comments.
+    """
+    rows = [f"t{k}" for k in range(len(tables))]
+    lines = [f"    # t{k}: {of}" for k, of in enumerate(about)]
+    lines += [*unpacked(rows, "tables", 4), "", "    def look_up(s):"]
+    places: dict[tuple[tuple[int, int], ...], str] = {}
+    found = []
+    for table, strides in zip(rows, map(tuple, tables), strict=True):
+        if strides not in places:
+            terms = [f"s[{position}] * {by}" for position, by in strides] or ["0"]
+            places[strides] = f"k{len(places)}"
+            lines += sum_lines(places[strides], terms, 8)
+        found.append(Item(f"{table}[{places[strides]}]"))
+    lines += returned(Group("[", tuple(found), "]"), 8)
+    return [f"def {name}(*tables):", *lines, "", "    return look_up"]
+
+
+def total_lines(
+    name: str,
+    rows: Sequence[Sequence[float]],
+    counts: Sequence[int],
+    strides: Sequence[int],
+    axes: Sequence[str],
+    states: Sequence[str],
+) -> list[str]:
+    """Return a function: one vector for each axis -> the sum of all products with a table.
+
+    Args:
+        name: of the function.
+        rows: the table.
+        counts: numbers of each axis that are summed; what lies beyond is left out.
+        strides: distance between two rows of each axis.
+        axes: what each of them is, as comments.
+        states: what each number of a row is, as comments.
+    """
+    lines = [f"def {name}(v):"]
+    for axis, count in enumerate(counts):
+        lines.append(f"    # {axes[axis]}")
+        lines += unpacked([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
+    made = 0
+
+    def terms(axis: int, offset: int, state: int) -> list[str]:
+        nonlocal made
+        found = []
+        for k in range(counts[axis]):
+            place = offset + k * strides[axis]
+            if axis + 1 == len(counts):
+                found.append(f"v{axis}_{k} * {number(rows[place][state])}")
+                continue
+            inner = terms(axis + 1, place, state)
+            text = f"({' + '.join(inner)})"
+            if len(text) > WIDTH - 30:
+                text, made = f"x{made}", made + 1
+                lines.extend(sum_lines(text, inner, 4))
+            found.append(f"v{axis}_{k} * {text}")
+        return found
+
+    card = len(rows[0])
+    for state in range(card):
+        lines.append(f"    # {states[state]}")
+        of_state = terms(0, 0, state) if counts else [number(rows[0][state])]
+        lines += sum_lines(f"p{state}", of_state, 4)
+    row = tuple(Item(f"p{state}") for state in range(card))
+    return [*lines, *returned(Group("[", row, "]"), 4)]
