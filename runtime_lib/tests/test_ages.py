@@ -9,7 +9,7 @@ from eddi_runtime.event.monitor import EventMonitor
 from eddi_runtime.expressions.expression import Expression
 from eddi_runtime.history import EDDIInputBase, Messages
 
-from runtime_lib.tests.documents import give, monitor
+from runtime_lib.tests.conserts import give, monitor
 
 SECOND = 10**9
 LIMITED = {"max_age": 0.5, "requires": ["bumper"]}

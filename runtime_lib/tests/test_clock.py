@@ -6,7 +6,7 @@ import pytest
 from eddi_runtime.clock import NO_TIME, step_time
 
 from runtime_lib.tests.bayesian_network import networks
-from runtime_lib.tests.event import event_documents
+from runtime_lib.tests.event import event_models
 
 NO_TIMES = (1.5, 2e9, float("nan"), "3", True, 2**63, -(10**400), [1], object(), type)
 SECOND = 1_000_000_000
@@ -24,7 +24,7 @@ def test_whole_numbers_are_times():
 
 @pytest.mark.parametrize("nothing", NO_TIMES)
 def test_events_are_unknown_without_time(nothing):
-    monitor = event_documents.monitor(("gt", "x", 5), ("gt", "x", 5))
+    monitor = event_models.monitor(("gt", "x", 5), ("gt", "x", 5))
     given = SimpleNamespace(x=6.0)
     assert [row["verdict"] for row in monitor.execute_step(given, nothing)] == [None, None]
     assert [row["verdict"] for row in monitor.execute_step(given, SECOND)] == [True, True]
@@ -55,7 +55,7 @@ def test_a_window_has_no_age_without_time(nothing):
     from runtime_lib.tests.safeml import monitors
 
     rows = [[float(i)] for i in range(20)]
-    one = monitors.monitor(rows, settings={"max_age": 1.0})
+    one = monitors.monitor(rows, max_age=1.0)
     for i in range(4):
         result = one.execute_step(SimpleNamespace(sample=[float(i)]), 0)
     assert not result.omission

@@ -5,7 +5,7 @@ import time
 import pytest
 from eddi_runtime import EDDIInputBase
 
-from runtime_lib.tests.documents import GOOD, give, monitor, nested
+from runtime_lib.tests.conserts import GOOD, give, monitor, nested
 
 
 @pytest.mark.parametrize(

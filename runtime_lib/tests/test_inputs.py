@@ -6,7 +6,7 @@ from eddi_runtime.access import follow
 from eddi_runtime.history import EDDIInputBase, Messages
 from eddi_runtime.inputs import UNKNOWN_AGE
 
-from runtime_lib.tests.documents import give
+from runtime_lib.tests.conserts import give
 
 
 class Input(EDDIInputBase):

@@ -5,16 +5,14 @@ from fractions import Fraction
 
 import pytest
 
-from runtime_lib.tests.documents import (
+from runtime_lib.tests.conserts import (
     active,
     categorical,
-    compiled,
-    document,
+    consert,
     give,
     monitor,
     numeric,
     one_leaf,
-    signed,
 )
 
 pytest.importorskip("hypothesis")
@@ -97,11 +95,11 @@ def test_a_gain_never_deactivates(case, data):
 @given(cases(), st.randoms())
 def test_the_order_of_lists_changes_nothing_but_the_order(case, random):
     graph, state = case
-    mixed = document(graph[0], gates=graph[1], guarantees=graph[2], edges=graph[3])
-    for key in ("evidence", "gates", "guarantees", "edges"):
-        random.shuffle(mixed["model"][key])
-    random.shuffle(mixed["inputs"])
-    one, other = made(graph), compiled(signed(mixed))
+    leaves, gates, guarantees, edges, order = (
+        random.sample(part, len(part)) for part in (*graph, graph[0])
+    )
+    mixed = consert(leaves, (), gates, guarantees, edges, order=order)
+    one, other = made(graph), mixed.monitor()
     assert set(step(one, state)) == set(step(other, state))
     assert one.verdicts() == other.verdicts()
     for name in graph[2]:
@@ -189,9 +187,7 @@ SAMPLES = st.lists(st.sampled_from("FUT"), max_size=30)
 
 @given(SAMPLES, st.integers(1, 6))
 def test_debounce_by_its_definition(samples, needed):
-    one = monitor(
-        ["x"], guarantees=["G"], edges=["x>G"], filter={"kind": "debounce", "regain_after": needed}
-    )
+    one = monitor(["x"], guarantees=["G"], edges=["x>G"], filtered=("debounce", needed))
     for k, sample in enumerate(samples):
         step(one, {"x": sample})
         last = samples[max(0, k + 1 - needed) : k + 1]
@@ -203,9 +199,7 @@ def test_debounce_by_its_definition(samples, needed):
 
 @given(SAMPLES, st.integers(1, 6))
 def test_majority_by_its_definition(samples, window):
-    one = monitor(
-        ["x"], guarantees=["G"], edges=["x>G"], filter={"kind": "majority", "window": window}
-    )
+    one = monitor(["x"], guarantees=["G"], edges=["x>G"], filtered=("majority", window))
     for k, sample in enumerate(samples):
         step(one, {"x": sample})
         last = samples[max(0, k + 1 - window) : k + 1]

@@ -1,11 +1,9 @@
 """Every guarantee, active or not, with what it lacks; and which acceptances are in use."""
 
-import pytest
 from eddi_runtime import EDDIInputBase
 from eddi_runtime.inputs import InputSpec, accepted
 
-from eddi_scaffold.compiling.document import ModelError, check_document
-from runtime_lib.tests.documents import GOOD, document, give, monitor, nested, signed
+from runtime_lib.tests.conserts import GOOD, give, monitor, nested
 
 
 def test_a_guarantee_that_is_active_lacks_nothing():
@@ -71,7 +69,7 @@ def test_an_unsafe_default_is_in_use_until_the_first_message():
 
 
 def test_a_majority_is_in_use_while_it_outvotes_the_present_sample():
-    made = monitor(["e"], guarantees=["G"], edges=["e>G"], filter={"kind": "majority", "window": 3})
+    made = monitor(["e"], guarantees=["G"], edges=["e>G"], filtered=("majority", 3))
     for value, active, used in (
         (True, True, ()),
         (True, True, ()),
@@ -89,9 +87,3 @@ class Hostile:
 
 def test_a_hostile_object_accepts_nothing():
     assert accepted((InputSpec("e", "e", max_age="none"),), Hostile()) == ()
-
-
-def test_a_damaged_list_of_acceptances_is_refused():
-    damaged = document(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"accepts": [1]}})
-    with pytest.raises(ModelError, match="'accepts' of input 'e' is not a list of texts"):
-        check_document(signed({k: v for k, v in damaged.items() if k != "sha256"}))

@@ -9,9 +9,7 @@ import eddi_runtime
 import pytest
 from eddi_runtime.testing import FakeClock, inputs, script
 
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import check_document
-from runtime_lib.tests.documents import GOOD, active, document, nested
+from runtime_lib.tests.conserts import GOOD, active, consert, nested
 
 
 def test_scripted_inputs():
@@ -36,8 +34,8 @@ def test_a_copy_inside_of_a_package_works(tmp_path):
         ignore=shutil.ignore_patterns("node", "transports", "ros1.py", "__pycache__"),
     )
     (package / "__init__.py").write_text("")
-    model = document(["e"], guarantees=["G"], edges=["e>G"])
-    (package / "compiled.py").write_text(compile_model(check_document(model), runtime="."))
+    model = consert(["e"], guarantees=["G"], edges=["e>G"])
+    (package / "compiled.py").write_text(model.text("."))
     code = (
         "import sys; from carrier.compiled import Monitor; m = Monitor();"
         "assert Monitor.__mro__[1].__module__ == 'carrier.eddi_runtime.consert.monitor';"

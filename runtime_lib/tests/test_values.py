@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from runtime_lib.tests.documents import binary, categorical, give, numeric, one_leaf
+from runtime_lib.tests.conserts import binary, categorical, give, numeric, one_leaf
 
 T, F, U, X = ("TRUE", False), ("FALSE", False), ("UNKNOWN", False), ("UNKNOWN", True)
 KINDS = {

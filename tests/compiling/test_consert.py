@@ -13,7 +13,7 @@ from eddi_scaffold.compiling.consert import emission
 from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.compiling.parts import runtime_parts_of
-from runtime_lib.tests.documents import categorical, document, give, numeric, signed
+from runtime_lib.tests.conserts import categorical, document, give, numeric, signed
 from tests.compiling.formatting import objections
 
 HOSTILE = [

@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.document import (
     parse_model,
 )
 from eddi_scaffold.compiling.execution import build
-from runtime_lib.tests.documents import categorical, document, numeric, signed
+from runtime_lib.tests.conserts import categorical, document, numeric, signed
 
 
 def good():

@@ -12,8 +12,8 @@ from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import check_document, digest_of
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.conditions import analyse
-from runtime_lib.tests import documents
-from runtime_lib.tests.event.event_documents import SECOND, document, form
+from runtime_lib.tests import conserts
+from runtime_lib.tests.event.event_models import SECOND, document, form
 from tests.compiling.formatting import objections
 from tests.compiling.test_consert import HOSTILE
 from tests.conditions import test_lists

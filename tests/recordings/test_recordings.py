@@ -13,7 +13,7 @@ from eddi_scaffold.recordings.csv_recording import MAX_PROBLEMS, read_recording,
 from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
 from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor
 from eddi_scaffold.recordings.playing import play as played
-from runtime_lib.tests.documents import active, categorical, monitor, numeric
+from runtime_lib.tests.conserts import active, categorical, monitor, numeric
 
 TYPES = {"e": "bool", "speed": "float", "front left": "str", "n": "int"}
 

@@ -15,7 +15,7 @@ from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
 from eddi_scaffold.targets import printed
 from eddi_scaffold.targets.kept_bodies import keep_in_folder
 from eddi_scaffold.targets.monitor_model import named
-from runtime_lib.tests.documents import binary, categorical, compiled, document, give, numeric
+from runtime_lib.tests.conserts import binary, categorical, compiled, document, give, numeric
 from tests.cli.command import ROOT, run
 from tests.conditions.c_program import SANITIZE, compile_c
 

@@ -12,8 +12,8 @@ from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
 from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.expressions.emission import split_name
 
-from . import event_documents
-from .event_documents import SECOND, form
+from . import event_models
+from .event_models import SECOND, form
 
 NAN = float("nan")
 
@@ -25,7 +25,7 @@ class Hostile:
         raise RuntimeError(name)
 
 
-made = event_documents.monitor
+made = event_models.monitor
 
 
 def step(monitor, k, **values):
@@ -199,7 +199,7 @@ def test_wrong_models():
 
 
 def expression(kind, *parts, **more):
-    return event_documents.expression(dict({"type": kind, "parts": list(parts)}, **more))
+    return event_models.expression(dict({"type": kind, "parts": list(parts)}, **more))
 
 
 def messages(**fields):

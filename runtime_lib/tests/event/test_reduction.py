@@ -17,7 +17,7 @@ from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.expressions.reduction import read_reduction
 from eddi_scaffold.compiling.program.lists import reduction_lines
 
-from .event_documents import SECOND, form, monitor
+from .event_models import SECOND, form, monitor
 
 LIST = {"name": "s.r[*]", "type": "number", "list": True}
 

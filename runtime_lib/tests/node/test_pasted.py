@@ -9,7 +9,7 @@ from eddi_runtime.history import Messages
 from eddi_runtime.node.pasted import PASTED, understood
 from eddi_runtime.node.report import ERROR, OK, STALE
 
-from runtime_lib.tests.documents import give
+from runtime_lib.tests.conserts import give
 from runtime_lib.tests.node.message_package import EDDI_MESSAGES
 from runtime_lib.tests.node.robot import Robot
 

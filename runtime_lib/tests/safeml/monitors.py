@@ -4,67 +4,47 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from eddi_scaffold.compiling.document import check_document, digest_of
-from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec
+from eddi_scaffold.kinds.safeml.scope import (
+    Plan,
+    ReferenceSample,
+    SafeMLFile,
+    SafeMLOptions,
+    SafeMLSettings,
+)
+from runtime_lib.tests.bound_models import bound_input, bound_model
 
-NAMES = {
-    "ks": "KolmogorovSmirnovDistance",
-    "cvm": "CramerVonMisesDistance",
-    "ad": "AndersonDarlingDistance",
-}
 
-
-def document(rows, *, metric="ks", settings=(), **model):
-    """Return a model document; its tables are in it."""
-    spec = DesignSpec(
-        components=model.get("components"),
-        standardize=model.get("standardize", False),
-        residual=model.get("residual_test", False),
-        halves=model.get("halves", False),
-        single=model.get("input_dtype") == "float32",
-    )
+def scope(
+    rows,
+    *,
+    metric="ks",
+    threshold=None,
+    spec=None,
+    max_age=None,
+    stride=1,
+    reference="reference.csv",
+    name="scope",
+    input_keys=(),
+    **settings,
+):
+    """Return a SafeML monitor with its input."""
+    is_ks = metric == "ks"
+    threshold = threshold or (28 if is_ks else 0.7)
+    settings = SafeMLSettings(4, reference, 0.1, metric, stride=stride, **settings)
+    spec = DesignSpec(**(spec or {}))
     design = Design(np.array(rows), spec)
-    axes = None
-    if design.table is not None:
-        axes = {"table": design.table.tolist(), "residual_floor": design.floor}
-    own = {
-        "reference": {"name": "reference.csv", "rows": len(rows), "features": len(rows[0])},
-        "sample": design.sample.tolist(),
-        "axes": axes,
-        "metric": NAMES[metric],
-        "components": None,
-        "standardize": False,
-        "residual_test": False,
-        "halves": False,
-        "input_dtype": "float64",
-        "window_size": 4,
-        "stride": 1,
-        "significance_level": 0.1,
-        "threshold": 0.7,
-        "threshold_theoretical": 0.6,
-        "threshold_scaled": 28,
-        "threshold_theoretical_scaled": 24,
-    }
-    made = {
-        "format": 1,
-        "kind": "safeml",
-        "id": "scope",
-        "source": {},
-        "inputs": [{"id": "sample", "attribute": "sample", "requires": [], "every_message": True}],
-        "model": {**own, **model},
-        "settings": {
-            "on_omission": "hold",
-            "max_age": None,
-            "array_backend": "numpy",
-            **dict(settings),
-        },
-    }
-    return {**made, "sha256": digest_of(made)}
+    n, lower = design.reference.shape[1], 24 if is_ks else 0.6
+    plan = Plan(settings, spec, design, n, 0.1, lower, None, threshold, "exact", (0.0, 0), ())
+    file = SafeMLFile(settings, ReferenceSample(Source(reference, b""), np.array(rows)))
+    keys = {"every_message": True, **dict(input_keys)}
+    options = SafeMLOptions(plan, "sample", max_age, None)
+    return bound_model("safeml", name, file, options, [bound_input("sample", **keys)])
 
 
 def monitor(rows, **more):
-    return build(check_document(document(rows, **more), "model.json"))
+    return scope(rows, **more).monitor()
 
 
 def give(value):

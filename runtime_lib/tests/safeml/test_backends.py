@@ -41,7 +41,7 @@ def test_a_monitor_on_another_library(metric):
     pytest.importorskip("torch", reason="torch is not installed")
     rows = np.random.RandomState(3).normal(size=(60, 2)).tolist()
     one = monitor(rows, metric=metric)
-    other = monitor(rows, metric=metric, settings={"array_backend": "torch"})
+    other = monitor(rows, metric=metric, array_backend="torch")
     assert other.backend == "torch"
     for row in rows:
         mine, its = step(one, row), step(other, row)

@@ -70,9 +70,9 @@ def test_what_is_no_sample_is_an_omission_and_changes_nothing(bad, reason):
 
 
 def test_an_omission_is_explained_in_words():
-    one = monitor(ROWS, settings={"max_age": 2.0})
+    one = monitor(ROWS, max_age=2.0)
     assert one.omission() == ("filling", "the window has 0 of 4 samples")
-    one = filled(settings={"max_age": 2.0})
+    one = filled(max_age=2.0)
     assert one.omission() == ("", "")
     step(one, [1.0, 2.0])
     assert one.omission() == ("wrong_length", "2 values, the reference has 1 feature")
@@ -92,7 +92,7 @@ def test_nothing_new_repeats_the_verdict():
 
 def test_hold_keeps_the_verdict_and_clear_does_not():
     assert step(violated(), []).odd_violation
-    assert not step(violated(settings={"on_omission": "clear"}), []).odd_violation
+    assert not step(violated(on_omission="clear"), []).odd_violation
 
 
 def test_the_status_says_whether_a_verdict_is_held():
@@ -102,7 +102,7 @@ def test_the_status_says_whether_a_verdict_is_held():
     assert one.status_message()[1]["held"] is False
     step(one, [])
     assert one.status_message()[1]["held"] is True  # of no violation
-    one = filled(settings={"on_omission": "clear"})
+    one = filled(on_omission="clear")
     step(one, [])
     assert one.status_message()[1]["held"] is False
 
@@ -122,7 +122,7 @@ def test_more_rows_than_the_window_holds():
 
 
 def test_age_empties_the_window():
-    one = violated(settings={"max_age": 1.0})
+    one = violated(max_age=1.0)
     assert step(one, Messages(), 1.0).reason == ""
     stale = step(one, Messages(), 1.1)
     assert (stale.omission, stale.odd_violation, stale.reason) == (True, True, "stale")
@@ -133,14 +133,14 @@ def test_age_empties_the_window():
 
 
 def test_a_sample_after_a_long_gap_begins_a_new_window():
-    one = filled(settings={"max_age": 1.0})
+    one = filled(max_age=1.0)
     result = step(one, [0.5], 60.0)
     assert (result.omission, result.reason) == (True, "filling")
     assert one.status_message()[1]["filled"] == 1
 
 
 def test_a_clock_that_jumps_back_begins_the_age_anew():
-    one = filled(settings={"max_age": 1.0})
+    one = filled(max_age=1.0)
     one.reset()
     for value in (0.1, 0.2, 0.3, 0.4):
         step(one, [value], 100.0)
@@ -176,7 +176,7 @@ def test_reset_forgets_all():
 
 def test_explain_says_which_test_and_why():
     rows = [[float(k % 7), float(k % 5), float(k)] for k in range(40)]
-    one = monitor(rows, threshold_scaled=70)
+    one = monitor(rows, threshold=70)
     assert one.explain() == ()
     for _ in range(4):
         step(one, [3.0, 2.0, 90.0])
@@ -192,7 +192,7 @@ def test_explain_says_which_test_and_why():
 def test_explain_names_the_features_of_a_component():
     chance = np.random.RandomState(1)
     rows = (chance.normal(size=(60, 3)) * [1.0, 5.0, 0.1]).tolist()
-    one = monitor(rows, components=1, residual_test=True, halves=True)
+    one = monitor(rows, spec={"components": 1, "residual": True, "halves": True})
     for row in rows[:4]:
         step(one, row)
     by_label = {test.label: test for test in one.explain()}

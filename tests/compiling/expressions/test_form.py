@@ -10,7 +10,7 @@ from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.expressions.engine import build_engine
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.program.instructions import reads_of_results
-from runtime_lib.tests.event.event_documents import SECOND, form
+from runtime_lib.tests.event.event_models import SECOND, form
 
 
 def damaged(**changes):

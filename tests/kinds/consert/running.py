@@ -11,7 +11,7 @@ from eddi_scaffold.compiling.consert.emission import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.compiling.document import digest_of
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSertModel
-from runtime_lib.tests.documents import compiled
+from runtime_lib.tests.conserts import compiled
 
 
 def document_of(model: ConSertModel, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,11 +1,13 @@
-"""Small event models as documents, written as expressions in tuples."""
+"""Small event models, written as expressions in tuples."""
 
 from __future__ import annotations
 
-from eddi_scaffold.compiling.document import check_document, digest_of
-from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.expressions.emission import class_of
 from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS
+from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.kinds.event.events import Events
+from runtime_lib.tests.bound_models import bound_input, bound_model
 
 SECOND = 10**9
 
@@ -67,31 +69,22 @@ def form(*outputs, variables=("x", "y", "a", "b"), period=SECOND, **said):
     }
 
 
-def document(*outputs, inputs=None, **options):
-    """Return a model document of the kind ``event``."""
+def events(form, inputs, name="Test"):
+    """Return the events of a form, with their inputs."""
+    return bound_model(
+        "event", name, Events("", Analysis((), (), (), {}, form, ""), 1.0), None, inputs
+    )
+
+
+def bound(*outputs, inputs=None, **options):
+    """Return a model of the kind ``event``, with its inputs."""
     found = form(*outputs, **options)
-    entries = [
-        dict(
-            {"id": v["name"], "attribute": v["name"], "requires": []},
-            **(inputs or {}).get(v["name"], {}),
-        )
-        for v in found["variables"]
-    ]
-    data = {
-        "format": 1,
-        "kind": "event",
-        "id": "Test",
-        "source": {"file": "test.events", "sha256": "", "path": None},
-        "inputs": entries,
-        "model": {"form": found},
-        "settings": {},
-    }
-    data["sha256"] = digest_of(data)
-    return data
+    names = [variable["name"] for variable in found["variables"]]
+    return events(found, [bound_input(one, **(inputs or {}).get(one, {})) for one in names])
 
 
 def monitor(*outputs, **options):
-    return build(check_document(document(*outputs, **options)))
+    return bound(*outputs, **options).monitor()
 
 
 def expression(document):

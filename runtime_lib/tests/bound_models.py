@@ -1,0 +1,52 @@
+"""Typed models with their inputs, compiled as for a package and run in this process."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place
+from eddi_scaffold.compiling.compilation import module_text
+from eddi_scaffold.compiling.document import ModelFile
+from eddi_scaffold.compiling.execution import module_of
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.kinds import Model, TypedModel, kinds
+
+DIGEST = 64 * "0"
+
+
+class BoundModel(NamedTuple):
+    """A configured model, and what its monitor begins with."""
+
+    model: Model
+    declaration: Declaration
+
+    def compiled(self, **more: Any) -> CompiledMonitor:
+        return kinds()[self.model.kind].functions.compile(self.model, self.declaration, **more)
+
+    def text(self, runtime: str = "", **more: Any) -> str:
+        made, (model_id, digest, inputs) = self.compiled(**more), vars(self.declaration).values()
+        kind, place = self.model.kind, self.model.place
+        source = {"file": self.model.source.file_name, "path": place.path}
+        file = ModelFile(
+            "", kind, model_id, digest, source, inputs, {}, {}, made.tables.__getitem__
+        )
+        return module_text(file, {kind: made.format}, [*made.lines], runtime)
+
+    def monitor(self, **more: Any) -> Any:
+        tables = self.compiled(**more).tables
+        return module_of(self.text(**more), self.declaration.model_id, tables.__getitem__).Monitor()
+
+
+def bound_input(id_: str, **keys: Any) -> BoundInput:
+    """Return an input whose attribute has its id unless the keys say otherwise."""
+    pairs = {key: tuple(it) if isinstance(it, list) else it for key, it in keys.items()}
+    return BoundInput(**{"id": id_, "attribute": id_, **pairs})
+
+
+def bound_model(
+    kind: str, name: str, data: object, options: object, inputs: list[BoundInput], place=None
+) -> BoundModel:
+    source = Source(f"{name}.yml", b"")
+    model = TypedModel(kind, name, data, source, place or Place(source.name), options)
+    return BoundModel(model, Declaration(name, DIGEST, tuple(inputs)))
