@@ -55,7 +55,6 @@ def world(messages, tmp_path):
 def model_files(tmp_path_factory):
     """Model files by package name."""
     folder = tmp_path_factory.mktemp("models")
-    for name, document in models.MODELS.items():
-        (folder / f"{name}.py").write_text(models.compiled(document))
-    (folder / "tester_half.py").write_text(models.compiled(models.tester(0.5)))
+    for name, model in models.MODELS.items():
+        (folder / f"{name}.py").write_text(model.text())
     return {path.stem: path for path in folder.iterdir()}

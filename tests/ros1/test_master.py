@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from eddi_scaffold.compiling.consert.emission import FORMAT
+from eddi_scaffold.kinds.consert.compile import FORMAT
 from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.ros1.world import Master, free_port, make_messages, until
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import pytest
 from eddi_runtime.testing import inputs
 
-from eddi_scaffold.compiling.consert.emission import STRAIGHT_LINE_LIMIT
+from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.options import ConSertOptions
 from tests.kinds.consert.oracle import as_source, oracle
 from tests.kinds.consert.running import monitor_of
 
 
-def monitor(name, limit=STRAIGHT_LINE_LIMIT, **settings):
+def monitor(name, limit=STRAIGHT_LINE_LIMIT, options=None):
     (model,) = FUNCTIONS.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
-    return monitor_of(model, limit, **settings)[0]
+    return monitor_of(model, limit, options)[0]
 
 
 def active(rows):
@@ -24,8 +25,8 @@ def active(rows):
 def test_every_step_of_every_scenario(limit):
     steps = 0
     for scenario in oracle()["evaluate"]:
-        window = {"kind": "majority", "window": scenario["window"]}
-        made = monitor(scenario["model"], limit, filter=window)
+        options = ConSertOptions(filter="majority", filter_steps=scenario["window"])
+        made = monitor(scenario["model"], limit, options)
         for step in scenario["steps"]:
             found = active(made.execute_step(inputs(made, step["in"])))
             assert found == step["active"], (scenario["id"], step)

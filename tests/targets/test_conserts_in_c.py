@@ -9,13 +9,16 @@ import subprocess
 from pathlib import Path
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.compiling.compilation import program_of
-from eddi_scaffold.compiling.document import check_document
 from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    CategoricalDimension,
+    NumericDimension,
+)
 from eddi_scaffold.targets import printed
 from eddi_scaffold.targets.kept_bodies import keep_in_folder
 from eddi_scaffold.targets.monitor_model import named
-from runtime_lib.tests.conserts import binary, categorical, compiled, document, give, numeric
+from runtime_lib.tests.conserts import binary, categorical, consert, give, numeric
 from tests.cli.command import ROOT, run
 from tests.conditions.c_program import SANITIZE, compile_c
 
@@ -28,16 +31,21 @@ VALUES = {
 SETTINGS = (
     {},
     {},
-    {"filter": {"kind": "debounce", "regain_after": 2}},
-    {"filter": {"kind": "majority", "window": 3}},
+    {"filtered": ("debounce", 2)},
+    {"filtered": ("majority", 3)},
 )
+KINDS = {
+    BinaryDimension: "binary",
+    NumericDimension: "numeric",
+    CategoricalDimension: "categorical",
+}
 PERIOD = 10**8
 OLD = 0.25
 """Seconds that the first three inputs may be old."""
 
 
-def consert(rng, settings):
-    """Return a document and the kinds of its inputs; each gate reads two to four before it."""
+def random_consert(rng, settings):
+    """Return a ConSert and the kinds of its inputs; each gate reads two to four before it."""
     dimensions = [
         binary(),
         numeric("[0, 5)", "[7, inf]"),
@@ -56,8 +64,8 @@ def consert(rng, settings):
         gates.append(f"g{k}{rng.choice('&|')}")
     edges += [("g11", "G"), ("g10", "H"), ("g9", "H"), (ids[0], "I")]
     guarantees = ["G", "H", "I", {"id": "default", "default": True}]
-    made = document(evidence, ["d0", "d1"], gates, guarantees, edges, specs=specs, **settings)
-    return made, [of["kind"] for _, of in evidence] + ["binary"] * 2
+    made = consert(evidence, ["d0", "d1"], gates, guarantees, edges, specs=specs, **settings)
+    return made, [KINDS[type(of)] for _, of in evidence] + ["binary"] * 2
 
 
 def in_c(value, kind):
@@ -104,9 +112,9 @@ def test_c_agrees_with_the_compiled_python(tmp_path: Path) -> None:
     rng = random.Random(1)
     played, wanted = [], []
     for number, settings in enumerate(SETTINGS):
-        made, kinds = consert(rng, settings)
-        program = program_of(check_document(made))
-        monitor, steps = compiled(made), []
+        made, kinds = random_consert(rng, settings)
+        program = made.compiled().program
+        monitor, steps = made.monitor(), []
         for step in range(200):
             t = step * PERIOD
             values = [rng.choice(VALUES[kind]) for kind in kinds]
@@ -138,10 +146,10 @@ def test_expressions_of_inputs_are_part_of_the_program(tmp_path: Path) -> None:
         specs[name] = {"expression": expression, "requires": [*words], "max_age": OLD}
     evidence = [("evidence", binary()), ("hazard", binary()), ("number", numeric("[0, 1]"))]
     ids = [name for name, _ in evidence]
-    made = document(evidence, guarantees=list("GHI"), edges=zip(ids, "GHI"), specs=specs)  # noqa: B905
-    program = program_of(check_document(made))
+    made = consert(evidence, guarantees=list("GHI"), edges=zip(ids, "GHI"), specs=specs)  # noqa: B905
+    program = made.compiled().program
     assert [one.name for one in program.reads] == ["motor.data", "pump.ok"]
-    monitor = compiled(made)
+    monitor = made.monitor()
     expressions = [spec.expression() for spec in monitor.inputs]
     rng = random.Random(2)
     messages, sent, steps, wanted = {}, {}, [], []
@@ -175,13 +183,13 @@ def test_no_text_of_a_model_is_code_or_a_marker(tmp_path: Path) -> None:
         "int",
         "// -----Manual edit end-----",
     ]
-    made = document(
+    made = consert(
         [(one, categorical(*ids)) for one in ids],
         guarantees=[f"G {one}" for one in ids],
         edges=[(one, f"G {one}") for one in ids],
         specs={one: {"attribute": f"a{k}"} for k, one in enumerate(ids)},
     )
-    model = named(program_of(check_document(made)), "odd", ids, kind="consert")
+    model = named(made.compiled().program, "odd", ids, kind="consert")
     files = printed(model, "c")
     for name, text in files.items():
         (tmp_path / name).write_text(text, "utf-8")

@@ -186,15 +186,6 @@ def test_a_clock_that_stands_hides_no_silence():
     assert verdicts(step(monitor, 7, a=True)) == [True]
 
 
-def test_wrong_models():
-    for outputs, options in (
-        (("x",), {}),
-        ((("gt", "x", 5),), {"inputs": {"x": {"id": "z"}}}),
-    ):
-        with pytest.raises(ModelError):
-            made(*outputs, **options)
-
-
 # expressions of inputs
 
 

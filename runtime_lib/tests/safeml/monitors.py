@@ -39,8 +39,9 @@ def scope(
     plan = Plan(settings, spec, design, n, 0.1, lower, None, threshold, "exact", (0.0, 0), ())
     file = SafeMLFile(settings, ReferenceSample(Source(reference, b""), np.array(rows)))
     keys = {"every_message": True, **dict(input_keys)}
+    input_id = keys.pop("id", "sample")
     options = SafeMLOptions(plan, "sample", max_age, None)
-    return bound_model("safeml", name, file, options, [bound_input("sample", **keys)])
+    return bound_model("safeml", name, file, options, [bound_input(input_id, **keys)])
 
 
 def monitor(rows, **more):

@@ -5,11 +5,17 @@ from __future__ import annotations
 import hashlib
 import json
 
+import pytest
+
+from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds import kinds
+from eddi_scaffold.kinds import Options, kinds
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert.model import Bound, Range
+from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 
 
@@ -110,6 +116,65 @@ def test_runtime_model_is_json_with_traces():
     }
     assert data["edges"][0] == ["Distance", "Both"]
     assert data["gates"] == [{"id": "Both", "function": "And", "line": 56}]
+
+
+def test_a_range_without_a_double_is_empty():
+    def covered(start):
+        return Range(Bound(start, float(start)), Bound("5", 5.0), True, start_inclusive=False)
+
+    assert not is_empty(covered("4.999999999999999"))
+    assert is_empty(covered("4.99999999999999999999"))
+
+
+@pytest.mark.parametrize(
+    ("values", "chosen"),
+    [
+        ({}, ConSertOptions()),
+        ({"guarantee_ids": "class"}, ConSertOptions("class")),
+        ({"debounce": 3}, ConSertOptions("source", "debounce", 3)),
+        ({"debounce": 1}, ConSertOptions()),
+        ({"filter": {"kind": "none"}}, ConSertOptions()),
+        ({"filter": {"kind": "debounce"}}, ConSertOptions()),
+        ({"filter": {"kind": "majority", "window": 5}}, ConSertOptions("source", "majority", 5)),
+    ],
+)
+def test_what_a_configuration_chooses(values, chosen):
+    configured, problems = FUNCTIONS.configure(read(ROVER), Options(values=values))
+    assert (configured.options, problems) == (chosen, [])
+
+
+@pytest.mark.parametrize(
+    ("values", "code"),
+    [
+        ({"guarantee_ids": "both"}, "K005"),
+        ({"debounce": 0}, "K005"),
+        ({"debounce": True}, "K005"),
+        ({"debounce": 10**9}, "K028"),
+        ({"filter": "majority"}, "K005"),
+        ({"filter": {}}, "K028"),
+        ({"filter": {"kind": "median"}}, "K028"),
+        ({"filter": {"kind": ["debounce"]}}, "K028"),
+        ({"filter": {"kind": "debounce", "regain_after": 0}}, "K028"),
+        ({"filter": {"kind": "debounce", "regain_after": True}}, "K028"),
+        ({"filter": {"kind": "majority", "window": 2.0}}, "K028"),
+        ({"filter": {"kind": "majority", "window": 10**9}}, "K028"),
+        ({"filter": {"kind": "none"}, "debounce": 2}, "K011"),
+    ],
+)
+def test_what_no_configuration_may_choose(values, code):
+    configured, problems = FUNCTIONS.configure(read(ROVER), Options(values=values))
+    assert (configured, [problem.code for problem in problems]) == (None, [code])
+
+
+def test_a_majority_holds_for_half_of_its_window():
+    values = {"filter": {"kind": "majority", "window": 5}, "guarantee_ids": "class"}
+    model, _ = FUNCTIONS.configure(read(ROVER), Options(values=values))
+    inputs = FUNCTIONS.inputs(model)
+    fast, slow, default = FUNCTIONS.claims(model, inputs, 10.0)
+    assert fast == Claim("FastDrive", frozenset({"Distance", "MapKnown", "Lidar"}), 0.2)
+    assert (slow.rests_on, default.rests_on) == (frozenset({"Lidar"}), frozenset())
+    (accepted,) = FUNCTIONS.acceptances(model, inputs, 10.0)
+    assert (accepted.key, accepted.seconds) == ("filter: majority", 0.2)
 
 
 def test_messages_keep_the_md5_of_the_packages_in_the_wild():

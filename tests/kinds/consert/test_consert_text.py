@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import ast
-from dataclasses import replace
 
 import pytest
 from eddi_runtime import ModelError
 
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.consert import emission
-from eddi_scaffold.compiling.document import check_document
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.compiling.parts import runtime_parts_of
-from runtime_lib.tests.conserts import categorical, document, give, numeric, signed
+from runtime_lib.tests.conserts import categorical, consert, give, numeric
 from tests.compiling.formatting import objections
 
 HOSTILE = [
@@ -42,40 +37,33 @@ def large(**settings):
     ]
     guarantees = [{"id": "G", "ranking": 1}, "H", {"id": "D", "default": True}]
     edges += ["gate29>G", "gate7>H", "gate8>H"]
-    return document(
-        evidence, [], gates, guarantees, edges, [("S", ["G", "H"])], specs={}, **settings
-    )
-
-
-def nested_document():
-    return document(["a", "b"], ["d"], ["or|"], ["G"], ["a>or", "b>or", "or>G", "d>G"], specs={})
+    return consert(evidence, [], gates, guarantees, edges, [("S", ["G", "H"])], **settings)
 
 
 def hostile():
     evidence = [(one, categorical(*HOSTILE)) for one in HOSTILE]
     edges = [(one, "G") for one in HOSTILE]
     specs = {one: {"attribute": f"value {k}"} for k, one in enumerate(HOSTILE)}
-    made = document(evidence, guarantees=["G"], edges=edges, specs=specs)
-    for k, item in enumerate(made["model"]["evidence"]):
-        item["path"] = HOSTILE[-k]
-    return signed(dict(made, id='"""\nimport os', source={"file": "\\", "path": '"'}))
+    paths = {one: HOSTILE[-k] for k, one in enumerate(HOSTILE)}
+    name = '"""\nimport os \\'
+    return consert(evidence, (), (), ["G"], edges, specs=specs, paths=paths, name=name)
 
 
-@pytest.mark.parametrize("made", [large(), large(filter={"kind": "debounce", "regain_after": 3})])
+@pytest.mark.parametrize("made", [large(), large(filtered=("debounce", 3))])
 def test_the_formatter_changes_nothing(made):
-    assert objections(compile_model(check_document(made))) == ""
+    assert objections(made.text()) == ""
 
 
 def test_the_text_is_for_python_3_8():
-    ast.parse(compile_model(check_document(large())), feature_version=(3, 8))
+    ast.parse(large().text(), feature_version=(3, 8))
 
 
 def test_nothing_of_a_hostile_model_becomes_code():
-    text = compile_model(check_document(hostile()))
+    text = hostile().text()
     assert text.isascii()
     names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     assert "__import__" not in names
-    monitor = build(check_document(hostile()))
+    monitor = hostile().monitor()
     good = {f"value {k}": one for k, one in enumerate(HOSTILE)}
     assert monitor.execute_step(give(**good)) == [{"id": "G", "active": True}]
     bad = dict(good, **{"value 3": "else"})
@@ -83,7 +71,7 @@ def test_nothing_of_a_hostile_model_becomes_code():
 
 
 def test_two_monitors_of_one_text_are_independent():
-    first, second = type(build(check_document(large()))), build(check_document(large()))
+    first, second = type(large().monitor()), large().monitor()
     one, other = first(), first()
     one.execute_step(give(input_0=1.0))
     assert other.raw != one.raw
@@ -91,7 +79,7 @@ def test_two_monitors_of_one_text_are_independent():
 
 
 def test_a_changed_file_is_refused(tmp_path, monkeypatch):
-    text = compile_model(check_document(large()))
+    text = large().text()
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "compiled_whole.py").write_text(text)
     __import__("compiled_whole")
@@ -103,25 +91,11 @@ def test_a_changed_file_is_refused(tmp_path, monkeypatch):
             __import__(f"compiled_{number}")
 
 
-def test_a_command_compiles_a_model_once(monkeypatch):
-    compiled = []
-    monkeypatch.setattr(emission, "lines_of", lambda one: compiled.append(one.id) or ["pass"])
-    made = document([("E", categorical("low"))], guarantees=["G"], edges=["E>G"], specs={})
-    texts = {compile_model(check_document(made), runtime) for runtime in ("", ".", "")}
-    assert len(texts) == 2
-    other = signed(dict(made, id="other"))
-    assert "other" in compile_model(check_document(other))
-    never_in_a_file = replace(check_document(made), digest="")
-    for _ in range(2):
-        compile_model(never_in_a_file)
-    assert compiled == [made["id"], "other", made["id"], made["id"]]
-
-
 def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
     ids = [f"e{gate}{k}" for gate in range(4) for k in range(3)]  # 3 ** 4 sets
     edges = [*(f"{one}>or{one[1]}" for one in ids), *(f"or{gate}>G" for gate in range(4))]
-    made = document(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges, specs={})
-    text = compile_model(check_document(made))
+    made = consert(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges)
+    text = made.text()
     assert objections(text) == ""
     assert runtime_parts_of(text) == ("consert", "consert/search")
     assert "    graph = search.Graph(\n" in text
@@ -129,6 +103,6 @@ def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
 
 
 def test_another_format_of_a_part_is_refused():
-    text = compile_model(check_document(large())).replace("consert: 3}", "consert: 7}")
+    text = large().text().replace("consert: 3}", "consert: 7}")
     with pytest.raises(ModelError, match=r"format 7 of eddi_runtime\.consert, but .* runs 3: run"):
         exec(text, {"__file__": "compiled.py"})

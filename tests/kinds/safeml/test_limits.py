@@ -7,7 +7,7 @@ import pytest
 from eddi_runtime.safeml import Interpolated, Kolmogorov
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.compiling.safeml import limits
+from eddi_scaffold.kinds.safeml import thresholds as limits
 from eddi_scaffold.kinds.safeml.calibration import of_windows
 
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import random
 from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import check_document, digest_of
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.conditions import analyse
 from runtime_lib.tests import conserts
-from runtime_lib.tests.event.event_models import SECOND, document, form
+from runtime_lib.tests.bound_models import bound_input
+from runtime_lib.tests.event.event_models import SECOND, events, form, monitor
 from tests.compiling.formatting import objections
-from tests.compiling.test_consert import HOSTILE
 from tests.conditions import test_lists
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
+from tests.kinds.consert.test_consert_text import HOSTILE
 
 LONG = "a_name_of_more_than_twenty_four_characters"
 
@@ -26,28 +25,27 @@ def events_of(text):
     """Return a document with the events of a text."""
     analysis = analyse(text, rate=RATE)
     assert analysis.form is not None, analysis.problems
-    made = document(("gt", "x", 5))
-    made["model"]["form"] = analysis.form
-    made["inputs"] = [
-        {"id": one.name, "attribute": f"in_{k}", "requires": [], "factor": [9, 5] if k else None}
-        for k, one in enumerate(analysis.inputs)
+    factors = itertools.chain([None], itertools.repeat((9, 5)))
+    inputs = [
+        bound_input(one.name, attribute=f"in_{k}", factor=factor)
+        for k, (one, factor) in enumerate(zip(analysis.inputs, factors, strict=False))
     ]
-    return dict(made, sha256=digest_of(made))
+    return events(analysis.form, inputs)
 
 
 def many():
     """Every operation, in events that are made at random."""
     formulas = Formulas(random.Random(3), False)
-    events = [f"EVENT e{k} (HAZARD) := {formulas.boolean(3)}" for k in range(60)]
-    return events_of(DECLARATIONS + "\n".join(events))
+    lines = [f"EVENT e{k} (HAZARD) := {formulas.boolean(3)}" for k in range(60)]
+    return events_of(DECLARATIONS + "\n".join(lines))
 
 
 def lists():
     rng = random.Random(4)
     made = [test_lists.formula(rng) for _ in range(40)]
     bools = [one if one.startswith("A") and one[1] in "NL" else f"{one} > 1" for one in made]
-    events = [f"EVENT e{k} (HAZARD) := {one}" for k, one in enumerate(bools)]
-    return events_of(test_lists.DECLARATIONS + "\n".join(events))
+    lines = [f"EVENT e{k} (HAZARD) := {one}" for k, one in enumerate(bools)]
+    return events_of(test_lists.DECLARATIONS + "\n".join(lines))
 
 
 def long_names():
@@ -61,14 +59,7 @@ def long_names():
         *(("gt", one, 5) for one in others),
     ]
     made = form(*conditions, variables=variables, **{y: bounds})
-    return with_form(made, [{"id": one, "attribute": one} for one in variables])
-
-
-def with_form(found, inputs):
-    made = document(("gt", "x", 5))
-    made["model"]["form"] = found
-    made["inputs"] = [{"requires": [], **one} for one in inputs]
-    return dict(made, sha256=digest_of(made))
+    return events(made, [bound_input(one) for one in variables])
 
 
 def expression():
@@ -86,8 +77,8 @@ def expression():
     checks = {name: [["unless", ["x" * 40], "y" * 40]]}
     specs["a"]["expression"] |= {"names": {"x": ["message", "m"]}, "checks": checks}
     specs["b"]["expression"] |= {"names": {"x": ["input", "a"]}}
-    evidence = ["a", ("b", documents.categorical("high"))]
-    return documents.document(evidence, guarantees=["G"], edges=["a>G", "b>G"], specs=specs)
+    evidence = ["a", ("b", conserts.categorical("high"))]
+    return conserts.consert(evidence, guarantees=["G"], edges=["a>G", "b>G"], specs=specs)
 
 
 ALL = {"many": many, "lists": lists, "long_names": long_names, "expression": expression}
@@ -95,21 +86,20 @@ ALL = {"many": many, "lists": lists, "long_names": long_names, "expression": exp
 
 @pytest.mark.parametrize("made", ALL.values(), ids=ALL)
 def test_formatter_and_linter_change_nothing(made):
-    assert objections(compile_model(check_document(made()))) == ""
+    assert objections(made().text()) == ""
 
 
 @pytest.mark.parametrize("made", ALL.values(), ids=ALL)
 def test_the_text_is_for_python_3_8(made):
-    ast.parse(compile_model(check_document(made())), feature_version=(3, 8))
+    ast.parse(made().text(), feature_version=(3, 8))
 
 
 def test_names_with_another_meaning_are_variables_of_their_own():
     names = ("self", "expressions", "r1", "t", "last", "t_stamp", "NAN", LONG)
     found = form(*(("gt", one, 5) for one in names), variables=names)
-    made = with_form(found, [{"id": one, "attribute": one} for one in names])
-    monitor = build(check_document(made))
+    running = events(found, [bound_input(one) for one in names]).monitor()
     given = SimpleNamespace(**{one: float(k) for k, one in enumerate(names)})
-    rows = monitor.execute_step(given, 0)
+    rows = running.execute_step(given, 0)
     assert [row["verdict"] for row in rows] == [k > 5 for k in range(len(names))]
 
 
@@ -121,18 +111,16 @@ def test_nothing_of_a_hostile_model_becomes_code():
         variables=names,
         m={"literals": HOSTILE},
     )
-    inputs = [{"id": one, "attribute": f"value {k}"} for k, one in enumerate(names)]
-    made = with_form(found, inputs)
-    made["model"]["accepts"] = {"e0": HOSTILE}
+    inputs = [bound_input(one, attribute=f"value {k}") for k, one in enumerate(names)]
     for k, output in enumerate(found["outputs"][:-1]):
         output["id"] = HOSTILE[-k]
-    made = dict(made, sha256=digest_of(made))
-    text = compile_model(check_document(made))
+    made = events(found, inputs)
+    text = made.text()
     assert text.isascii()
     used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     assert "__import__" not in used
     values = {f"value {k}": 6.0 for k in range(len(HOSTILE))}
-    rows = build(check_document(made)).execute_step(
+    rows = made.monitor().execute_step(
         SimpleNamespace(**values, **{f"value {len(HOSTILE)}": HOSTILE[0]}), 0
     )
     assert all(row["verdict"] for row in rows)
@@ -142,14 +130,14 @@ def test_a_reviewer_finds_the_words_of_the_condition():
     text = (
         "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) :=\n  AVERAGE(temp, 2s) > 80 AND temp < 9"
     )
-    made = compile_model(check_document(events_of(text)))
+    made = events_of(text).text()
     assert "# 3:3 AVERAGE(temp, 2 s)\n" in made
     assert "# 3:21 AVERAGE(temp, 2 s) > 80\n" in made
     assert "# 3:26 (AVERAGE(temp, 2 s) > 80) AND (temp < 9)\n" in made
 
 
 def test_two_monitors_of_one_text_are_independent():
-    made = type(build(check_document(document(("time", "a", 2), ("rise", "a")))))
+    made = type(monitor(("time", "a", 2), ("rise", "a")))
     one, other = made(), made()
     for k in range(3):
         rows = one.execute_step(SimpleNamespace(a=True), k * SECOND)
@@ -159,8 +147,7 @@ def test_two_monitors_of_one_text_are_independent():
 
 
 def test_an_expression_is_a_class_of_the_package():
-    monitor = build(check_document(expression()))
-    first, second = (spec.expression for spec in monitor.inputs)
+    first, second = (spec.expression for spec in expression().monitor().inputs)
     assert (first.__name__, first().names) == ("Expression_a", {"x": ("message", "m")})
     assert first().value(0, {}) is True  # a HAZARD
     assert [second().value(0, {"x": x}) for x in (4.0, 6.0, 5.0, None)] == [
@@ -173,7 +160,7 @@ def test_an_expression_is_a_class_of_the_package():
 
 def test_a_part_is_imported_only_where_it_is_needed():
     """An input that is called as a part of the runtime is not that part."""
-    made = documents.document(["expressions"], guarantees=["G"], edges=["expressions>G"])
-    assert "import InputSpec, consert\n" in compile_model(check_document(made))
-    text = compile_model(check_document(expression()))
+    made = conserts.consert(["expressions"], guarantees=["G"], edges=["expressions>G"])
+    assert "import InputSpec, consert\n" in made.text()
+    text = expression().text()
     assert "import InputSpec, consert, expressions\n" in text
