@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.document import InputData, ModelError, take
+from eddi_scaffold.compiling.document import InputData
 from eddi_scaffold.compiling.expressions.form import joined, read_form
-from eddi_scaffold.compiling.program.instructions import BOOL, Program
+from eddi_scaffold.compiling.program.instructions import Program
 from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
 from eddi_scaffold.compiling.program.sampling import Sampling
 from eddi_scaffold.compiling.text import (
@@ -23,7 +23,6 @@ from eddi_scaffold.compiling.text import (
 FORMAT = 3
 MODULES = ("expression", "hold", "lists", "stacks", "window", "windows")
 """Modules of the part that a monitor imports where it uses them."""
-TYPES = ("bool", "float", "int", "state")
 
 
 def expression_classes(inputs: Sequence[InputData]) -> dict[str, str]:
@@ -34,11 +33,7 @@ def expression_classes(inputs: Sequence[InputData]) -> dict[str, str]:
 
 
 def expression_lines(inputs: Sequence[InputData]) -> list[str]:
-    """Return the lines of the classes of all expressions.
-
-    Raises:
-        ModelError: an expression is damaged.
-    """
+    """Return the lines of the classes of all expressions."""
     classes = expression_classes(inputs)
     lines: list[str] = []
     for input_ in inputs:
@@ -53,22 +48,9 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
     Args:
         name: of the class.
         document: what ``eddi_scaffold.conditions.inputs`` made.
-
-    Raises:
-        ModelError: it is damaged.
     """
-    where = "an expression"
-    kind = take(document, "type", str, where)
-    if kind not in TYPES:
-        raise ModelError("", f"{where} has the unknown type {kind!r}")
-    parts = take(document, "parts", list, where)
-    if not parts or (kind != "state" and len(parts) != 1):
-        raise ModelError("", f"{where} has {len(parts)} parts")
-    program = joined([read_form(take(part, "form", dict, where)) for part in parts])
-    for result in program.results:
-        found = program.operations[result.operation].type
-        if (found == BOOL) != (kind in ("bool", "state")):
-            raise ModelError("", f"{where} of type {kind} gives a {found}")
+    kind, parts = document["type"], document["parts"]
+    program = joined([read_form(part["form"]) for part in parts])
     sampling = Sampling(program)
     sources = Names(document)
     words = dict.fromkeys(sources.split(input_.name)[0] for input_ in sampling.inputs)
@@ -76,8 +58,7 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
     lines = [f"class {name}(expression.Expression):", f'    type = "{kind}"']
     lines += ["    hazard = True"] if document.get("polarity") == "HAZARD" else []
     if kind == "state":
-        states = tuple(take(part, "state", str, where) for part in parts)
-        lines += assignment("states", literal(states), 4)
+        lines += assignment("states", literal(tuple(part["state"] for part in parts)), 4)
     lines += assignment("names", literal({word: tuple(one) for word, one in names.items()}), 4)
     return [*lines, *_methods(program, sampling, sources)]
 

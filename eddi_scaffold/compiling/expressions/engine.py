@@ -67,11 +67,7 @@ class Engine:
 
 
 def build_engine(document: Mapping[str, Any]) -> Engine:
-    """Compile an intermediate form, as ``json`` gives it.
-
-    Raises:
-        ModelError: the form is damaged.
-    """
+    """Compile checked conditions."""
     return Engine(read_form(document))
 
 

@@ -1,4 +1,4 @@
-"""The intermediate form of events: a typed expression graph in JSON, checked before it is used.
+"""The program of conditions, made of the graph that their check gives.
 
 ``nodes`` are in the order of evaluation, each argument before its use; equal sub-expressions are
 one node. No name takes part in the evaluation: variables are numbered.
@@ -10,26 +10,21 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.document import ModelError, take
-from eddi_scaffold.compiling.expressions.reduction import read_reduction
 from eddi_scaffold.compiling.expressions.words import words_of
 from eddi_scaffold.compiling.program.building import Builder
 from eddi_scaffold.compiling.program.instructions import (
     BOOL,
-    BUFFERED,
     ENUM,
     LEAVES,
-    MAX_NS,
     NUMBER,
-    WINDOWS,
     Operation,
     Program,
     Read,
     Result,
 )
+from eddi_scaffold.compiling.program.reduction import Element, Part, Reduction
 
 VERSION = 1
-TYPES = (NUMBER, BOOL, ENUM)
 NUMBERS = (NUMBER, NUMBER)
 TRUTHS = (BOOL, BOOL)
 SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = {
@@ -85,47 +80,30 @@ KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""
 
 
-def read_form(document: Mapping[str, Any]) -> Program:
-    """Check an intermediate form, as ``json`` gives it, and return its program.
+def read_form(form: Mapping[str, Any]) -> Program:
+    """Return the program of conditions.
 
-    Raises:
-        ModelError: the form is damaged or of another version.
+    Args:
+        form: what ``eddi_scaffold.conditions`` made of them.
     """
-    where = "the form"
-    if take(document, "version", int, where) != VERSION:
-        raise ModelError("", f"the form has another version than {VERSION}")
-    period = _check_bounds(take(document, "period", int, where), "period", 0)
-    rows = take(document, "nodes", list, where)
-    aged = {row.get("value") for row in rows if isinstance(row, dict) and row.get("op") == "age"}
-    reads = tuple(
-        _read(item, f"variable {k}", aged=k in aged)
-        for k, item in enumerate(take(document, "variables", list, where))
-    )
+    rows = form["nodes"]
+    aged = {row["value"] for row in rows if row["op"] == "age"}
+    reads = tuple(_read(row, aged=k in aged) for k, row in enumerate(form["variables"]))
     operations: list[Operation] = []
     for row in rows:
-        operations.append(_operation(row, f"node {len(operations)}", reads, operations, period))
-    results = tuple(
-        _result(item, f"output {k}", len(operations))
-        for k, item in enumerate(take(document, "outputs", list, where))
+        operations.append(_operation(row, reads, operations))
+    results = (
+        Result(row["id"], row["node"], row["polarity"] == "HAZARD") for row in form["outputs"]
     )
-    if not results or len({result.id for result in results}) != len(results):
-        raise ModelError("", "the outputs are none, or two have one id")
-    words = words_of(reads, operations)
-    told = (
-        operation._replace(about=f"{operation.about} {text}")
-        for operation, text in zip(operations, words, strict=True)
+    described = (
+        operation._replace(about=f"{operation.about} {words}")
+        for operation, words in zip(operations, words_of(reads, operations), strict=True)
     )
-    return Program(period, reads, tuple(told), results)
+    return Program(form["period"], reads, tuple(described), tuple(results))
 
 
 def joined(programs: Sequence[Program]) -> Program:
-    """Return one program with the first result of each, in which equal reads are one.
-
-    Raises:
-        ModelError: they are for different rates.
-    """
-    if len({one.period for one in programs}) > 1:
-        raise ModelError("", "the parts of an expression have different rates")
+    """Return one program with the first result of each, in which equal reads are one."""
     builder = Builder()
     results = []
     for program in programs:
@@ -135,109 +113,79 @@ def joined(programs: Sequence[Program]) -> Program:
     return builder.program(programs[0].period, results)
 
 
-def _check_bounds(value: int, name: str, least: int) -> int:
-    if not least <= value <= MAX_NS:
-        raise ModelError("", f"{name} {value} is out of bounds")
-    return value
-
-
-def _finite(value: Any, where: str) -> float:
-    if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
-        return float(value)
-    raise ModelError("", f"{where} is not a finite number")
-
-
-def _read(item: Any, where: str, *, aged: bool) -> Read:
-    kind = take(item, "type", str, where)
-    if kind not in TYPES:
-        raise ModelError("", f"{where} has the unknown type {kind!r}")
-    limits = item.get("range")
-    if limits is not None:
-        if not isinstance(limits, list) or len(limits) != 2:
-            raise ModelError("", f"'range' of {where} is not a pair of numbers")
-        limits = (_finite(limits[0], where), _finite(limits[1], where))
-    timeout = item.get("timeout")
-    if timeout is not None:
-        _check_bounds(take(item, "timeout", int, where), "timeout", 1)
-    literals = item.get("literals", [])
-    if not isinstance(literals, list) or not all(isinstance(literal, str) for literal in literals):
-        raise ModelError("", f"'literals' of {where} is not a list of texts")
-    reduction = item.get("reduction")
+def _read(row: Mapping[str, Any], *, aged: bool) -> Read:
+    limits, timeout, reduction = row.get("range"), row.get("timeout"), row.get("reduction")
     return Read(
-        name=take(item, "name", str, where),
-        type=kind,
-        range=limits,
+        name=row["name"],
+        type=row["type"],
+        range=None if limits is None else (float(limits[0]), float(limits[1])),
         timeout=timeout,
-        infinite=item.get("infinite") is True,
-        literals=tuple(literals),
+        infinite=row.get("infinite", False),
+        literals=tuple(row.get("literals", ())),
         stamped=aged or timeout is not None,
-        text=item.get("text") is True,
-        reduction=None if reduction is None else read_reduction(reduction, where),
+        text=row.get("text", False),
+        reduction=None if reduction is None else read_reduction(reduction),
     )
 
 
 def _operation(
-    row: Any, where: str, reads: Sequence[Read], before: Sequence[Operation], period: int
+    row: Mapping[str, Any], reads: Sequence[Read], before: Sequence[Operation]
 ) -> Operation:
-    op = take(row, "op", str, where)
-    args = tuple(row.get("args", []))
-    if not all(type(k) is int and 0 <= k < len(before) for k in args):
-        raise ModelError("", f"{where} works on a node that is not before it")
-    at = row.get("at", [0, 0])
-    if not isinstance(at, list) or len(at) != 2 or not all(type(k) is int for k in at):
-        raise ModelError("", f"'at' of {where} is not a pair of numbers")
-    more: dict[str, Any] = {}
-    if op in LEAVES:
-        kind, more["value"] = _leaf(op, row, where, reads)
-        more["infinite"] = op == "variable" and reads[more["value"]].infinite
-    elif op in SIGNATURES:
-        kinds, kind = SIGNATURES[op]
-        if tuple(before[k].type for k in args) != kinds:
-            raise ModelError("", f"the arguments of {where} are not of the types of {op}")
-        more["value"] = _index(row, where, len(reads)) if op == "age" else None
-        more["infinite"] = op in KEEPS_INFINITY and any(before[k].infinite for k in args)
-        if op in WINDOWS:
-            more.update(_window(op, row, where, period))
-    else:
-        raise ModelError("", f"{where} has the unknown operation {op!r}")
-    return Operation(op, args, kind, about=f"{at[0]}:{at[1]}", **more)
-
-
-def _leaf(op: str, row: Any, where: str, reads: Sequence[Read]) -> tuple[str, Any]:
+    op, args, value = row["op"], tuple(row.get("args", ())), row.get("value")
+    infinite = op in KEEPS_INFINITY and any(before[k].infinite for k in args)
     if op == "variable":
-        k = _index(row, where, len(reads))
-        return reads[k].type, k
-    if op == "number":
-        value = row.get("value")
-        return NUMBER, None if value is None else _finite(value, where)
-    if op == "truth":
-        return BOOL, _index(row, where, 3)
-    return ENUM, _index(row, where, 1 << 16)
+        type_, infinite = reads[value].type, reads[value].infinite
+    elif op in LEAVES:
+        type_ = {"number": NUMBER, "truth": BOOL, "literal": ENUM}[op]
+        value = float(value) if op == "number" and value is not None else value
+    else:
+        type_ = SIGNATURES[op][1]
+    line, column = row["at"]
+    return Operation(
+        op,
+        args,
+        type_,
+        value,
+        about=f"{line}:{column}",
+        window=row.get("window", 0),
+        capacity=row.get("capacity", 0),
+        coverage=row.get("coverage"),
+        infinite=infinite,
+    )
 
 
-def _index(row: Any, where: str, end: int) -> int:
-    k: int = take(row, "value", int, where)
-    if not 0 <= k < end:
-        raise ModelError("", f"'value' of {where} is out of bounds")
-    return k
+def read_reduction(row: Mapping[str, Any]) -> Reduction:
+    """Return how one value is made of lists."""
+    inputs = tuple(
+        Part(
+            one["name"],
+            one["type"],
+            one.get("list", False),
+            _pair(one.get("range")),
+            one.get("infinite", False),
+        )
+        for one in row["inputs"]
+    )
+    elements: list[Element] = []
+    for node in row["nodes"]:
+        op, args, value = node["op"], tuple(node.get("args", ())), node.get("value")
+        if op == "constant" and not isinstance(value, int):
+            value = math.nan if value is None else float(value)
+        is_list = inputs[value].is_list if op == "input" else any(elements[k].is_list for k in args)
+        elements.append(Element(op, args, value, is_list))
+    return Reduction(
+        row["op"],
+        inputs,
+        tuple(elements),
+        row["value"],
+        tuple((one, low, high) for one, low, high in row.get("limits", ())),
+        row.get("coverage"),
+        _pair(row.get("length")),
+        _pair(row.get("sector")),
+        tuple(row.get("angles", ())),
+        row.get("messages", False),
+    )
 
 
-def _window(op: str, row: Any, where: str, period: int) -> dict[str, Any]:
-    length = _check_bounds(take(row, "window", int, where), "window", max(1, period))
-    found: dict[str, Any] = {"window": length}
-    if period == 0:
-        raise ModelError("", f"{where} has a window, but there is no period")
-    if op in BUFFERED:
-        found["capacity"] = take(row, "capacity", int, where)
-        if not 2 <= found["capacity"] <= MAX_CAPACITY:
-            raise ModelError("", f"'capacity' of {where} is out of bounds")
-        if row.get("coverage") is not None:
-            found["coverage"] = _finite(row["coverage"], where)
-    return found
-
-
-def _result(item: Any, where: str, operations: int) -> Result:
-    node = take(item, "node", int, where)
-    if not 0 <= node < operations:
-        raise ModelError("", f"{where} is not among the nodes")
-    return Result(take(item, "id", str, where), node, item.get("polarity") == "HAZARD")
+def _pair(value: Sequence[Any] | None) -> Any:
+    return None if value is None else tuple(value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_scaffold.compiling.document import InputData, take
+from eddi_scaffold.compiling.document import InputData
 from eddi_scaffold.compiling.expressions.emission import Names
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.program.building import Builder
@@ -22,10 +22,9 @@ def inlined(program: Program, inputs: Sequence[InputData]) -> Program:
     Args:
         program: what reads the inputs.
         inputs: what it reads, in order.
-
-    Raises:
-        ModelError: an expression is damaged.
     """
+    if all(spec.expression is None for spec in inputs):
+        return program
     builder = Builder()
     given: dict[int, int] = {}
     period = program.period
@@ -45,10 +44,10 @@ def inlined(program: Program, inputs: Sequence[InputData]) -> Program:
 def _program(spec: InputData, read: Read) -> Program | None:
     """Return the program that gives the value of an input, None where there is none."""
     document = spec.expression
-    if document is None or _TYPES.get(take(document, "type", str, "an expression")) != read.type:
+    if document is None or _TYPES.get(document["type"]) != read.type:
         return None
-    (part,) = take(document, "parts", list, "an expression")
-    found = read_form(take(part, "form", dict, "an expression"))
+    (part,) = document["parts"]
+    found = read_form(part["form"])
     if any(one.reduction is not None or one.text for one in found.reads):
         return None
     names = Names(document)

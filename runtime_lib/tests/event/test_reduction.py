@@ -11,13 +11,11 @@ from eddi_runtime.expressions.conditions import reduced
 from eddi_runtime.expressions.expression import gather
 from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 
-from eddi_scaffold.compiling.document import ModelError
 from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.expressions.reduction import read_reduction
+from eddi_scaffold.compiling.expressions.form import read_reduction
 from eddi_scaffold.compiling.program.lists import reduction_lines
 
-from .event_models import SECOND, form, monitor
+from .event_models import SECOND, monitor
 
 LIST = {"name": "s.r[*]", "type": "number", "list": True}
 
@@ -32,7 +30,7 @@ class Reduction:
 
     def __init__(self, row):
         lines = ["from eddi_runtime.expressions import lists", "class Made:"]
-        lines += reduction_lines(0, "reduced", read_reduction(row, "one"), "lists.")
+        lines += reduction_lines(0, "reduced", read_reduction(row), "lists.")
         self._reduce = module_of("\n".join(lines), "reduction").Made().reduce_0
 
     def value(self, raws):
@@ -109,26 +107,6 @@ def test_sums_that_no_double_holds_are_unknown():
         assert Reduction(row(op)).value([[1e308, 1e308, -1e308 * (op == "list_stddev")]])[0] is None
     infinite = Reduction(row("list_sum", inputs=[dict(LIST, infinite=True)]))
     assert infinite.value([[math.inf, -math.inf]])[0] is None
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        {"op": "list_mode"},
-        {"inputs": []},
-        {"nodes": []},
-        {"value": 1},
-        {"nodes": [{"op": "input", "value": 1}]},
-        {"nodes": [{"op": "eval", "args": []}]},
-        {"nodes": [{"op": "neg", "args": [0]}]},
-        {"limits": [[0, 0, 5]]},
-        {"inputs": [dict(LIST, list=False)]},
-    ],
-)
-def test_damaged_reductions(damage):
-    document = form(("gt", "x", 5), variables=("x",), x={"reduction": row(**damage)})
-    with pytest.raises(ModelError, match="the reduction of variable 0 is damaged"):
-        read_form(document)
 
 
 @pytest.mark.parametrize(
