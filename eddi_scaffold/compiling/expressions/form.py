@@ -131,7 +131,8 @@ def _read(row: Mapping[str, Any], *, aged: bool) -> Read:
 def _operation(
     row: Mapping[str, Any], reads: Sequence[Read], before: Sequence[Operation]
 ) -> Operation:
-    op, args, value = row["op"], tuple(row.get("args", ())), row.get("value")
+    op, args = row["op"], tuple(row.get("args", ()))
+    value: Any = row.get("value")
     infinite = op in KEEPS_INFINITY and any(before[k].infinite for k in args)
     if op == "variable":
         type_, infinite = reads[value].type, reads[value].infinite

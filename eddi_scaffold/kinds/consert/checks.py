@@ -96,17 +96,13 @@ def _repeated_ids(consert: ConSert) -> Iterator[Problem]:
     )
     for group in groups:
         first: dict[str, tuple[str, Place]] = {}
-        for kind, id_, place in sorted(group, key=lambda node: _position(node[2])):
+        for kind, id_, place in sorted(group, key=lambda n: (n[2].line or 0, n[2].col or 0)):
             if id_ in first:
                 before, there = first[id_]
                 message = f"the id {shown(id_)} of this {kind} is already used by the {before}"
                 yield error("C007", f"{message} in {_where(there)}", place)
             else:
                 first[id_] = (kind, place)
-
-
-def _position(place: Place) -> tuple[int, int]:
-    return place.line or 0, place.col or 0
 
 
 def _where(place: Place) -> str:

@@ -111,7 +111,16 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
     Args:
         instances: name and checked model of each; a model may be there several times.
     """
-    problems = tuple(_repeated_names([name for name, _ in instances]))
+    names = [name for name, _ in instances]
+    repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    problems = tuple(
+        error(
+            "C027",
+            f"{names.count(name)} ConSerts are called {name!r}",
+            hint="give each a name of its own: NAME=FILE",
+        )
+        for name in repeated
+    )
     if problems:
         return Composition(
             composable=False,
@@ -130,7 +139,7 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
         for service in consert.provided_services
     }
     needs += [need for name, consert in instances for need in _services(name, consert, provided)]
-    rounds = _accept([name for name, _ in instances], needs)
+    rounds = _accept(names, needs)
     unmet = [need for need in needs if not need.met_by]
     return Composition(
         composable=len(rounds) == len(instances),
@@ -180,13 +189,6 @@ def _with_near_names(
     for need in unmet:
         hints = [near.hint(type_) for type_ in need.types if type_ not in known]
         yield "; ".join(filter(None, (need.reason, *hints)))
-
-
-def _repeated_names(names: Sequence[str]) -> Iterator[Problem]:
-    for name in dict.fromkeys(names):
-        if names.count(name) > 1:
-            message = f"{names.count(name)} ConSerts are called {name!r}"
-            yield error("C027", message, hint="give each a name of its own: NAME=FILE")
 
 
 def _offers(instance: str, consert: ConSert) -> list[_Offer]:
@@ -283,17 +285,12 @@ def _bindings(needs: Sequence[_Need], rounds: Mapping[str, int]) -> dict[Ref, tu
         (need.instance, need.id): tuple(
             (other, id_)
             for other, ids in need.met_by.items()
-            if _is_before(rounds, other, need.instance)
+            if other in rounds and rounds[other] < rounds.get(need.instance, len(rounds))
             for id_ in ids
         )
         for need in needs
         if need.is_demand and need.met_by
     }
-
-
-def _is_before(rounds: Mapping[str, int], first: str, second: str) -> bool:
-    last = len(rounds)
-    return first in rounds and rounds[first] < rounds.get(second, last)
 
 
 def _ids(needs: Sequence[_Need], unmet: Sequence[_Need], *, is_demand: bool) -> tuple[str, ...]:

@@ -12,14 +12,7 @@ from eddi_scaffold.kinds.consert.inputs import covered_text
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from eddi_scaffold.kinds.consert.model import (
-        ConSert,
-        Demand,
-        Dimension,
-        Guarantee,
-        ProvidedService,
-        RequiredService,
-    )
+    from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
 
 
 DEEPEST = 30
@@ -48,8 +41,15 @@ def outline(consert: ConSert) -> Sequence[str]:
     shown: set[str] = set()
     lines = [f"of the system {consert.system}"] if consert.system else []
     lines += [line for g in consert.guarantees for line in _tree(g.id, labels, inputs, shown)]
-    lines += [_required(service) for service in consert.required_services]
-    lines += [_provided(service) for service in consert.provided_services]
+    lines += [
+        f"requires {service.id} ({service.functional_service_type}): {', '.join(service.demands)}"
+        for service in consert.required_services
+    ]
+    lines += [
+        f"provides {service.id} ({service.functional_service_type}): "
+        + ", ".join(service.guarantees)
+        for service in consert.provided_services
+    ]
     return lines
 
 
@@ -87,16 +87,6 @@ def _covered(part: Demand | Guarantee) -> str:
     return f": {text}" if text else ""
 
 
-def _required(service: RequiredService) -> str:
-    members = ", ".join(service.demands)
-    return f"requires {service.id} ({service.functional_service_type}): {members}"
-
-
-def _provided(service: ProvidedService) -> str:
-    members = ", ".join(service.guarantees)
-    return f"provides {service.id} ({service.functional_service_type}): {members}"
-
-
 _LEGEND = (
     LegendEntry("guarantee", "rounded", "output"),
     LegendEntry("And", "and", "gate"),
@@ -129,18 +119,14 @@ def diagram(consert: ConSert) -> Diagram:
 
 def _nodes(consert: ConSert) -> Iterator[DiagramNode]:
     for guarantee in consert.guarantees:
-        lines = (guarantee.id, *map(_dimension, guarantee.dimensions))
+        lines = (guarantee.id, *map(covered_text, guarantee.dimensions))
         yield DiagramNode(guarantee.id, lines, "rounded", "output", guarantee.description or "")
     for gate in consert.gates:
         shape: Shape = "and" if gate.function == "And" else "or"
         yield DiagramNode(gate.id, (gate.function.upper(),), shape, "gate", gate.id)
     for one in consert.evidence:
-        lines = (one.id, _dimension(one.dimension))
+        lines = (one.id, covered_text(one.dimension))
         yield DiagramNode(one.id, lines, "ellipse", "input", one.description or "")
     for demand in consert.demands:
-        lines = (demand.id, *map(_dimension, demand.dimensions))
+        lines = (demand.id, *map(covered_text, demand.dimensions))
         yield DiagramNode(demand.id, lines, "hexagon", "demand", demand.description or "")
-
-
-def _dimension(dimension: Dimension) -> str:
-    return covered_text(dimension)

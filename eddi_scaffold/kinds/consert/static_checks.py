@@ -142,13 +142,11 @@ def _implications(members: list[Guarantee], sets: dict[str, Sets | None]) -> Ite
         if implies(first, second):
             names = f"guarantee {shown(strong.id)} implies {shown(weak.id)}"
             yield info("S004", names, strong.place)
-            if None not in (strong.ranking, weak.ranking) and _is_better(weak, strong):
+            if None not in (strong.ranking, weak.ranking) and (weak.ranking or 0) < (
+                strong.ranking or 0
+            ):
                 message = f"{names}, which is ranked better: {shown(strong.id)} is never the best"
                 yield warning("S005", message, strong.place)
-
-
-def _is_better(first: Guarantee, second: Guarantee) -> bool:
-    return (first.ranking or 0) < (second.ranking or 0)
 
 
 def _single_points(

@@ -16,7 +16,6 @@ from eddi_scaffold.kinds.consert.model import (
     Evidence,
     Guarantee,
     NumericDimension,
-    Range,
 )
 from eddi_scaffold.kinds.consert.ranges import range_text
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain
@@ -124,14 +123,17 @@ def _dimension(dimension: Dimension) -> dict[str, Any]:
     if isinstance(dimension, CategoricalDimension):
         content = head | {"covered": dimension.covered, "subset": subset}
         return {"Categorical": content}
-    covered = [_range(one) for one in dimension.covered]
+    covered = [
+        {
+            "Inclusive" if one.inclusive else "Exclusive": {
+                "start": _bound(one.start),
+                "end": _bound(one.end),
+            }
+        }
+        for one in dimension.covered
+    ]
     content = head | {"covered": covered, "subset": subset}
     return {"Numeric": content | ({} if dimension.uom is None else {"uom": dimension.uom})}
-
-
-def _range(one: Range) -> dict[str, Any]:
-    name = "Inclusive" if one.inclusive else "Exclusive"
-    return {name: {"start": _bound(one.start), "end": _bound(one.end)}}
 
 
 def _bound(bound: Bound) -> Verbatim:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
+from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
@@ -17,7 +17,7 @@ from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.kinds import InputType, ModelInput, Options, ReadResult, Skeleton, TypedModel
-from eddi_scaffold.kinds.event.claims import uses_of
+from eddi_scaffold.kinds.event.claims import form_of, uses_of
 
 NAME = "event"
 DEFAULT_RATE = 10.0
@@ -109,7 +109,12 @@ def read_text(
     locate = placed.locate(text) if placed is not None else None
     analysis = analyse(text, any_rate=True, name=name, locate=locate)
     place = placed.place if placed is not None else Place(name, 1, 1)
-    problems = [*analysis.problems, *_numbers(analysis, place)]
+    numbers = (
+        error("E007", "an event is a boolean, this is a number", place)
+        for event in analysis.events
+        if event.type != "bool"
+    )
+    problems = [*analysis.problems, *numbers]
     problems = [placed.told(problem) for problem in problems] if placed is not None else problems
     events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
     return None if has_errors(problems) else events, problems
@@ -136,20 +141,9 @@ def configure(model: EventModel, options: Options) -> tuple[EventModel | None, l
 
 def inputs(model: EventModel) -> Sequence[ModelInput]:
     """Return one input for each variable, in the order of their first use."""
-    analysis = model.data.analysis
-    assert analysis.form is not None
-    uses = uses_of(analysis.form)
-    return [
-        ModelInput(
-            variable.name,
-            _input_type(variable),
-            unit=variable.unit or ("" if _is_number(variable.type) else None),
-            units=_units(variable),
-            covered=_covered(variable.range, variable.unit),
-            uses=uses.get(variable.name, ()),
-        )
-        for variable in analysis.inputs
-    ]
+    uses = uses_of(form_of(model))
+    inputs = model.data.analysis.inputs
+    return [_input(variable, uses.get(variable.name, ())) for variable in inputs]
 
 
 def skeleton(model: EventModel, options: Options) -> Skeleton:
@@ -210,8 +204,7 @@ def readme(model: EventModel) -> Sequence[str]:
         lines.append(
             f"| {markdown_text(event.id)} | {counts_as} | `{markdown_code(event.canonical)}` |"
         )
-    assert events.analysis.form is not None
-    return [*lines, "", f"{events.rate:g} steps a second; {cost_line(events.analysis.form)}."]
+    return [*lines, "", f"{events.rate:g} steps a second; {cost_line(form_of(model))}."]
 
 
 def _one_topic(
@@ -234,30 +227,18 @@ def parts(model: EventModel) -> Sequence[str]:
     return [event.id for event in model.data.analysis.events]
 
 
-def _input_type(variable: Variable) -> InputType:
-    kind = variable.type.kind if variable.type else "number"
-    return (_LISTS if is_list_path(variable.name) else _TYPES).get(kind, "str")
-
-
-def _units(variable: Variable) -> Mapping[str, tuple[int, int]] | None:
-    """Return the units in which a value may be given: none for what has no unit."""
-    return accepted(variable.unit) if _is_number(variable.type) else None
-
-
-def _is_number(type_: Any) -> bool:
-    return type_ is not None and type_.kind == "number"
-
-
-def _covered(limits: tuple[float, float] | None, unit: str | None) -> str | None:
-    if limits is None:
-        return None
-    return f"known in [{limits[0]:g}, {limits[1]:g}] {unit or ''}".rstrip()
-
-
-def _numbers(analysis: Analysis, place: Place) -> Sequence[Problem]:
-    """Return an error for a bare numeric expression: it is not an event."""
-    return [
-        error("E007", "an event is a boolean, this is a number", place)
-        for event in analysis.events
-        if event.type != "bool"
-    ]
+def _input(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
+    types = _LISTS if is_list_path(variable.name) else _TYPES
+    is_number = variable.type is not None and variable.type.kind == "number"
+    covered = None
+    if variable.range is not None:
+        low, high = variable.range
+        covered = f"known in [{low:g}, {high:g}] {variable.unit or ''}".rstrip()
+    return ModelInput(
+        variable.name,
+        types.get(variable.type.kind if variable.type else "number", "str"),
+        unit=variable.unit or ("" if is_number else None),
+        units=accepted(variable.unit) if is_number else None,
+        covered=covered,
+        uses=uses,
+    )

@@ -135,6 +135,7 @@ def picture(name: str, file: SafeMLFile, plan: Plan | None) -> Diagram:
     settings = file.settings
     rows, features = file.reference.rows.shape
     level = f"{100 * settings.significance_level:.3g} %"
+    threshold = "" if plan is None else f">= {plan.scale(plan.threshold):.4g}"
     nodes = (
         DiagramNode("window", ("samples", f"the last {settings.window_size}"), "rounded", "input"),
         DiagramNode(
@@ -149,7 +150,7 @@ def picture(name: str, file: SafeMLFile, plan: Plan | None) -> Diagram:
     edges = (
         DiagramEdge("window", "tests"),
         DiagramEdge("reference", "tests"),
-        DiagramEdge("tests", "verdict", _threshold(plan)),
+        DiagramEdge("tests", "verdict", threshold),
     )
     text = "samples and reference are compared, and the largest distance decides"
     return Diagram(f"SafeML {name}", nodes, edges, "down", _LEGEND, text)
@@ -160,7 +161,3 @@ def _tests(plan: Plan | None) -> tuple[str, ...]:
         return ("no thresholds",)
     more = plan.tests - _SHOWN
     return (*plan.labels[:_SHOWN], *((f"and {more} more",) if more > 0 else ()))
-
-
-def _threshold(plan: Plan | None) -> str:
-    return "" if plan is None else f">= {plan.scale(plan.threshold):.4g}"
