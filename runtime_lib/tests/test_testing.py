@@ -35,7 +35,9 @@ def test_a_copy_inside_of_a_package_works(tmp_path):
     )
     (package / "__init__.py").write_text("")
     model = consert(["e"], guarantees=["G"], edges=["e>G"])
-    (package / "compiled.py").write_text(model.text("."))
+    text = model.text().replace("import eddi_runtime\n", "from . import eddi_runtime\n", 1)
+    text = text.replace("\nfrom eddi_runtime", "\nfrom .eddi_runtime")
+    (package / "compiled.py").write_text(text)
     code = (
         "import sys; from carrier.compiled import Monitor; m = Monitor();"
         "assert Monitor.__mro__[1].__module__ == 'carrier.eddi_runtime.consert.monitor';"

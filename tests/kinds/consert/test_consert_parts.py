@@ -1,9 +1,8 @@
-"""Export, runtime model, inputs, outline and messages of one ConSert."""
+"""Export, options, claims, inputs, outline and messages of one ConSert."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 
 import pytest
 
@@ -87,35 +86,6 @@ def test_units_of_a_velocity():
         **dict.fromkeys(("km/h", "kilometer_per_hour", "kmph"), (1, 1)),
         **dict.fromkeys(("m/s", "meter_per_second", "mps"), (18, 5)),
     }
-
-
-def test_runtime_model_is_json_with_traces():
-    data = FUNCTIONS.runtime_model(read(ROVER))
-    assert json.loads(json.dumps(data, allow_nan=False)) == data
-    assert data["evidence"][0] == {
-        "id": "Distance",
-        "dimension": {
-            "kind": "numeric",
-            "type": "Clearance",
-            "covered": [
-                {"start": "0.5", "end": "inf", "inclusive": False},
-                {"start": "-1", "end": "0", "inclusive": True},
-            ],
-            "subset": "Demand",
-            "uom": "",
-        },
-        "line": 37,
-    }
-    assert data["guarantees"][2] == {
-        "id": "StandStill",
-        "dimensions": [{"kind": "binary", "type": "Standing"}],
-        "class_name": "StandStill",
-        "default": True,
-        "ranking": None,
-        "line": 21,
-    }
-    assert data["edges"][0] == ["Distance", "Both"]
-    assert data["gates"] == [{"id": "Both", "function": "And", "line": 56}]
 
 
 def test_a_range_without_a_double_is_empty():

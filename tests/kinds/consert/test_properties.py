@@ -34,6 +34,7 @@ from eddi_scaffold.kinds.consert.read_yaml import read_consert
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from tests.kinds.consert.example import ROVER
+from tests.kinds.consert.running import monitor_of
 
 pytestmark = pytest.mark.slow
 
@@ -133,7 +134,7 @@ def test_checks_never_raise_and_what_is_left_can_be_used(consert):
         FUNCTIONS.export,
     ):
         use(model)
-    FUNCTIONS.runtime_model(model)
+    monitor_of(model)
 
 
 def test_order_of_lists_changes_nothing_but_the_order():
