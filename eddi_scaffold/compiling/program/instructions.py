@@ -1,6 +1,6 @@
 """The program that a model is compiled to: values are read, operations follow, results are given.
 
-A front end of a kind makes it (``consert.program``, ``expressions.form``); a back end prints it:
+A front end makes it (``kinds.consert.compile``, ``expressions.form``); a back end prints it:
 ``program.python`` the step in ``compiled.py``, ``eddi_scaffold.targets`` monitors in C99. Each
 operation is done once in a step, after those that it works on, and has one value. A value is
 

@@ -47,7 +47,7 @@ def compile_events(model: EventModel, declaration: Declaration) -> CompiledMonit
     rows = zip(program.results, reads_of_results(program), form["outputs"], strict=True)
     for result, used, output in rows:
         needs = sorted({place for read in used for place in sampling.uses[read]})
-        words = tuple(dict.fromkeys(one.word for one in accepted(form, output["node"])))
+        words = tuple(dict.fromkeys(silence.word for silence in accepted(form, output["node"])))
         more = {"accepts": literal(words)} if words else {}
         inputs = literal(tuple(places[k] for k in needs))
         row = [text_literal(result.id), str(result.hazard), inputs]
