@@ -1,35 +1,40 @@
-"""Small networks as model documents, random ones, and the plainest inference there is."""
+"""Small networks as typed models, random ones, and the plainest inference there is."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import dataclass
 from fractions import Fraction
 from types import SimpleNamespace
 
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.memory import Remembering
-from eddi_runtime.bayesian_network.readers import Declaration, Discretiser
+from eddi_runtime.bayesian_network.readers import Declaration as ReaderDeclaration
+from eddi_runtime.bayesian_network.readers import Discretiser
 
-from eddi_scaffold.compiling.bayesian_network import programs
-from eddi_scaffold.compiling.bayesian_network.declaration import read_declaration
-from eddi_scaffold.compiling.bayesian_network.emission import FORMAT, module_lines
-from eddi_scaffold.compiling.bayesian_network.graph import Shape
-from eddi_scaffold.compiling.bayesian_network.model import BayesianNetworkModel, Network
-from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.document import check_document, digest_of
-from eddi_scaffold.compiling.execution import build, module_of
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.kinds.bayesian_network import inference_plan
+from eddi_scaffold.kinds.bayesian_network.compile import (
+    FORMAT,
+    MODULES,
+    compile_network,
+    monitor_lines,
+)
+from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration as NodeDeclaration
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
+from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, Shape
+from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
+from eddi_scaffold.kinds.bayesian_network.width import Width
+from runtime_lib.tests.compiled_models import loaded, text_of
 
 
-def node(name, states, parents=(), table=(), **more):
+def node(name, states, parents=(), table=()):
     """Return a node; states and parents as texts with blanks between them."""
-    states = states.split() if isinstance(states, str) else list(states)
-    parents = parents.split() if isinstance(parents, str) else list(parents)
-    entry = {"id": name, "states": states, "parents": parents, "table": list(table)}
-    entry.update(
-        attribute="".join(c if c.isalnum() else "_" for c in name), state_attributes=states
-    )
-    return dict(entry, **more)
+    states = states.split() if isinstance(states, str) else states
+    parents = parents.split() if isinstance(parents, str) else parents
+    return Node(name, name, tuple(states), tuple(parents), tuple(map(float, table)))
 
 
 SPEED = node("Speed", "stands slow fast", (), [0.2, 0.5, 0.3])
@@ -48,64 +53,93 @@ GAP_BINS = {"input": "d", "bins": [2.0], "order": ["near", "far"]}
 BINS = {"Speed": SPEED_BINS, "Gap": GAP_BINS}
 
 
-def document(
+@dataclass(frozen=True)
+class Model:
+    """A configured network with its bound inputs."""
+
+    network: Network
+    options: NetworkOptions
+    declaration: Declaration
+
+    def compiled(self):
+        return compile_network(self.network, self.options, self.declaration)
+
+    def text(self):
+        return text_of("bayesian_network", self.compiled(), self.declaration)
+
+    def monitor(self, hooks=None):
+        made = loaded("bayesian_network", self.compiled(), self.declaration).Monitor
+        return made() if hooks is None else made(hooks)
+
+
+def model(
     nodes=NODES,
     outputs=("Danger",),
     bins=None,
     direct=None,
     observed=None,
-    inputs=None,
     specs=None,
-    thresholds=None,
-    **settings,
+    thresholds=(),
+    **evidence,
 ):
-    """Return a model document; inputs are those that ``bins`` and ``direct`` name."""
-    bins, direct = dict(bins or {}), dict(direct or {})
-    names = list(inputs or [])
-    for name in [*(one["input"] for one in bins.values()), *direct.values()]:
-        names += [name] if name not in names else []
-    data = {
-        "format": 1,
-        "kind": "bayesian_network",
-        "id": "net",
-        "source": {"file": "net.xdsl", "sha256": "", "path": None},
-        "inputs": [
-            dict({"id": one, "attribute": one, "requires": []}, **dict(specs or {}).get(one, {}))
-            for one in names
-        ],
-        "model": {
-            "nodes": list(nodes),
-            "outputs": list(outputs),
-            "observed": None if observed is None else list(observed),
-            "discretisation": bins,
-            "direct": direct,
-            **({} if thresholds is None else {"thresholds": thresholds}),
-        },
-        "settings": settings,
-    }
-    return dict(data, sha256=digest_of(data))
+    """Return a model; inputs are those that ``bins`` and ``direct`` name."""
+    network = Network("net", tuple(nodes))
+    declarations, direct = declared(bins or {}), dict(direct or {})
+    names = dict.fromkeys([*(one.input for one in declarations), *direct.values()])
+    inputs = (BoundInput(one, **{"attribute": one, **(specs or {}).get(one, {})}) for one in names)
+    fed = {*direct, *(one.node for one in declarations)}
+    options = NetworkOptions(
+        tuple(outputs),
+        tuple(name for name in network.names() if name in fed),
+        declarations,
+        direct,
+        (),
+        Width(0, (), 0, 0),
+        None if observed is None else tuple(observed),
+        evidence=evidence,
+        thresholds=tuple(thresholds),
+    )
+    return Model(network, options, Declaration("net", "", tuple(inputs)))
 
 
-def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, **limit):
+def declared(bins):
+    """Return the declarations of nodes; a map may be written as one."""
+    found = []
+    for name, one in bins.items():
+        pairs = {"map": [*one["map"].items()]} if isinstance(one.get("map"), dict) else {}
+        found.append(NodeDeclaration(name, one["input"], "float", {**one, **pairs}))
+    return tuple(found)
+
+
+def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, release=None, **limit):
     """Return a threshold: ``at_most`` or ``at_least``, and ``release``, by default the same."""
-    (activate,) = (value for key, value in limit.items() if key != "release")
-    entry = {"id": name, "node": node, "states": list(states), "hold_ns": int(hold_s * 1e9)}
-    return {**entry, "release": activate, **limit}
+    ((key, activate),) = limit.items()
+    release = activate if release is None else release
+    return Threshold(name, node, tuple(states), key == "at_least", activate, release, hold_s, None)
 
 
 def monitor(*args, hooks=None, **kwargs):
-    return build(check_document(document(*args, **kwargs)), hooks)
+    return model(*args, **kwargs).monitor(hooks)
+
+
+def model_of(net, outputs, observed=()):
+    """Return the model of a network by numbers; what is observed has an input of its name."""
+    names = net.shape.names
+    nodes = [
+        node(name, net.states[k], [names[one] for one in net.shape.parents[k]], net.tables[k])
+        for k, name in enumerate(names)
+    ]
+    direct = {names[k]: names[k] for k in observed}
+    return model(nodes, [names[k] for k in outputs], direct=direct)
 
 
 def compiled(net, outputs, observable, **options):
     """Return a compiled network by itself: inference for some outputs and observable nodes."""
-    program = programs.foreseen(net, outputs, observable, **options)
-    model = BayesianNetworkModel(
-        net, program.outputs, None, {}, {}, True, "silent", False, (), ("",) * len(net.states)
-    )
-    model_file = check_document(document((), ()))
-    lines = module_lines(model_file, model, (), program)
-    return module_of(module_text(model_file, {"bayesian_network": FORMAT}, lines), "net").Monitor()
+    program = inference_plan.foreseen(net, outputs, observable, **options)
+    made = model_of(net, program.outputs)
+    lines = monitor_lines(made.network, made.options, made.declaration, program)
+    parts = CompiledMonitor(FORMAT, lines, MODULES)
+    return loaded("bayesian_network", parts, made.declaration).Monitor()
 
 
 def engine(net, outputs, observable, **options):
@@ -114,11 +148,13 @@ def engine(net, outputs, observable, **options):
     return Engine(made.nodes, made.foreseen)
 
 
-def discretiser(given, states, spec, name="N"):
+def discretiser(given, states, spec):
     """Return the reader of a discretisation as a compiled monitor has it."""
-    declared = Declaration(**read_declaration(given, states, name))
-    remembers = declared.hysteresis or declared.policy == "hold"
-    return (Remembering if remembers else Discretiser)(declared, spec)
+    given = {key: value for key, value in given.items() if value is not None}
+    (one,) = declared({"N": given})
+    arguments = ReaderDeclaration(**one.reader_arguments(states))
+    remembers = arguments.hysteresis or arguments.policy == "hold"
+    return (Remembering if remembers else Discretiser)(arguments, spec)
 
 
 def give(**values):
@@ -138,7 +174,7 @@ def network(cards, parents, tables):
     names = tuple(f"n{k}" for k in range(len(cards)))
     states = tuple(tuple(f"s{j}" for j in range(card)) for card in cards)
     shape = Shape(names, tuple(cards), tuple(tuple(one) for one in parents))
-    return Network(shape, states, tuple(tuple(one) for one in tables), names)
+    return NumberedNetwork(shape, states, tuple(tuple(map(float, one)) for one in tables), names)
 
 
 def random_network(rng, count, most_parents=3, zeros=0.2, most_states=4):

@@ -7,8 +7,6 @@ from eddi_runtime.bayesian_network.asking import posteriors
 from eddi_runtime.bayesian_network.bounds import COMBINATIONS
 from eddi_runtime.bayesian_network.engine import Engine
 
-from eddi_scaffold.compiling.document import ModelError
-
 from .networks import HUMAN, NEAR, RISK, RISKS, give, monitor, node, posterior, threshold
 
 SECOND = 1_000_000_000
@@ -320,24 +318,6 @@ def test_a_step_with_all_inputs_known_infers_once(monkeypatch):
     for _ in range(3):
         step(one, near="no")
     assert calls == []  # small enough for a table
-
-
-WRONG = [
-    (5, "is no list"),
-    ([{"id": "a"}], "node"),
-    ([threshold(node="Nobody", at_most=0.1)], "there is no node 'Nobody'"),
-    ([threshold(states=["Middle"], at_most=0.1)], "there is no state 'Middle'"),
-    ([threshold(states=[], at_most=0.1)], "no states"),
-    ([threshold(at_most=1.5)], "is no probability"),
-    ([threshold(at_most=0.1, release=True)], "is no probability"),
-    ([LOW, LOW], "the same id"),
-]
-
-
-@pytest.mark.parametrize(("given", "reason"), WRONG)
-def test_what_is_no_threshold_is_refused(given, reason):
-    with pytest.raises(ModelError, match=reason):
-        monitor(RISKS, ("Risk",), direct=DIRECT, thresholds=given)
 
 
 def told(one):

@@ -15,9 +15,9 @@ import pytest
 from eddi_runtime.bayesian_network import patterns
 from eddi_runtime.bayesian_network.tables import JointTables
 
-from eddi_scaffold.compiling.bayesian_network import programs, width
-from eddi_scaffold.compiling.bayesian_network.graph import components
-from eddi_scaffold.compiling.bayesian_network.joint import fits
+from eddi_scaffold.kinds.bayesian_network import inference_plan, width
+from eddi_scaffold.kinds.bayesian_network.joint_tables import fits
+from eddi_scaffold.kinds.bayesian_network.structure import components
 from runtime_lib.tests.bayesian_network.networks import (
     engine,
     enumerate_all,
@@ -90,7 +90,9 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
     observable = sorted(rng.sample(range(count), rng.randint(1, count)))
     with pytest.MonkeyPatch.context() as patch:
         # A small part would be one table; so it goes the way of a large one.
-        patch.setattr(programs, "fits", lambda *of: tables and bool(of[2].given) and fits(*of))
+        patch.setattr(
+            inference_plan, "fits", lambda *of: tables and bool(of[2].given) and fits(*of)
+        )
         made = engine(net, outputs, observable)
     for _ in range(3):
         states = [rng.randrange(net.shape.cards[node]) for node in observable]
@@ -145,7 +147,7 @@ def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_
 def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monkeypatch):
     pytest.importorskip("numpy")
     monkeypatch.setattr(width, "WIDE", 0)
-    monkeypatch.setattr(programs, "plans_when_observed", lambda *_: ())
+    monkeypatch.setattr(inference_plan, "plans_when_observed", lambda *_: ())
     monkeypatch.setattr(patterns, "_REMEMBERED", 3)
     rng = random.Random(5)
     net = random_network(rng, 9, zeros=0.0, most_states=3)

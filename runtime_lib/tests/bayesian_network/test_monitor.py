@@ -17,14 +17,9 @@ from eddi_runtime.bayesian_network import outputs as out
 from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from eddi_runtime.bayesian_network.evidence import EvidenceError
 
-from eddi_scaffold.compiling import compilation
-from eddi_scaffold.compiling.bayesian_network import programs
-from eddi_scaffold.compiling.document import ModelError, check_document, digest_of
-from eddi_scaffold.compiling.execution import build as build_any
+from eddi_scaffold.kinds.bayesian_network import inference_plan
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
-    NODES,
-    document,
     give,
     monitor,
     node,
@@ -69,7 +64,7 @@ def hostile():
 
 
 def test_it_is_a_monitor_like_any_other():
-    one = build_any(check_document(document(bins=BINS)))
+    one = monitor(bins=BINS)
     assert one.kind == "bayesian_network"
     assert one.model_id == "net"
     assert isinstance(one, Monitor)
@@ -325,17 +320,8 @@ def test_the_old_rule_of_evidence():
     assert direct.execute_step(give(s=[0.5, 0.5, 0.0])) == direct.execute_step(give())
 
 
-@pytest.fixture
-def compiled_anew():
-    """Let limits of the compiler count for models that were compiled before, and only here."""
-    compilation._known_lines.cache_clear()
-    yield
-    compilation._known_lines.cache_clear()
-
-
-@pytest.mark.usefixtures("compiled_anew")
 def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(monkeypatch):
-    monkeypatch.setattr(programs, "LARGE", 1)
+    monkeypatch.setattr(inference_plan, "LARGE", 1)
     hooks = Made(Alarm=(False, {"on": 0.0, "off": 0.0}))
     with pytest.raises(RuntimeModelError, match=r"Alarm, which was not foreseen: .* upgrade`"):
         monitor(hooks=hooks)
@@ -439,9 +425,8 @@ def test_posteriors_of_few_states_are_known_from_the_start():
     assert one._known_rows == before
 
 
-@pytest.mark.usefixtures("compiled_anew")
 def test_posteriors_of_former_states_are_remembered(monkeypatch):
-    monkeypatch.setattr(programs, "MAX_CASES", 4)
+    monkeypatch.setattr(inference_plan, "MAX_CASES", 4)
     monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
     one, never = monitor(direct=DIRECT), monitor(direct=DIRECT)
     never.remembered = 0
@@ -507,45 +492,6 @@ def test_posteriors_by_name():
             posteriors(one, evidence)
     with pytest.raises(InconsistentEvidenceError, match="Speed=stands, Gap=far, Danger=yes"):
         posteriors(one, {"Speed": "stands", "Gap": "far", "Danger": "yes"})
-
-
-def changed(**more):
-    data = document(bins=BINS, direct={"Gap": "d"})
-    data["model"] = dict(data["model"], **more)
-    return data
-
-
-@pytest.mark.parametrize(
-    ("more", "reason"),
-    [
-        ({"outputs": ["Dangr"]}, "there is no node 'Dangr'"),
-        ({"observed": ["x"]}, "there is no node 'x'"),
-        ({"observed": "Gap"}, "a list of nodes is not a list"),
-        ({"direct": {"Gap": "dist"}}, "there is no input 'dist'"),
-        ({"discretisation": {"Gap": {"bins": [1]}}}, "discretisation of 'Gap' has no 'input'"),
-        ({"discretisation": {"Gap": {"input": "d"}}}, "exactly one of 'bins' and 'map'"),
-        ({"nodes": [NODES[0], NODES[0]]}, "two nodes have the same id"),
-        ({"nodes": [node("A", "x x", (), [0.5, 0.5])]}, "name one twice"),
-        ({"nodes": [node("A", ["x", 1], (), [0.5, 0.5])]}, "are not texts"),
-        ({"nodes": [node("A", "x y", "B", [0.5] * 4)]}, "there is no node 'B'"),
-        ({"nodes": [node("A", "x y", "A", [0.5] * 4)]}, "the network has a cycle"),
-        ({"nodes": [node("A", "x y", (), [0.5])]}, "has 1 numbers, not 2"),
-        ({"nodes": [node("A", "x y", (), [0.5, "0.5"])]}, "something else than numbers"),
-        ({"nodes": [node("A", "x y", (), [0.6, 0.5])]}, "does not sum to 1"),
-        ({"nodes": [node("A b", "x y", (), [1, 0]), node("A_b", "x y", (), [1, 0])]}, "attribute"),
-    ],
-)
-def test_what_is_wrong_with_a_model(more, reason):
-    data = changed(**more)
-    if "nodes" in more:
-        data["model"].update(outputs=[], discretisation={}, direct={})
-    with pytest.raises(ModelError, match=reason):
-        build_any(check_document(dict(data, sha256=digest_of(data))))
-
-
-def test_unknown_settings_are_refused():
-    with pytest.raises(ModelError, match="'evidence_mode' is 'soft', not one of virtual"):
-        monitor(bins=BINS, evidence_mode="soft")
 
 
 class Odd(Config):

@@ -14,8 +14,7 @@ from hypothesis import settings
 pytest.importorskip("pgmpy", reason="pgmpy is no dependency")
 pytest.importorskip("numpy")
 
-from eddi_scaffold.compiling.bayesian_network.graph import Shape
-from eddi_scaffold.compiling.bayesian_network.model import Network
+from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, Shape
 from runtime_lib.tests.bayesian_network.networks import engine, furthest
 
 pytestmark = pytest.mark.slow
@@ -103,7 +102,7 @@ def ours(model):
         states.append(tuple(cpd.state_names[name]))
         tables.append(tuple(cpd.get_values().T.ravel().tolist()))
     shape = Shape(tuple(names), tuple(map(len, states)), tuple(parents))
-    return Network(shape, tuple(states), tuple(tables), tuple(names))
+    return NumberedNetwork(shape, tuple(states), tuple(tables), tuple(names))
 
 
 def sample(rng, net):

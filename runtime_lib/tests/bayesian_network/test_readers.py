@@ -7,8 +7,6 @@ import pytest
 from eddi_runtime.bayesian_network.direct import DirectReader
 from eddi_runtime.inputs import InputSpec
 
-from eddi_scaffold.compiling.document import ModelError
-
 from .networks import discretiser
 
 STATES = ("low", "mid", "high")
@@ -125,31 +123,6 @@ def test_faults_are_said_and_missing_is_none():
     assert one.fault("far") == "expected a number, got 'far'"
     assert one.fault(10.0) == "the value 10.0 is not finite or outside the range"
     assert reader(map={"car": "low"}).fault("bus") == "no state is declared for 'bus'"
-
-
-@pytest.mark.parametrize(
-    ("declared", "reason"),
-    [
-        ({"bins": [1.0]}, "1 edges for 3 states"),
-        ({"bins": [2.0, 1.0]}, "the edges do not ascend"),
-        ({"bins": [1.0, 1.0]}, "the edges do not ascend"),
-        ({"bins": [1.0, "2"]}, "'bins' is no list of numbers"),
-        ({"bins": 3}, "'bins' is no list of numbers"),
-        ({}, "it has not exactly one of 'bins' and 'map'"),
-        ({"bins": [1, 2], "map": {"a": "low"}}, "it has not exactly one of 'bins' and 'map'"),
-        ({"map": {"a": "hot"}}, "there is no state 'hot'"),
-        ({"map": 3}, "'map' or 'sentinel' is no list of pairs"),
-        ({"map": [["a"]]}, "'map' or 'sentinel' is no list of pairs"),
-        ({"map": [[None, "low"]]}, "'map' or 'sentinel' names a value of a wrong type"),
-        ({"bins": [1, 2], "closed": "both"}, "'closed' is 'both', not one of right, left"),
-        ({"bins": [1, 2], "scale": True}, "'scale' is no number"),
-        ({"bins": [1, 2], "range": [1]}, "'range' is no pair"),
-        ({"bins": [1, 2], "bin": 1}, "the key 'bin' is not known"),
-    ],
-)
-def test_wrong_declarations(declared, reason):
-    with pytest.raises(ModelError, match=f"^the discretisation of 'N': {reason}$"):
-        reader(**declared)
 
 
 def direct(virtual=True):

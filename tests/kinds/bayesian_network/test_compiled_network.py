@@ -7,6 +7,7 @@ import os
 import random
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -15,18 +16,18 @@ from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.compiling.bayesian_network import programs, width
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import check_document
-from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.common.problems import Place
 from eddi_scaffold.compiling.parts import runtime_parts_of
+from eddi_scaffold.kinds.bayesian_network import inference_plan, width
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
+    NODES,
     compiled,
-    document,
     exactly,
     furthest,
     give,
+    model,
+    model_of,
     network,
     node,
     posterior,
@@ -40,28 +41,18 @@ from tests.compiling.formatting import objections
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 
 
-def network_document(net, outputs, observed):
-    names = net.shape.names
-    nodes = [
-        node(name, net.states[k], [names[one] for one in net.shape.parents[k]], net.tables[k])
-        for k, name in enumerate(names)
-    ]
-    direct = {names[k]: names[k] for k in observed}
-    return document(nodes, [names[k] for k in outputs], direct=direct)
-
-
 def large(seed=3, count=24):
     rng = random.Random(seed)
     net = random_network(rng, count, zeros=0.1)
-    return network_document(net, [count - 1, 5], sorted(rng.sample(range(count), count // 2)))
+    return model_of(net, [count - 1, 5], sorted(rng.sample(range(count), count // 2)))
 
 
 def several():
-    nodes = [*document()["model"]["nodes"], node("Alone", "a b", (), [0.0, 1.0])]
+    nodes = [*NODES, node("Alone", "a b", (), [0.0, 1.0])]
     limits = [threshold("T", "Danger", ["yes"], 1.0, at_most=0.2)]
     bins = dict(BINS, Speed=dict(BINS["Speed"], sentinel=[[-1, "fast"]], range=[-1, 9]))
     direct = {"Alone": "a", "Alarm": "b"}
-    return document(nodes, bins=bins, direct=direct, thresholds=limits, on_inconsistent="prior")
+    return model(nodes, bins=bins, direct=direct, thresholds=limits, on_inconsistent="prior")
 
 
 def wide(parents=11):
@@ -72,31 +63,29 @@ def wide(parents=11):
         [*[()] * parents, range(parents)],
         [*[[0.5, 0.5]] * parents, [p for _ in range(2**parents) for p in random_row(rng, 2, 0.1)]],
     )
-    return net, network_document(net, [parents], range(parents))
+    return net, model_of(net, [parents], range(parents))
 
 
-DOCUMENTS = [document(bins=BINS), several(), large(), large(5, 9), document(outputs=[]), wide()[1]]
+MODELS = [model(bins=BINS), several(), large(), large(5, 9), model(outputs=[]), wide()[1]]
 
 
-@pytest.mark.parametrize("made", DOCUMENTS)
+@pytest.mark.parametrize("made", MODELS)
 def test_formatter_and_linter_agree(made):
-    assert objections(compile_model(check_document(made))) == ""
+    assert objections(made.text()) == ""
 
 
 def test_only_a_wide_network_has_patterns(monkeypatch):
-    assert "bayesian_network/patterns" not in runtime_parts_of(
-        compile_model(check_document(large(4)))
-    )
+    assert "bayesian_network/patterns" not in runtime_parts_of(large(4).text())
     monkeypatch.setattr(width, "WIDE", 0)
-    monkeypatch.setattr(programs, "fits", lambda *_: False)
-    text = compile_model(check_document(large(6)))  # the text of another one is remembered
+    monkeypatch.setattr(inference_plan, "fits", lambda *_: False)
+    text = large(4).text()
     assert "bayesian_network/patterns" in runtime_parts_of(text)
     assert objections(text) == ""
 
 
 def test_the_text_is_for_python_3_8():
-    for made in DOCUMENTS:
-        ast.parse(compile_model(check_document(made)), feature_version=(3, 8))
+    for made in MODELS:
+        ast.parse(made.text(), feature_version=(3, 8))
 
 
 def test_nothing_of_a_hostile_model_becomes_code():
@@ -105,13 +94,13 @@ def test_nothing_of_a_hostile_model_becomes_code():
     nodes = [node("in", states, (), rows)]
     table = [p for k in range(len(states)) for p in (k / 10, 1 - k / 10)]
     nodes += [node(HOSTILE[3], ["yes", HOSTILE[1]], ["in"], table)]
-    nodes[0]["path"], nodes[0]["attribute"] = HOSTILE[0], HOSTILE[3]
-    made = document(nodes, [HOSTILE[3]], direct={"in": "in"}, specs={"in": {"attribute": "a b"}})
-    text = compile_model(check_document(made))
+    nodes[0] = replace(nodes[0], place=Place("", path=HOSTILE[0]))
+    made = model(nodes, [HOSTILE[3]], direct={"in": "in"}, specs={"in": {"attribute": "a b"}})
+    text = made.text()
     assert text.isascii()
     names = {one.id for one in ast.walk(ast.parse(text)) if isinstance(one, ast.Name)}
     assert "__import__" not in names
-    monitor = build(check_document(made))
+    monitor = made.monitor()
     for k, state in enumerate(states):
         found = posterior(monitor.execute_step(give(**{"a b": state})), HOSTILE[3])
         assert found["yes"] == pytest.approx(k / 10)
@@ -119,10 +108,10 @@ def test_nothing_of_a_hostile_model_becomes_code():
 
 def test_two_monitors_of_one_text_are_independent():
     for made in (several(), large()):
-        kind = type(build(check_document(made)))
+        kind = type(made.monitor())
         one, other = kind(), kind()
         before = other.execute_step(object(), 0)
-        values = {node["id"]: node["states"][0] for node in made["model"]["nodes"]}
+        values = {node.id: node.states[0] for node in made.network.nodes}
         one.execute_step(give(**values, v=1.0, d=1.0, a="b", b="on"), 5)
         assert other.execute_step(object(), 0) == before
         assert one.engine is not other.engine
@@ -187,9 +176,9 @@ def test_the_step_that_is_written_out_does_what_the_messages_say():
 def test_a_large_table_is_read_as_it_was_written():
     pytest.importorskip("numpy")
     net, made = wide()
-    text = compile_model(check_document(made))
+    text = made.text()
     assert "schedule.rows_of(" in text
-    step = build(check_document(made)).execute_step
+    step = made.monitor().execute_step
     for row in (0, 1, 777, 2047):
         states = {f"n{k}": f"s{row >> (10 - k) & 1}" for k in range(11)}
         want = net.tables[11][2 * row : 2 * row + 2]
@@ -198,11 +187,9 @@ def test_a_large_table_is_read_as_it_was_written():
 
 SCRIPT = """
 import sys
-from tests.compiling.bayesian_network.test_emission import large
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import check_document
 sys.modules["numpy"] = None
-sys.stdout.write(compile_model(check_document(large())))
+from tests.kinds.bayesian_network.test_compiled_network import large
+sys.stdout.write(large().text())
 """
 
 
