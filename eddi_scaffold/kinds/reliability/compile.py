@@ -74,7 +74,18 @@ def compile_system(
         states: of the largest chain whose sums are written out; 0: no number is of one horizon.
         nodes: of the largest diagram whose sums are written out.
     """
-    lowered = lower(system)
+    return compile_lowered(lower(system), system, declaration, states=states, nodes=nodes)
+
+
+def compile_lowered(
+    lowered: LoweredSystem,
+    system: ReliabilitySystem,
+    declaration: Declaration,
+    *,
+    states: int = STATES_WRITTEN_OUT,
+    nodes: int = NODES_WRITTEN_OUT,
+) -> CompiledMonitor:
+    """Return the compiled monitor of a system whose models are lowered."""
     time = component_text.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
     lines: list[str] = []
     models = []
@@ -216,7 +227,7 @@ class _Classes:
         if isinstance(component, Battery):
             return self._battery(component)
         if isinstance(component, Processor):
-            load = {"load": literal(component.load)}
+            load = {} if component.load is None else {"load": literal(component.load)}
             age = {"age": number(component.age)} if component.age else {}
             heat = component.heat
             named = {"heat": _heat(heat), "temperature": text_literal(heat.temperature)}

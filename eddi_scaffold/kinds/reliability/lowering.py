@@ -83,12 +83,12 @@ class Battery:
 
 @dataclass(frozen=True)
 class Processor:
-    """A processor; ``load``: (input, its limit)."""
+    """A processor; ``load``: (input, its limit), None for always one."""
 
     mean: float
     shape: float
     heat: Heat
-    load: tuple[str, float]
+    load: tuple[str, float] | None
     age: float
 
 
@@ -221,12 +221,22 @@ def used(system: ReliabilitySystem) -> ReliabilitySystem:
 def lower(system: ReliabilitySystem) -> LoweredSystem:
     """Return what the runtime evaluates of a checked system."""
     below = {name: component.below for name, component in system.components.items()}
-    components: dict[str, Component] = {}
+    used_models = [system.components[name] for name in order(system.top, below)[0]]
+    return connected(
+        {component.name: _lowered(component) for component in used_models},
+        {component.name: component.place.path or "" for component in used_models},
+        mission_end=system.mission_end,
+    )
+
+
+def connected(
+    components: Mapping[str, Component], places: Mapping[str, str], *, mission_end: bool
+) -> LoweredSystem:
+    """Return models, each behind those that it uses, with the inputs that they read."""
     rules: dict[str, Rule] = {}
     owners: dict[str, str] = {}
     uses: dict[str, tuple[str, ...]] = {}
-    for name in order(system.top, below)[0]:
-        components[name] = component = _lowered(system.components[name])
+    for name, component in components.items():
         inputs: list[str] = []
         for read, rule in _reads(component):
             if rule is None:
@@ -236,9 +246,8 @@ def lower(system: ReliabilitySystem) -> LoweredSystem:
             owners.setdefault(read, name)
             inputs.append(read)
         uses[name] = tuple(dict.fromkeys(inputs))
-    if system.mission_end:
+    if mission_end:
         rules[MISSION_END] = _SECONDS
-    places = {name: system.components[name].place.path or "" for name in components}
     return LoweredSystem(components, places, rules, owners, uses)
 
 
@@ -256,7 +265,8 @@ def _reads(component: Component) -> Iterator[tuple[str, Rule | None]]:
             yield component.heat.temperature, _TEMPERATURE
     elif isinstance(component, Processor):
         yield component.heat.temperature, _TEMPERATURE
-        yield component.load[0], _LOAD
+        if component.load is not None:
+            yield component.load[0], _LOAD
     elif isinstance(component, KOutOfN):
         most = 10_000.0 if component.largest is None else float(component.largest)
         yield component.available, Rule("int", 0.0, most)

@@ -8,7 +8,7 @@ np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
 from eddi_runtime.reliability.battery import FreeHorizon  # noqa: E402 - numpy comes first
 
-from eddi_scaffold.compiling.reliability.markov import Chain, propagator, rates_of  # noqa: E402 - as above
+from eddi_scaffold.kinds.reliability.chains import Chain, propagator, rates_of  # noqa: E402 - as above
 from eddi_scaffold.kinds.reliability.trial import proximity  # noqa: E402 - as above
 from runtime_lib.tests.reliability.reliability_models import monitor  # noqa: E402 - as above
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above

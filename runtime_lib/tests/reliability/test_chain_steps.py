@@ -10,7 +10,7 @@ np = pytest.importorskip("numpy", reason="reliability needs numpy")
 from eddi_runtime.reliability.component import Moment  # noqa: E402 - numpy comes first
 from eddi_runtime.reliability.large_chain import propagator  # noqa: E402 - as above
 
-from eddi_scaffold.compiling.reliability import markov  # noqa: E402 - as above
+from eddi_scaffold.kinds.reliability import chains  # noqa: E402 - as above
 from runtime_lib.tests.reliability.reliability_models import chain, compiled, monitor  # noqa: E402 - as above
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
 
@@ -27,17 +27,17 @@ def model_of(spec, observe, horizon):
 
 
 def spec_of(states, fail, arcs):
-    return markov.Chain(tuple(map(str, range(states))), 0, fail, arcs)
+    return chains.Chain(tuple(map(str, range(states))), 0, fail, arcs)
 
 
 class OneByOne:
     """A belief that is moved, masked and normalised in every step."""
 
     def __init__(self, spec, horizon):
-        rates = np.array(markov.rates_of(spec))
+        rates = np.array(chains.rates_of(spec))
         q = rates - np.diag(rates.sum(axis=1))
         self.step, self.ahead = propagator(q, QUANTUM), propagator(q, horizon)
-        self.fail, self.tau = list(spec.fail), np.array(markov.mean_times(spec))
+        self.fail, self.tau = list(spec.fail), np.array(chains.mean_times(spec))
         self.belief = np.eye(len(spec.states))[0]
 
     def look(self, quanta, mask):

@@ -8,7 +8,6 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_scaffold.compiling.document import ModelError  # noqa: E402 - numpy comes first
 from eddi_scaffold.kinds.reliability.trial import look_ahead  # noqa: E402 - as above
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - numpy comes first
     NS,
@@ -320,53 +319,6 @@ def test_messages_and_json():
     assert one.series(result)["go"] is True
     assert one.status_message() is None
     assert one.blocked(["m0"]) == {"m0": ("valid",)}
-
-
-BAD = {
-    "there is no component 'nobody'": {"top": "nobody"},
-    "'horizon' of the model is -1.0, below 0 or not finite": {"horizon": -1.0},
-    "'horizon' of the model is 0.0, below 1e-12 or not finite": {
-        "horizon": 0.0,
-        "mission_end": True,
-    },
-}
-
-
-@pytest.mark.parametrize(("reason", "change"), BAD.items())
-def test_damaged_models_are_refused(reason, change):
-    with pytest.raises(ModelError) as caught:
-        rotors(**change)
-    assert caught.value.reason == reason
-
-
-WRONG = {
-    "component 'chain' has no fail state": chain([[0, 1, 1.0]], 2, []),
-    "5 in component 'chain' is no number below 2": chain([[0, 5, 1.0]], 2, [1]),
-    "-1.0 in component 'chain' is negative or not finite": chain([[0, 1, -1.0]], 2, [1]),
-    "'arcs' of component 'chain' is no list of triples": chain([[0, 1]], 2, [1]),
-    "the type 'magic' of component 'x' is not known": {"name": "x", "type": "magic"},
-    "component 'rotors' needs as many rates and inputs as 'PNPN' has": quad(1.0, rates=[1.0]),
-    "a gate of component 'tree' wants 3 of 1": tree(
-        [event("fixed", 0.1)], [{"type": "VOTE", "of": [0], "k": 3}]
-    ),
-    "a gate 'NOR' of component 'tree' cannot be evaluated": tree(
-        [event("fixed", 0.1)], [{"type": "NOR", "of": [0]}]
-    ),
-    "a probability in component 'tree' is above 1": tree([event("fixed", 1.1)], []),
-    "the law 'magic' in component 'tree' is not known": tree([event("magic", 1.1)], []),
-    "the law 'weibull' in component 'tree' has 1 numbers": tree([event("weibull", 1.1)], []),
-    "component 'tree' uses 'x', which is not defined before it": tree(
-        [event("model", model="x")], []
-    ),
-    "the input 'm0' of the model is not declared": tree([event("fixed", 0.1, input="m0")], []),
-}
-
-
-@pytest.mark.parametrize(("reason", "component"), WRONG.items())
-def test_damaged_components_are_refused(reason, component):
-    with pytest.raises(ModelError) as caught:
-        monitor([component])
-    assert caught.value.reason == reason
 
 
 def test_a_threshold_says_what_it_lacks():

@@ -10,23 +10,21 @@ from eddi_runtime.reliability import Reliability
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem, in_order
-from eddi_scaffold.compiling.document import InputData, ModelFile
-from eddi_scaffold.compiling.execution import build
+from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, Options
+from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from runtime_lib.tests.compiled_models import loaded
 
 
 def compiled(model: Model) -> Reliability:
     """Return the monitor of a configured model."""
-    specs = tuple(InputData(one.id, one.id) for one in FUNCTIONS.inputs(model))
-    part = FUNCTIONS.runtime_model(model)
-    made: Reliability = build(ModelFile("", "reliability", "m", "", {}, specs, part, {}, _none))
+    inputs = tuple(BoundInput(input_.id, input_.id) for input_ in FUNCTIONS.inputs(model))
+    declaration = Declaration("m", "", inputs)
+    parts = compile_system(model.data, declaration)
+    made: Reliability = loaded("reliability", parts, declaration).Monitor()
     return made
-
-
-def _none(_: str) -> bytes:
-    return b""
 
 
 def read_text(text: str) -> tuple[Model | None, list[Problem]]:

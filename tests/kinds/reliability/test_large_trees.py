@@ -13,8 +13,8 @@ import pytest
 from eddi_runtime.reliability.large_tree import LargeTree
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.compiling.reliability.trees import table
-from eddi_scaffold.kinds.reliability.runtime_model import diagram_of, runtime_model
+from eddi_scaffold.kinds.reliability.component_text import table
+from eddi_scaffold.kinds.reliability.lowering import FaultTree, lower
 from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import data_file
@@ -81,14 +81,16 @@ def systems(file: str) -> dict[str, ReliabilitySystem]:
 
 def value(system: ReliabilitySystem) -> float:
     """Return the probability of a tree whose events have fixed ones."""
-    part = runtime_model(system)["components"][-1]
-    diagram = diagram_of(part)
+    tree = lower(system).components[system.top]
+    assert isinstance(tree, FaultTree)
+    assert tree.diagram is not None
+    diagram = tree.diagram
 
     class Tree(LargeTree):
         names = ()
         modules = table(diagram)  # type: ignore[assignment]
 
-    return Tree().failure([event["values"][0] for event in part["events"]])
+    return Tree().failure([event.values[0] for event in tree.events])
 
 
 @pytest.mark.parametrize("name", ARALIA)

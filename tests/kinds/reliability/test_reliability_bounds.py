@@ -12,16 +12,14 @@ from eddi_runtime.reliability.cut_sets import BoundedTree
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.compiling.document import ModelError
-from eddi_scaffold.compiling.reliability.cut_sets import cut_sets_of_gates, minimal_cut_sets
-from eddi_scaffold.compiling.reliability.diagram import Gate, build
-from eddi_scaffold.compiling.reliability.model import read_plan
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
+from eddi_scaffold.kinds.reliability.cut_sets import cut_sets_of_gates, minimal_cut_sets
+from eddi_scaffold.kinds.reliability.fault_tree import Gate, build
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from eddi_scaffold.kinds.reliability.write import to_yaml
-from tests.compiling.reliability import trees as written
+from tests.kinds.reliability import trees as written
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
 pytestmark = pytest.mark.slow
@@ -174,19 +172,6 @@ def test_a_small_file_with_an_entangled_tree_is_refused() -> None:
     (problem,) = [one for one in everything(text) if one.level == "error"]
     assert problem.code == "R010"
     assert "or takes too long to find them" in problem.message
-
-
-def test_damaged_cut_sets_are_refused() -> None:
-    part = FUNCTIONS.runtime_model(sound(VOTES))
-    cases: list[tuple[Any, str]] = [
-        ("x", "'cut_sets' of component 't' has the wrong type str"),
-        ([0], "'cut_sets' of component 't' is no list of sets"),
-        ([[9]], "9 in component 't' is no number below 5"),
-    ]
-    for broken, reason in cases:
-        component = {**part["components"][0], "cut_sets": broken}
-        with pytest.raises(ModelError, match=reason):
-            read_plan({**part, "components": [component]})
 
 
 def test_a_mean_life_takes_few_evaluations() -> None:

@@ -11,8 +11,8 @@ import yaml
 from eddi_runtime.thresholds import Evidence, Threshold
 
 from eddi_scaffold.common.units import rate
-from eddi_scaffold.compiling.reliability.structures import CONFIGURATIONS
 from eddi_scaffold.kinds import Options
+from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS
 from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import mean_life, proximity
 from tests.data_files import data_file

@@ -42,7 +42,7 @@ def test_a_gap_is_longer_than_a_step_that_is_left_out(
     assert model is not None, problems
     configured, problems = FUNCTIONS.configure(model, Options(frequency=frequency))
     assert configured is not None, problems
-    assert FUNCTIONS.runtime_model(configured)["max_gap"] == expected
+    assert configured.data.usual_gap == expected
     late = [str(one.message) for one in problems if one.code == "R014"]
     if expected * frequency >= 1.0:
         assert late == []

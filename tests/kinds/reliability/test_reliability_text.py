@@ -13,16 +13,13 @@ from typing import Any
 
 import pytest
 
-from eddi_scaffold.compiling import compilation
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import ModelFile
-from eddi_scaffold.compiling.execution import build
-from eddi_scaffold.compiling.reliability import chains, markov
+from eddi_scaffold.kinds.reliability import chains, component_text
 from runtime_lib.tests.reliability.reliability_models import (
+    Model,
     chain,
     compiled,
     event,
-    model_file,
+    model,
     monitor,
     quad,
     tree,
@@ -37,7 +34,7 @@ GO = {"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.5}
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "class", "self", "é", "\ud800", "x" * 500, "#"]
 
 
-def whole(**model: Any) -> ModelFile:
+def whole(**options: Any) -> Model:
     """Return a model with every type of component."""
     parts = [BATTERY, CPU, UNITS, quad(0.01), DENSE, LARGE]
     events = [event("model", model=part["name"]) for part in parts]
@@ -47,10 +44,10 @@ def whole(**model: Any) -> ModelFile:
     series = {"name": "all", "type": "series", "of": ["tree"]}
     inputs = ["level", "t", "u", "n", "m0", "m1", "m2", "m3", "new", "ok", "w", "f", "mission_end"]
     parts = [*parts, tree(events, gates), series]
-    return model_file(parts, inputs, thresholds=[GO], on_unknown="worst_case", **model)
+    return model(parts, inputs, thresholds=[GO], on_unknown="worst_case", **options)
 
 
-def hostile() -> ModelFile:
+def hostile() -> Model:
     events = [{**event("exponential", 0.1, input=one), "name": one} for one in HOSTILE]
     events[0]["place"] = '"""\nimport os'
     named = {**chain([[0, 1, 0.1]], 2, [1]), "states": ['"""', "\n"], "name": "\n#", "place": "\\"}
@@ -59,32 +56,31 @@ def hostile() -> ModelFile:
         {"type": "OR", "of": [*range(2, 12)], "name": "x" * 500, "place": "\\"},
     ]
     top = tree([*events, event("model", model="\n#")], gates)
-    made = model_file([named, top], HOSTILE, thresholds=[{**GO, "id": '"\n'}])
-    inputs = (replace(one, attribute=f"value {k}") for k, one in enumerate(made.inputs))
-    return replace(made, inputs=tuple(inputs))
+    made = model([named, top], HOSTILE, thresholds=[{**GO, "id": '"\n'}])
+    inputs = (replace(one, attribute=f"value {k}") for k, one in enumerate(made.declaration.inputs))
+    return made._replace(declaration=replace(made.declaration, inputs=tuple(inputs)))
 
 
 MODELS = [
     whole(mission_end=False),
     whole(mission_end=True),
-    model_file([quad(0.01)], ["m0", "m1", "m2", "m3"]),
+    model([quad(0.01)], ["m0", "m1", "m2", "m3"]),
     hostile(),
 ]
 
 
 @pytest.mark.parametrize("made", MODELS)
-def test_the_formatter_changes_nothing(made: ModelFile) -> None:
-    assert objections(compile_model(made)) == ""
+def test_the_formatter_changes_nothing(made: Model) -> None:
+    assert objections(made.text()) == ""
 
 
 def test_each_python_writes_the_same_digits(monkeypatch: pytest.MonkeyPatch) -> None:
     """From Python 3.12 on, ``sum`` adds floats in another way."""
     texts = []
     for add in (_one_by_one, math.fsum):
-        compilation._known_lines.cache_clear()
-        for module in (chains, markov):
+        for module in (chains, component_text):
             monkeypatch.setattr(module, "sum", add, raising=False)
-        texts.append([compile_model(one) for one in MODELS])
+        texts.append([one.text() for one in MODELS])
     assert texts[0] == texts[1]
 
 
@@ -96,16 +92,16 @@ def _one_by_one(values: Iterable[float]) -> float:
 
 
 @pytest.mark.parametrize("made", MODELS)
-def test_the_text_is_for_python_3_8(made: ModelFile) -> None:
-    ast.parse(compile_model(made), feature_version=(3, 8))
+def test_the_text_is_for_python_3_8(made: Model) -> None:
+    ast.parse(made.text(), feature_version=(3, 8))
 
 
 def test_nothing_of_a_hostile_model_becomes_code() -> None:
-    text = compile_model(hostile())
+    text = hostile().text()
     assert text.isascii()
     names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     assert "__import__" not in names
-    one = build(hostile())
+    one = hostile().monitor()
     source = SimpleNamespace(**{f"value {k}": False for k in range(len(HOSTILE))})
     assert one.execute_step(source, 0).valid
     vars(source)["value 2"] = True
@@ -146,9 +142,9 @@ def test_only_what_a_model_uses_is_imported() -> None:
     names = [f"m{i}" for i in range(8)]
     octo = {**quad(0.01), "configuration": "PPNNPPNN", "rates": [0.01] * 8}
     octo["inputs"] = [[name, None] for name in names]
-    small = compile_model(model_file([octo, DENSE], [*names, "new", "ok"]))
+    small = model([octo, DENSE], [*names, "new", "ok"]).text()
     assert "from eddi_runtime.reliability import chain, observed, rotors\n" in small
-    alone = compile_model(model_file([octo], names))
+    alone = model([octo], names).text()
     assert "from eddi_runtime.reliability import rotors\n" in alone
     script = f"import sys; exec({small!r}, {{'__file__': ''}}); print('numpy' in sys.modules)"
     done = subprocess.run(

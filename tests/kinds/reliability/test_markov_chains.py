@@ -9,8 +9,8 @@ np = pytest.importorskip("numpy", reason="large chains need numpy")
 
 from eddi_runtime.reliability import large_chain  # noqa: E402 - numpy comes first
 
-from eddi_scaffold.compiling.reliability import markov  # noqa: E402 - numpy comes first
-from eddi_scaffold.compiling.reliability.structures import (  # noqa: E402 - numpy comes first
+from eddi_scaffold.kinds.reliability import chains  # noqa: E402 - numpy comes first
+from eddi_scaffold.kinds.reliability.chains import (  # noqa: E402 - numpy comes first
     CONFIGURATIONS,
     operational,
     rotors_chain,
@@ -19,8 +19,8 @@ from eddi_scaffold.compiling.reliability.structures import (  # noqa: E402 - num
 
 def propagator(chain, hours):
     """Return the exponential of plain loops, which numpy's must equal."""
-    rates = np.array(markov.rates_of(chain))
-    plain = np.array(markov.propagator(rates.tolist(), hours))
+    rates = np.array(chains.rates_of(chain))
+    plain = np.array(chains.propagator(rates.tolist(), hours))
     assert large_chain.propagator(generator(chain), hours) == pytest.approx(
         plain, rel=1e-13, abs=0.0
     )
@@ -28,21 +28,21 @@ def propagator(chain, hours):
 
 
 def generator(chain):
-    rates = np.array(markov.rates_of(chain))
+    rates = np.array(chains.rates_of(chain))
     return rates - np.diag(rates.sum(axis=1))
 
 
 def mean_times(chain):
-    plain = markov.mean_times(chain)
+    plain = chains.mean_times(chain)
     fail = frozenset(chain.fail)
     endless = [state for state, life in enumerate(plain) if life == math.inf]
-    rates = np.array(markov.rates_of(chain))
+    rates = np.array(chains.rates_of(chain))
     assert large_chain.mean_times(rates, fail, endless) == pytest.approx(np.array(plain), rel=1e-13)
     return np.array(plain)
 
 
 def chain_of(states, arcs, fail):
-    return markov.Chain(tuple(map(str, range(states))), 0, tuple(fail), tuple(arcs))
+    return chains.Chain(tuple(map(str, range(states))), 0, tuple(fail), tuple(arcs))
 
 
 def random_chain(states, seed):

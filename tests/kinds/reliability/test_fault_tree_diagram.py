@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from eddi_scaffold.compiling.reliability.cut_sets import minimal_cut_sets
-from eddi_scaffold.compiling.reliability.diagram import Gate, TooLargeError, build
-from tests.compiling.reliability.trees import compiled
+from eddi_scaffold.kinds.reliability.cut_sets import minimal_cut_sets
+from eddi_scaffold.kinds.reliability.fault_tree import Gate, TooLargeError, build
+from tests.kinds.reliability.trees import compiled
 
 
 def probability(diagram, *, of_failure=True):
@@ -173,7 +173,7 @@ def test_inputs_that_share_events_among_each_other_only_are_a_module():
 def test_the_order_of_a_large_tree_does_not_rest_on_the_seed_of_hashes():
     script = (
         "import random\n"
-        "from eddi_scaffold.compiling.reliability.diagram import Gate, build\n"
+        "from eddi_scaffold.kinds.reliability.fault_tree import Gate, build\n"
         "chance, gates = random.Random(3), []\n"
         "for i in range(40):\n"
         "    of = tuple(chance.sample(range(40 + i), 3))\n"
