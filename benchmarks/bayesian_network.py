@@ -32,11 +32,13 @@ from eddi_runtime.bayesian_network import BayesianNetworkMonitor  # noqa: E402 -
 from benchmarks import bayesian_network_peers as peers  # noqa: E402
 from benchmarks.bayesian_network_peers import Evidence, Net  # noqa: E402
 from benchmarks.timing import per_call  # noqa: E402
-from eddi_scaffold.compiling.bayesian_network.graph import Shape  # noqa: E402
-from eddi_scaffold.compiling.bayesian_network.width import width_of  # noqa: E402
-from eddi_scaffold.compiling.compilation import compile_model  # noqa: E402
-from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
 from eddi_scaffold.compiling.execution import module_of  # noqa: E402
+from eddi_scaffold.compiling.monitor import BoundInput, Declaration  # noqa: E402
+from eddi_scaffold.kinds.bayesian_network.compile import compile_network  # noqa: E402
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions  # noqa: E402
+from eddi_scaffold.kinds.bayesian_network.structure import Shape  # noqa: E402
+from eddi_scaffold.kinds.bayesian_network.width import Width, width_of  # noqa: E402
+from runtime_lib.tests.compiled_models import text_of  # noqa: E402
 
 CRITICAL = [0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.5, 0.5, 0.25, 0.75, 0.1, 0.9]
 CRITICAL += [0.7, 0.3, 0.4, 0.6, 0.2, 0.8, 0.9, 0.1, 0.65, 0.35, 0.45, 0.55]
@@ -222,8 +224,14 @@ def evidence_of(task: Task) -> list[Evidence]:
 
 
 def compiled(task: Task) -> str:
-    data = peers.document(task.net, task.outputs, task.observed)
-    return compile_model(check_document(data | {"sha256": digest_of(data)}))
+    observed = tuple(f"n{node}" for node in task.observed)
+    outputs = tuple(f"n{node}" for node in task.outputs)
+    direct, width = {name: name for name in observed}, Width(0, (), 0, 0)
+    options = NetworkOptions(outputs, observed, (), direct, (), width)
+    inputs = tuple(BoundInput(name, name) for name in observed)
+    declaration = Declaration("Benchmark", "", inputs)
+    parts = compile_network(peers.network_of(task.net), options, declaration)
+    return text_of("bayesian_network", parts, declaration)
 
 
 def monitor_of(task: Task) -> BayesianNetworkMonitor:

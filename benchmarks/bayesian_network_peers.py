@@ -13,7 +13,9 @@ import random
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
 Evidence = Mapping[int, "int | Sequence[float]"]
 """Node -> its state, or likelihoods."""
@@ -182,32 +184,16 @@ def sampled(net: Net, rng: random.Random) -> list[int]:
     return [found[node] for node in range(len(found))]
 
 
-def document(net: Net, outputs: Sequence[int], observed: Sequence[int]) -> dict[str, Any]:
-    """Return our model document; each observed node has a direct input of its name."""
+def network_of(net: Net) -> Network:
+    """Return the typed network of the generator."""
     nodes = [
-        {
-            "id": f"n{k}",
-            "states": [f"s{state}" for state in range(card)],
-            "parents": [f"n{one}" for one in net.parents[k]],
-            "table": net.tables[k],
-            "attribute": f"n{k}",
-            "state_attributes": [f"s{state}" for state in range(card)],
-        }
+        Node(
+            f"n{k}",
+            f"n{k}",
+            tuple(f"s{state}" for state in range(card)),
+            tuple(f"n{parent}" for parent in net.parents[k]),
+            tuple(map(float, net.tables[k])),
+        )
         for k, card in enumerate(net.cards)
     ]
-    names = [f"n{one}" for one in observed]
-    return {
-        "format": 1,
-        "kind": "bayesian_network",
-        "id": "Benchmark",
-        "source": {},
-        "inputs": [{"id": one, "attribute": one, "requires": []} for one in names],
-        "model": {
-            "nodes": nodes,
-            "outputs": [f"n{one}" for one in outputs],
-            "observed": None,
-            "discretisation": {},
-            "direct": {one: one for one in names},
-        },
-        "settings": {},
-    }
+    return Network("Benchmark", tuple(nodes))

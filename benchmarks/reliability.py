@@ -32,19 +32,12 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from benchmarks.timing import per_call  # noqa: E402 - from the checkout
-from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
-from eddi_scaffold.compiling.execution import build, module_of  # noqa: E402
-from eddi_scaffold.compiling.reliability import trees  # noqa: E402
-from eddi_scaffold.compiling.reliability.diagram import Diagram, Gate  # noqa: E402
-from eddi_scaffold.compiling.reliability.diagram import build as diagram_of  # noqa: E402
-from eddi_scaffold.compiling.reliability.markov import Chain, rates_of  # noqa: E402
-from eddi_scaffold.compiling.reliability.model import (  # noqa: E402
-    Event,
-    FaultTree,
-    Named,
-    battery_chain,
-)
-from eddi_scaffold.compiling.reliability.structures import rotors_chain  # noqa: E402
+from eddi_scaffold.kinds.reliability.chains import Chain, rates_of, rotors_chain  # noqa: E402
+from eddi_scaffold.kinds.reliability.fault_tree import Gate  # noqa: E402
+from eddi_scaffold.kinds.reliability.fault_tree import build as diagram_of  # noqa: E402
+from eddi_scaffold.kinds.reliability.lowering import battery_chain  # noqa: E402
+from runtime_lib.tests.reliability.reliability_models import monitor as monitor_of  # noqa: E402
+from tests.kinds.reliability.trees import compiled  # noqa: E402
 
 STATES = (5, 50, 500)
 EVENTS = (10, 100, 300)
@@ -115,12 +108,12 @@ def rows_of_monitors(runs: int, seconds: float) -> list[dict[str, Any]]:
         "u_max": 1.0, "activation_energy": 0.3, "shape": 1.0, "temperature": "t",
         "utilisation": "u",
     }  # fmt: skip
-    event = {"values": [], "model": "", "input": None}
+    event: dict[str, Any] = {"values": ()}
     events = [
         *(event | {"name": m, "law": "model", "model": m} for m in ("rotors", "battery", "cpu")),
-        event | {"name": "gps", "law": "exponential", "values": [1e-4]},
-        event | {"name": "vio", "law": "exponential", "values": [2e-4]},
-        event | {"name": "link", "law": "exponential", "values": [1e-3], "input": "link"},
+        event | {"name": "gps", "law": "exponential", "values": (1e-4,)},
+        event | {"name": "vio", "law": "exponential", "values": (2e-4,)},
+        event | {"name": "link", "law": "exponential", "values": (1e-3,), "input": "link"},
     ]
     gates = [{"type": "AND", "of": [3, 4]}, {"type": "OR", "of": [0, 1, 2, 5, 6]}]
     tree = {"name": "loss", "type": "fault_tree", "repair": False, "top": 7}
@@ -149,18 +142,8 @@ def both(peers: list[Action | None]) -> Action | None:
 
 def stepping(components: list[dict[str, Any]], values: dict[str, Any]) -> Action:
     """Return the step of a monitor with these inputs, 0.1 s after the one before."""
-    model = {
-        "components": components, "top": components[-1]["name"], "horizon": 0.5,
-        "mission_end": False, "quantum": 0.1, "on_unknown": "inactive", "max_gap": 1.0,
-        "thresholds": [{"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}],
-    }  # fmt: skip
-    document: dict[str, Any] = {
-        "format": 1, "kind": "reliability", "id": "m", "source": {},
-        "settings": {}, "model": model,
-        "inputs": [{"id": name, "attribute": name, "requires": []} for name in values],
-    }  # fmt: skip
-    document["sha256"] = digest_of(document)
-    monitor = build(check_document(document))
+    go = {"id": "go", "activate": 1e-4, "release": 2e-4, "hold": 2.0}
+    monitor = monitor_of(components, values, horizon=0.5, thresholds=[go])
     inputs = SimpleNamespace(**values)
     now = 0
 
@@ -203,7 +186,7 @@ def row_of_tree(events: int, runs: int, seconds: float) -> dict[str, Any]:
             above.append(events + len(gates) - 1)
         level = above
     diagram = diagram_of(events, gates, level[0])
-    evaluate = compiled(diagram, gates).failure
+    evaluate = compiled(diagram).failure
     q = [chance.random() * 1e-2 for _ in range(events)]
     peer = (lambda: enumerated(gates, q)) if events <= 10 else None
     case = f"tree, {events} events, {diagram.size} nodes"
@@ -215,7 +198,7 @@ def row_of_large_tree(runs: int, seconds: float) -> dict[str, Any]:
     """Return the row of a vote of 200 out of 400, whose sums are not written out."""
     gates = [Gate("VOTE", tuple(range(400)), 200)]
     diagram = diagram_of(400, gates, 400)
-    evaluate = compiled(diagram, gates).failure
+    evaluate = compiled(diagram).failure
     nodes = diagram.modules[0].nodes
     q = [0.4 + i / 4000 for i in range(400)]
 
@@ -227,16 +210,6 @@ def row_of_large_tree(runs: int, seconds: float) -> dict[str, Any]:
 
     case = f"tree, 400 events, {diagram.size} nodes"
     return paired(case, lambda: evaluate(q), "a loop over the nodes", loop, runs, seconds, "")
-
-
-def compiled(diagram: Diagram, gates: list[Gate]) -> Any:
-    """Return a tree as a package has it."""
-    events = tuple(Event(str(i), "fixed", (0.0,), "", None, 0.0, "") for i in range(diagram.events))
-    named = tuple(Named(gate.type, "") for gate in gates)
-    tree = FaultTree(events, named, diagram, None, repair=False)
-    lines = trees.class_lines("Tree", tree, [], trees.WRITTEN_OUT)
-    text = "\n".join(["from eddi_runtime.reliability import large_tree, tree", *lines])
-    return module_of(text, "tree").Tree()
 
 
 def enumerated(gates: list[Gate], q: list[float]) -> float:
