@@ -113,7 +113,10 @@ def find_tree(
     for trial in range(max(1, min(trials, _TRIALS // len(leaves)))):
         weight = random.Random(trial).random if trial else None  # noqa: S311 - no secret
         search = _Search(leaves, cards, weight, gain=_GAINS[trial % 2])
-        trees.append(_greedy(search))
+        _join_while(search, constants_only=True)
+        while len(search.active) > 2:  # once, unless there are more partners than are compared
+            _join_while(search, constants_only=False)
+        trees.append(search.tree())
     masks = [leaf.mask for leaf in leaves]
     for rule in (fewest_edges, smallest_table):
         order = elimination_order(masks, cards, rule)
@@ -198,13 +201,6 @@ class _Search:
         left = list(self.active)
         masks = tuple(self.masks)
         return Tree(tuple(self.leaves), tuple(self.joins), masks, (left[0], left[-1]))
-
-
-def _greedy(search: _Search) -> Tree:
-    _join_while(search, constants_only=True)
-    while len(search.active) > 2:  # once, unless there are more partners than are compared
-        _join_while(search, constants_only=False)
-    return search.tree()
 
 
 def _by_elimination(search: _Search, order: Sequence[int]) -> Tree:

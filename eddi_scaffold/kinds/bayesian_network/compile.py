@@ -276,7 +276,13 @@ class _Module:
         for case, posterior in cases_of(self._network.shape.cards, program):
             part = literal(posterior)
             shown = ", ".join(names[state] for names, state in zip(about, case, strict=True))
-            rows.append(Item(part, prefix=f"{_key(case)}: ", behind=comment(shown)))
+            rows.append(
+                Item(
+                    part,
+                    prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
+                    behind=comment(shown),
+                )
+            )
         head = [f"# Posteriors of {comment(', '.join(self._names(program.outputs)) or 'no node')}"]
         return [*head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
 
@@ -455,7 +461,3 @@ class _Module:
         answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)
         named = {"operations": f"{name}_operations", "answers": literal(answers)}
         return call("schedule.Steps", [f"{name}_slots"], **named)
-
-
-def _key(case: Sequence[int]) -> str:
-    return f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''})"

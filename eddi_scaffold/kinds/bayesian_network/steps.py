@@ -184,7 +184,14 @@ class _Making:
         batch, left, right, summed = groups_of(message, self._messages, parts, axes, settled)
         self._results[edge] = result = self._slot("r", "result", self._shape(single))
         if not summed:
-            forms = [self._form(part, self._spread(part, axes)) for part in parts]
+            forms = [
+                # one group per axis of the result, empty where the part has no such axis
+                self._form(
+                    part,
+                    tuple((n,) if self._messages[part].mask >> n & 1 else () for n in axes),
+                )
+                for part in parts
+            ]
             self._emit(edge, "multiply", forms, result, axes)
         elif not batch:
             first, second = (left, summed), (summed, right)
@@ -243,11 +250,6 @@ class _Making:
     ) -> None:
         number = self._numbers[edge]
         self.steps.operations.append(Operation(number, function, (*forms, result), nodes))
-
-    def _spread(self, part: Edge, axes: Axes) -> tuple[Axes, ...]:
-        """Return one group per axis of the result, empty where the part has no such axis."""
-        mask = self._messages[part].mask
-        return tuple((node,) if mask >> node & 1 else () for node in axes)
 
     def _form(self, edge: Edge, groups: tuple[Axes, ...]) -> str:
         """Return the text of a message whose axes are merged to groups, copied if it must be."""

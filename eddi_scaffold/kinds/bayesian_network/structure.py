@@ -137,14 +137,16 @@ def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
             nodes=group,
             inputs=tuple(n for n in group if n in part.inputs and n not in given),
             outputs=tuple(n for n in group if n in part.outputs),
-            given=tuple(sorted(given.intersection(_families(shape, group)))),
+            given=tuple(
+                sorted(
+                    given.intersection(
+                        one for node in group for one in (node, *shape.parents[node])
+                    )
+                )
+            ),
         )
         for group in _groups(shape, part.nodes, given)
     )
-
-
-def _families(shape: Shape, nodes: Iterable[int]) -> set[int]:
-    return {one for node in nodes for one in (node, *shape.parents[node])}
 
 
 def _groups(shape: Shape, nodes: Sequence[int], given: frozenset[int]) -> list[tuple[int, ...]]:

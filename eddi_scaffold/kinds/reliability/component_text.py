@@ -60,12 +60,11 @@ def chain_table_lines(name: str, chain: Chain, time: Time) -> list[str]:
     lines += [f"    hours = {number(time.quantum)}  # one quantum"]
     lines += [f"    horizon = {number(time.horizon / GRID if time.moving else time.horizon)}"]
     lines += [f"    steps = {GRID}"] if time.moving else []
-    arcs = (Item(literal(arc), behind=_arc(chain, *arc[:2])) for arc in chain.arcs)
+    arcs = (
+        Item(literal(arc), behind=comment(f"{chain.states[arc[0]]} to {chain.states[arc[1]]}"))
+        for arc in chain.arcs
+    )
     return [*lines, *assignment("arcs", tuple_of(arcs), 4)]
-
-
-def _arc(chain: Chain, source: int, target: int) -> str:
-    return comment(f"{chain.states[source]} to {chain.states[target]}")
 
 
 def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
@@ -259,7 +258,13 @@ def _sums(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[st
                 complements.add(variable)
                 yield f"        w{variable} = 1.0 - q{variable}"
             value[i + 2] = f"n{place}_{i}"
-            text = _sum(variable, value[high], value[low])
+            branches = ((f"q{variable}", value[high]), (f"w{variable}", value[low]))
+            products = [
+                weight if branch == "1.0" else f"{weight} * {branch}"
+                for weight, branch in branches
+                if branch != "0.0"
+            ]
+            text = " + ".join(products) or "0.0"
             about = comment(named[variable][0]) if variable < len(named) else ""
             yield from assignment(value[i + 2], text, 8, about)
         gate = _about(*named[module.variable]) if module.variable < len(named) else ""
@@ -267,14 +272,6 @@ def _sums(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[st
             yield from returned(value[module.root], 8, gate)
         else:
             yield from assignment(f"q{module.variable}", value[module.root], 8, gate)
-
-
-def _sum(variable: int, high: str, low: str) -> str:
-    parts = []
-    for weight, value in ((f"q{variable}", high), (f"w{variable}", low)):
-        if value != "0.0":
-            parts.append(weight if value == "1.0" else f"{weight} * {value}")
-    return " + ".join(parts) or "0.0"
 
 
 Term = tuple[float, str]

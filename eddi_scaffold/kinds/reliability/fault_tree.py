@@ -8,6 +8,7 @@ recurses, since trees may be deep.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -405,7 +406,11 @@ class _Builder:
         if gate.type == "NOT":
             return self._ite(below[0], FALSE, TRUE)
         if gate.type == "VOTE":
-            return self._vote(gate.k, below)
+            row = [TRUE] + [FALSE] * gate.k  # at least j of those so far
+            for one in below:
+                pairs = itertools.pairwise(row)
+                row = [TRUE, *(self._ite(one, fewer, same) for fewer, same in pairs)]
+            return row[gate.k]
         result = TRUE if gate.type == "AND" else FALSE
         for one in below:
             if gate.type == "AND":
@@ -415,13 +420,6 @@ class _Builder:
             else:
                 result = self._ite(one, TRUE, result)
         return result
-
-    def _vote(self, k: int, below: Sequence[int]) -> int:
-        """Return at least k of below; ``row[j]``: at least j of those so far."""
-        row = [TRUE] + [FALSE] * k
-        for one in below:
-            row = [TRUE] + [self._ite(one, row[j - 1], row[j]) for j in range(1, k + 1)]
-        return row[k]
 
     def _node(self, level: int, high: int, low: int) -> int:
         if high == low:
