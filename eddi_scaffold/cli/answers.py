@@ -88,7 +88,7 @@ def answers(
     files: dict[str, FileState] = {}
     for package, name_ in zip(packages, names, strict=True):
         tables = f"{name_}.tables"
-        given = {"tables": str((place / tables).resolve())} if package.files else {}
+        given = {"tables_folder": str((place / tables).resolve())} if package.files else {}
         files[name_] = FileState(dump_plain({**package.answers, **given}).encode())
         for path, data in package.files.items():
             files[f"{tables}/{path.rpartition('/')[2]}"] = FileState(data)

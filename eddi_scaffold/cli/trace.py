@@ -43,7 +43,7 @@ def trace(
         trace_of(answers)
         for group in chosen
         for answers in group.present.values()
-        if "model_json" in answers
+        if "facts_json" in answers
     ]
     wired = [
         wire

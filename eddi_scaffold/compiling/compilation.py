@@ -99,7 +99,11 @@ def _modules(part: str) -> Sequence[str]:
 
 
 def module_text(
-    model_file: ModelFile, parts: dict[str, int], lines: list[str], runtime: str = ""
+    model_file: ModelFile,
+    parts: dict[str, int],
+    lines: Sequence[str],
+    runtime: str = "",
+    modules_of_kind: Sequence[str] | None = None,
 ) -> str:
     """Return the text of a module: what it needs of the runtime, its lines and their digest.
 
@@ -112,7 +116,10 @@ def module_text(
         about += ["", f"Model: {comment(source)} {comment(path) if isinstance(path, str) else ''}"]
     lines = [*expressions.expression_lines(model_file.inputs), *lines]
     body = "\n".join(lines)
-    offered = {part: _modules(part) for part in ("expressions", *parts)}
+    offered = {part: _modules(part) for part in ("expressions", *parts) if part not in parts}
+    offered |= {
+        part: _modules(part) if modules_of_kind is None else modules_of_kind for part in parts
+    }
     names = _used(body, ("InputSpec", "expressions", *chain(*offered.values())))
     modules = {part: [one for one in found if one in names] for part, found in offered.items()}
     if "expressions" in names or modules["expressions"]:

@@ -168,7 +168,7 @@ def _digest(text: str) -> str:
     if re.fullmatch("[0-9a-f]{64}", text) is None:
         raise HintedError(
             "the SHA-256 of a model is expected: 64 digits of 0-9 and a-f",
-            "it is the `sha256` of config/model.json in the package of that monitor",
+            "it is the `digest` of config/model.json in the package of that monitor",
         )
     return text
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +11,7 @@ from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.compiling import meanings_of
 
 _SILENT = (False,)
 """What a field may be while nothing is known, that evidence may be made of."""
@@ -85,14 +85,15 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
     config = monitor.config
     if config is None:
         return
-    functions, document = monitor.kind.functions, json.loads(monitor.model_json)
+    functions, claims = monitor.kind.functions, monitor.facts.claims
     ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
-    own = {path: [path] for path in functions.support(document)}
+    own = {claim.id: [claim.id] for claim in claims}
     messages = {"": monitor.kind.output_message, **functions.beside(monitor.model)}
     for output in config.config.EDDIOutputs:
         if output.field is not None:
             continue
-        meanings = functions.meanings(document["model"], output.event)
+        on_this = [claim for claim in claims if output.event in (None, claim.id)]
+        meanings = meanings_of(monitor.kind, on_this)
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():

@@ -5,7 +5,6 @@ The only module that writes the keys of a configuration by which a robot is one 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Literal
@@ -43,7 +42,7 @@ def _digests(fleet: Fleet, known: Digests) -> Iterator[tuple[tuple[str, int], st
     for robot in fleet.robots:
         monitors, _ = fleet.monitors(robot, lambda seat: among_others(fleet, seat, known))
         for index, monitor in enumerate(monitors):
-            yield (robot.name, index), json.loads(monitor.model_json)["sha256"]
+            yield (robot.name, index), monitor.facts.digest
 
 
 def among_others(

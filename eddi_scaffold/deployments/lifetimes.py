@@ -64,7 +64,7 @@ def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
     owners = {
         participant.claim(output): (participant, output)
         for participant in participants
-        for output in participant.outputs
+        for output in participant.claims
     }
     published = {topic for participant in participants for topic in participant.published()}
     known: dict[str, _Times] = {}
@@ -86,8 +86,9 @@ def _times(
     below: Sequence[str],
 ) -> _Times:
     """Return the bounds of one claim from those of the claims that it rests on."""
-    step = 1 / one.frequency + one.kind.functions.lag(one.document, one.frequency)
-    inputs = one.outputs[output]
+    of = one.claims[output]
+    step = 1 / one.frequency + of.hold_s
+    inputs = of.rests_on
     found: _Times = {}
     ages = [0.0]
     for name, reads in topics_read(one).items():
@@ -112,12 +113,8 @@ def _raise(found: _Times, source: str, times: tuple[float, float]) -> None:
 
 def limit_of(one: WiredMonitor, name: str) -> float:
     """Return the seconds after which an input is unknown: the smallest limit that it has."""
-    spec = next(spec for spec in one.document["inputs"] if spec["id"] == name)
-    limits = [one.kind.functions.limits(one.document).get(name), spec["max_age"]]
-    for part in (spec.get("expression") or {"parts": ()})["parts"]:
-        timeouts = [variable.get("timeout") for variable in part["form"]["variables"]]
-        if timeouts and None not in timeouts:
-            limits.append(max(timeouts) / 1e9)
+    input_ = next(input_ for input_ in one.facts.inputs if input_.id == name)
+    limits = (input_.timeout_s, input_.max_age)
     return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
 
 
@@ -150,7 +147,7 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
 def _reads(reader: WiredMonitor) -> Iterator[tuple[int, SimulatorOutput]]:
     """Yield each entry of ``EDDIInputs``, by its index, with each message that it reads."""
     config = reader.config.config
-    required = {spec["id"]: spec["requires"] for spec in reader.document["inputs"]}
+    required = {input_.id: input_.requires for input_ in reader.facts.inputs}
     for index, entry in enumerate(config.EDDIInputs):
         for source in config.SimulatorOutputs:
             if source.id in required.get(entry.id, ()):

@@ -15,6 +15,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.topics import Deployment, Member
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
+from eddi_scaffold.monitors.compiling import meanings_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.input_rules import kind_of_message
@@ -231,14 +232,13 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
         return None
     if publisher is not None:
         one, of = publisher.publication, publisher.member.participant
-        meanings = of.kind.functions.meanings(of.document["model"], one.output.event)
+        meanings = of.meanings(one.output.event)
         return _Read(of.name, message, path, meanings)
     other = deployment.other(member, source)
     if other is not None and other.of.kind is kind:
-        meanings = kind.functions.meanings(other.of.document["model"], other.part)
-        return _Read(other.of.name, message, path, meanings)
+        return _Read(other.of.name, message, path, other.of.meanings(other.part))
     topic = member.topic(source.topic).removesuffix(f"/{STATUS}")
-    return _Read(topic, message, path, kind.functions.meanings(None, None))
+    return _Read(topic, message, path, meanings_of(kind, None))
 
 
 def _meaning(read: _Read) -> Meaning:

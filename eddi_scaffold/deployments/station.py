@@ -168,7 +168,7 @@ def is_closed(fleet: Fleet) -> bool:
 
     def rests_on_others(offer: Fulfilment) -> bool:
         one: WiredMonitor = seats[offer.seat]
-        inputs = one.outputs[offer.guarantee]
+        inputs = one.claims[offer.guarantee].rests_on
         read = {topic for input_ in inputs for topic in one.topics(input_)}
         return not (inputs.isdisjoint(bound.get(offer.seat, ())) and read.isdisjoint(published))
 

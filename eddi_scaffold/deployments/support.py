@@ -10,21 +10,22 @@ a workspace has already.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
-from eddi_scaffold.common.claims import Acceptance
+from eddi_scaffold.common.claims import Acceptance, Claim, Meanings
 from eddi_scaffold.common.graphs import cycles, reached, reversed_graph
 from eddi_scaffold.common.identifiers import attribute, full_topic
 from eddi_scaffold.common.problems import Place, Problem, error, warning
-from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
-from eddi_scaffold.config.file import ConfigFile, from_json
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.file import from_json as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
+from eddi_scaffold.monitors.compiling import meanings_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
-from eddi_scaffold.monitors.input_rules import of_input
+from eddi_scaffold.monitors.facts import MonitorFacts, from_json
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class WiredMonitor:
         namespace: of its robot, empty for none.
         kind: its kind.
         config: its configuration, given or remembered.
-        document: content of its ``config/model.json``.
+        facts: what its package remembers of it.
         model_file: of its model, for places.
         alone: topic with one value of its message -> that field, for people.
     """
@@ -47,7 +48,7 @@ class WiredMonitor:
     namespace: str
     kind: Kind[Model]
     config: ConfigFile
-    document: Mapping[str, Any]
+    facts: MonitorFacts
     model_file: str = ""
     alone: Mapping[str, str] = field(default_factory=dict)
 
@@ -56,19 +57,21 @@ class WiredMonitor:
         """Steps per second."""
         return self.config.config.Model.frequency
 
-    @property
-    def outputs(self) -> Mapping[str, frozenset[str]]:
-        """Its claims -> the inputs that each rests on; the whole result where it names none."""
-        return self.kind.functions.support(self.document) or {
-            "": frozenset(spec["id"] for spec in self.document["inputs"])
-        }
+    @cached_property
+    def claims(self) -> Mapping[str, Claim]:
+        """Its claims; the whole result, of the id ``""``, where it names none."""
+        return {claim.id: claim for claim in self.facts.claims}
+
+    def meanings(self, part: str | None) -> Meanings:
+        """Return what the fields of its messages mean on a topic of one claim, or of all."""
+        return meanings_of(self.kind, [c for c in self.facts.claims if part in (None, c.id)])
 
     @property
     def by_words(self) -> Sequence[str]:
         """Its claims that rest on words of other robots."""
         words = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
-        fed = {spec["id"] for spec in self.document["inputs"] if words & set(spec["requires"])}
-        return [self.claim(output) for output, inputs in self.outputs.items() if fed & inputs]
+        fed = {input_.id for input_ in self.facts.inputs if words & set(input_.requires)}
+        return [self.claim(one.id) for one in self.facts.claims if fed & one.rests_on]
 
     def claim(self, output: str) -> str:
         """Return the name of one of its claims among all: its own name, and the output's."""
@@ -98,11 +101,11 @@ class PublishedTopic:
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
     """Return a monitor as the answers of its package have it; ``None`` for other packages."""
-    if not answers.get("model_json") or not answers.get("config_json"):
+    if not answers.get("facts_json") or not answers.get("config_json"):
         return None
     try:
-        config = from_json(answers["config_json"], package)
-        document = json.loads(answers["model_json"])
+        config = config_of(answers["config_json"], package)
+        facts = from_json(answers["facts_json"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
         outputs = [output for output in answers.get("outputs") or () if "topic_text" in output]
         bare = [
@@ -110,21 +113,12 @@ def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor |
             for output in outputs
             if output["type_text"].startswith("std_msgs/")
         ]
+        alone = dict.fromkeys(bare, "the same field")
+        found = WiredMonitor(config.config.Model.id, package, "", kind, config, facts, file, alone)
+        supports([found])  # what it reads can be followed
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return None
-    alone = dict.fromkeys(bare, "the same field")
-    found = WiredMonitor(config.config.Model.id, package, "", kind, config, document, file, alone)
-    return found if _is_whole(found) else None
-
-
-def _is_whole(found: WiredMonitor) -> bool:
-    """Return whether what a package remembers can be followed; answers may be damaged."""
-    try:
-        supports([found])
-        assert found.by_words is not None
-    except (AttributeError, LookupError, TypeError, ValueError):
-        return False
-    return True
+    return found
 
 
 def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
@@ -132,7 +126,7 @@ def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     owners = {
         participant.claim(output): participant
         for participant in participants
-        for output in participant.outputs
+        for output in participant.claims
     }
     for ring in cycles(supports(participants)):
         first, *others = ring  # in the direction of support
@@ -154,9 +148,9 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
             name: _below(participant, read, by_topic)
             for name, read in topics_read(participant).items()
         }
-        for output, inputs in participant.outputs.items():
-            rests = [claims for name, claims in below.items() if name in inputs]
-            graph[participant.claim(output)] = tuple(
+        for claim in participant.facts.claims:
+            rests = [claims for name, claims in below.items() if name in claim.rests_on]
+            graph[participant.claim(claim.id)] = tuple(
                 dict.fromkeys(c for claims in rests for c in claims)
             )
     return graph
@@ -177,25 +171,23 @@ def topics_read(of: WiredMonitor) -> Mapping[str, Sequence[tuple[str, FieldPath]
     topics = {one.id: of.topic(one.topic) for one in of.config.config.SimulatorOutputs}
     entries = {one.id: one for one in of.config.config.EDDIInputs}
     found: dict[str, list[tuple[str, FieldPath]]] = {}
-    for spec in of.document["inputs"]:
-        entry = entries.get(spec["id"])
-        reads = found[spec["id"]] = []
+    for input_ in of.facts.inputs:
+        entry = entries.get(input_.id)
+        reads = found[input_.id] = []
         if entry is None:
             continue
-        computed = spec.get("expression")
-        if computed is None:
+        if input_.reads is None:
             path = parse_field(entry.field) if entry.field is not None else ()
-            reads += [(topics[name], path) for name in spec["requires"] if name in topics]
+            reads += [(topics[name], path) for name in input_.requires if name in topics]
             continue
         named = {attribute(id_): topics[id_] for id_ in topics}
         by_attribute = {attribute(id_): id_ for id_ in found}
-        for part in computed["parts"]:
-            for name in (n for v in part["form"]["variables"] for n in inputs_of(v)):
-                word = head_of(name)
-                if word in named:
-                    reads.append((named[word], path_behind(name)))
-                elif word in by_attribute:  # another input, which is read by the same expression
-                    reads += found[by_attribute[word]]
+        for name in input_.reads:
+            word = head_of(name)
+            if word in named:
+                reads.append((named[word], path_behind(name)))
+            elif word in by_attribute:  # another input, which is read by the same expression
+                reads += found[by_attribute[word]]
     return found
 
 
@@ -215,7 +207,7 @@ def _below(
 
 def _claims(item: PublishedTopic, path: FieldPath) -> Sequence[str]:
     """Return the claims that a field carries: the one that it names, else all of the monitor."""
-    outputs = item.of.outputs
+    outputs = item.of.claims
     keys = [str(step.wanted) for step in (item.path or path) if isinstance(step, ByKey)]
     wanted = next(iter(keys), item.part)
     names = [wanted] if wanted in outputs else list(outputs)
@@ -266,7 +258,7 @@ def acceptances(participants: Sequence[WiredMonitor]) -> list[Accepted]:
     users = reversed_graph(supports(participants))
     found = []
     for participant in participants:
-        for what in _of(participant):
+        for what in participant.facts.acceptances:
             above = reached(
                 users, [participant.claim(name) for name in _outputs(participant, what)]
             )
@@ -285,21 +277,13 @@ def check_acceptances(participants: Sequence[WiredMonitor]) -> Iterator[Problem]
         yield warning("D009", acceptance.as_text(), acceptance.place)
 
 
-def _of(one: WiredMonitor) -> Iterator[Acceptance]:
-    yield from one.kind.functions.accepted(one.document, one.frequency)
-    specs = {spec["id"]: spec for spec in one.document["inputs"]}
-    for index, entry in enumerate(one.config.config.EDDIInputs):
-        if entry.id in specs:
-            yield from of_input(entry, specs[entry.id], index)
-
-
 def _outputs(of: WiredMonitor, one: Acceptance) -> Sequence[str]:
     if one.outputs is not None:
         return one.outputs
     return [
-        output
-        for output, inputs in of.outputs.items()
-        if (one.input in inputs if one.input else inputs)
+        claim.id
+        for claim in of.facts.claims
+        if (one.input in claim.rests_on if one.input else claim.rests_on)
     ]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -48,7 +47,7 @@ class Member:
             self.namespace,
             monitor.kind,
             self.config,
-            json.loads(monitor.model_json),
+            monitor.facts,
             monitor.model.source.name,
             {
                 one.output.topic: _field(one)

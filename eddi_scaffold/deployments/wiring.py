@@ -71,7 +71,7 @@ def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
         return
     graph = supports(participants)
     for one in telling:
-        for output in one.outputs:
+        for output in one.claims:
             claim = one.claim(output)
             behind = reached(graph, [claim])
             hidden = next((c for c, of in relying.items() if c in behind and of is not one), None)

@@ -11,7 +11,7 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Generic, Literal, NoReturn, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
 from eddi_scaffold.common.claims import Acceptance, Listen, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place, error
@@ -360,8 +360,8 @@ class Functions(Generic[M]):
         settings: the ``settings`` part of ``config/model.json``.
         modules: modules in which people write.
         data_files: bulk data next to ``compiled.py``, which holds their digests.
-        cross_check: compares the compiled model (text of ``model.json``) with an independent
-            tool before a package is written.
+        cross_check: compares the running monitor with an independent tool before a package is
+            written.
         readme: lines of Markdown for the package's README; what comes of a model is escaped.
         diagram: the picture of a model.
         ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
@@ -403,7 +403,7 @@ class Functions(Generic[M]):
     settings: Callable[[M], JsonObject] = _nothing
     modules: Callable[[M], Sequence[EditableModule]] = _none
     data_files: Callable[[M], Mapping[str, bytes]] = _nothing
-    cross_check: Callable[[M, str], CrossCheck] | None = None
+    cross_check: Callable[[M, Any], CrossCheck] | None = None
     readme: Callable[[M], Sequence[str]] = _none
     diagram: Callable[[M], Diagram] | None = None
     parts: Callable[[M], Sequence[str]] = _none

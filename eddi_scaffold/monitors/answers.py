@@ -29,8 +29,14 @@ ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
-def shared_answers(monitor: BoundMonitor, template: str) -> dict[str, JsonValue]:
-    """Return the answers about identity that the templates of all platforms ask for."""
+def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> dict[str, JsonValue]:
+    """Return the answers about identity that the templates of all platforms ask for.
+
+    Args:
+        monitor: what the package is of.
+        template: of it.
+        folder: of its Python package, with a slash; empty where that is the package itself.
+    """
     config = monitor.config.config if monitor.config else None
     source = monitor.model.source
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
@@ -48,7 +54,12 @@ def shared_answers(monitor: BoundMonitor, template: str) -> dict[str, JsonValue]
         **_kind_answers(monitor),
         "default_guarantees": list(monitor.default_guarantees),
         "config_json": monitor.config.as_json() if monitor.config else "",
-        "model_json": monitor.model_json,
+        "compiled": monitor.compiled.text,
+        "tables": {
+            f"{folder}{name}": hashlib.sha256(data).hexdigest()
+            for name, data in monitor.compiled.tables.items()
+        },
+        "facts_json": monitor.facts.to_json(),
     }
 
 

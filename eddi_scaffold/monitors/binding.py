@@ -5,12 +5,14 @@ What does not fit is a problem with the place in the configuration.
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from eddi_scaffold.common import units
+from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -21,6 +23,7 @@ from eddi_scaffold.common.problems import (
     has_errors,
     warning,
 )
+from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.field_paths import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
@@ -40,10 +43,11 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors import input_rules
+from eddi_scaffold.monitors.compiling import CompiledModule, compile_monitor, names_read
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
+from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.input_rules import taken
-from eddi_scaffold.monitors.model_document import model_document
 
 _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
@@ -54,6 +58,8 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
+_USUAL_FREQUENCY = 10.0
+"""Steps per second that a configuration has where it names none."""
 _PLAIN = frozenset({None, "", *units.RATIO.names})
 """Units of a number that has none."""
 _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
@@ -91,6 +97,7 @@ class InputBinding:
         known_fields: argument -> its fields, for the messages that are known.
         computed: what ``expression:`` computes, for the runtime.
         computed_text: the same for people.
+        reads: names of fields and inputs that it reads.
         key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
     """
 
@@ -108,6 +115,7 @@ class InputBinding:
     computed: Mapping[str, JsonValue] | None = None
     computed_text: str = ""
     key_paths: KeyPaths = field(default_factory=dict)
+    reads: tuple[str, ...] | None = None
 
     @property
     def is_given(self) -> bool:
@@ -128,7 +136,8 @@ class BoundMonitor:
     Attributes:
         package: name of its package.
         model: the model, configured.
-        model_json: text of its ``config/model.json``, without the last line end.
+        compiled: the model as it runs.
+        facts: what others need to know of it.
         default_guarantees: marks that were given when the model was read.
         cross_check: how the compiled model compares with an independent tool, one sentence.
     """
@@ -138,7 +147,8 @@ class BoundMonitor:
     kind: Kind[Model]
     config: ConfigFile | None
     inputs: tuple[InputBinding, ...]
-    model_json: str
+    compiled: CompiledModule
+    facts: MonitorFacts
     default_guarantees: tuple[str, ...] = ()
     cross_check: str = ""
 
@@ -190,16 +200,24 @@ def monitor_of(
     if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
-    entries = {entry.id: entry for entry in config.config.EDDIInputs} if config is not None else {}
-    inputs = [_input_document(binding, entries.get(binding.model.id)) for binding in bindings]
+    frequency = config.config.Model.frequency if config is not None else _USUAL_FREQUENCY
+    entries = config.config.EDDIInputs if config is not None else ()
+    inputs = {binding.model.id: _bound_input(binding) for binding in bindings}
+    accepted: list[Acceptance] = []
+    for index, entry in enumerate(entries):
+        found_here = [*input_rules.of_input(entry, inputs[entry.id], index)]
+        inputs[entry.id] = replace(inputs[entry.id], accepts=input_rules.keys(found_here))
+        accepted += found_here
     try:
-        text = model_document(model, kind, inputs, place)
+        compiled, facts = compile_monitor(
+            model, kind, tuple(inputs.values()), accepted, frequency, place
+        )
     except EddiError as refused:
         return None, [*problems, *refused.problems]
     own = model.file_stem or model.name
     package = package_name(config.config.Model.id if config is not None else own)
-    monitor = BoundMonitor(package, model, kind, config, tuple(bindings), text, tuple(marks))
-    return monitor, problems
+    joined = (package, model, kind, config, tuple(bindings), compiled, facts, tuple(marks))
+    return BoundMonitor(*joined), problems
 
 
 def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:
@@ -226,21 +244,17 @@ def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor,
     return replace(monitor, inputs=tuple(inputs)), errors
 
 
-def _input_document(binding: InputBinding, entry: InputEntry | None) -> dict[str, JsonValue]:
-    every = {"every_message": True} if binding.model.every_message else {}
-    computed = {"expression": binding.computed} if binding.computed is not None else {}
-    document: dict[str, JsonValue] = {
-        **every,
-        **computed,
-        "id": binding.model.id,
-        "attribute": binding.attribute,
-        "requires": [source.id for source in binding.requires],
-        "max_age": binding.max_age,
-        "factor": list(binding.factor) if binding.factor else None,
-        "default": binding.default,
-    }
-    accepts = input_rules.keys(entry, document) if entry is not None else []
-    return {**document, "accepts": accepts} if accepts else document
+def _bound_input(binding: InputBinding) -> BoundInput:
+    return BoundInput(
+        binding.model.id,
+        binding.attribute,
+        tuple(source.id for source in binding.requires),
+        binding.max_age,
+        binding.factor,
+        binding.default,
+        binding.model.every_message,
+        json.loads(json.dumps(binding.computed)),
+    )
 
 
 def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) -> Iterable[Problem]:
@@ -306,7 +320,13 @@ def by_value(binding: InputBinding) -> InputBinding:
     source = SimulatorOutput.model_construct(id=binding.model.id, type="", topic="", max_age=None)
     name = binding.attribute
     return replace(
-        binding, requires=(source,), arguments=(name,), expression=name, computed=None, key_paths={}
+        binding,
+        requires=(source,),
+        arguments=(name,),
+        expression=name,
+        computed=None,
+        key_paths={},
+        reads=None,
     )
 
 
@@ -373,6 +393,7 @@ class _InputBinder:
             computed.document if computed is not None else None,
             computed.text if computed is not None else "",
             computed.key_paths if computed is not None else {},
+            names_read(computed.document) if computed is not None else None,
         )
         return binding, self.problems
 

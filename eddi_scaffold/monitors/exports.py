@@ -9,8 +9,6 @@ from pathlib import Path
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
-from eddi_scaffold.compiling.compilation import program_of
-from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.eddi_xml.insertion import with_map
 from eddi_scaffold.eddi_xml.reading import read_document
@@ -69,7 +67,7 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
         EddiError: there is none of this kind, or not in this language (E026).
     """
     model, kind = monitor.model, monitor.kind
-    program = program_of(parse_model(monitor.model_json)) if target == "c" else None
+    program = monitor.compiled.program if target == "c" else None
     if program is None:
         message = f"there is no standalone monitor in {target} of the {kind.title} {model.name!r}"
         hint = "--target c takes ConSerts and files of events; generate makes packages of all kinds"

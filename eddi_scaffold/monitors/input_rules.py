@@ -6,14 +6,14 @@ the monitor reports at run time which are in use.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 from eddi_runtime.inputs import UNSAFE_DEFAULT
 
 from eddi_scaffold.common.claims import Acceptance, Meaning
 from eddi_scaffold.common.escaping import python_literal
+from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.conditions.uses import accepted, lasts
 from eddi_scaffold.config.field_paths import (
     Attribute,
@@ -25,26 +25,27 @@ from eddi_scaffold.config.field_paths import (
 )
 from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
+from eddi_scaffold.monitors.compiling import meanings_of
 
 _LIMITLESS = "max_age: none"
 
 
-def of_input(entry: InputEntry, spec: Mapping[str, Any], index: int) -> Iterator[Acceptance]:
+def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Acceptance]:
     """Return what an entry of ``EDDIInputs`` accepts.
 
     Args:
         entry: as it is configured.
-        spec: the same in ``config/model.json``.
+        bound: the same, bound.
         index: of the entry.
     """
     path = ("EDDIInputs", index)
-    if spec["max_age"] == "none":
+    if bound.max_age == "none":
         yield Acceptance(_LIMITLESS, "the last value", input=entry.id, path=(*path, "max_age"))
     if entry.allow_unsafe_default and entry.default not in (None, False):
         text, key = f"the default {entry.default!r}", UNSAFE_DEFAULT.partition(":")[0]
         until = "until the first message"
         yield Acceptance(UNSAFE_DEFAULT, text, until, input=entry.id, path=(*path, key))
-    computed = spec.get("expression")
+    computed = bound.expression
     key = "expression" if entry.expression is not None else "expression_file"
     for part in computed["parts"] if computed is not None else ():
         (output,) = part["form"]["outputs"]
@@ -53,10 +54,9 @@ def of_input(entry: InputEntry, spec: Mapping[str, Any], index: int) -> Iterator
             yield replace(found, input=entry.id)
 
 
-def keys(entry: InputEntry, spec: Mapping[str, Any]) -> list[str]:
-    """Return the keys of an entry that the runtime cannot see in its other fields."""
-    found = (one.key for one in of_input(entry, spec, 0))
-    return list(dict.fromkeys(key for key in found if key != _LIMITLESS))
+def keys(accepted: Iterable[Acceptance]) -> tuple[str, ...]:
+    """Return the keys of an input that the runtime cannot see in its other fields."""
+    return tuple(dict.fromkeys(one.key for one in accepted if one.key != _LIMITLESS))
 
 
 def kind_of_message(type_: str) -> Kind[Model] | None:
@@ -94,7 +94,7 @@ def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValu
     if kind is None:
         return []
     field = "".join(pattern(path)).removeprefix(".")
-    meaning = kind.functions.meanings(None, None).get(name, {}).get(field, Meaning())
+    meaning = meanings_of(kind, None).get(name, {}).get(field, Meaning())
     found: list[tuple[FieldPath, list[JsonValue]]] = [
         (path, [not value]) for value in meaning.silent or () if isinstance(value, bool)
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Any
 
@@ -10,7 +9,6 @@ from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import attribute, full_topic
 from eddi_scaffold.common.problems import Problem, error
 from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
-from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.config.field_paths import Attribute, ByKey, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
@@ -73,10 +71,10 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
     by_name = {attribute(id_): guarantee for id_, guarantee in wanted.items()}
     bound = {input_.model.id: input_ for input_ in monitor.inputs}
     for index, entry in enumerate(config.config.EDDIInputs):
-        computed = bound[entry.id].computed
-        if computed is not None:
+        names_read = bound[entry.id].reads
+        if names_read is not None:
             key = next(key for key in EXPRESSION_KEYS if getattr(entry, key) is not None)
-            names = [name for name in _names(computed) if head_of(name) in by_name]
+            names = [name for name in names_read if head_of(name) in by_name]
             reads = [(path_behind(name), by_name[head_of(name)]) for name in names]
         else:
             key, path = "field", parse_field(entry.field) if entry.field is not None else ()
@@ -91,13 +89,6 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
                 )
                 hint = f"write guarantees[{guarantee}].active, or another `guarantee` in `peers:`"
                 yield error("K081", text, config.place("EDDIInputs", index, key), hint)
-
-
-def _names(computed: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the names of fields and inputs that an expression reads."""
-    for part in computed["parts"]:
-        for variable in part["form"]["variables"]:
-            yield from inputs_of(variable)
 
 
 def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -> Iterator[Problem]:
@@ -120,8 +111,7 @@ def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem
     fed = {input_.model.id for input_ in monitor.inputs if any(s.peers for s in input_.requires)}
     if not fed:
         return
-    frequency = config.config.Model.frequency
-    if monitor.kind.functions.lag(json.loads(monitor.model_json), frequency) > 0.0:
+    if any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
         text = "a filter by majority lets words of other robots count after their lease"
         hint = "`filter: {kind: debounce, regain_after: n}` is late only where something is gained"
         yield error("K083", text, config.place("Model", "filter"), hint)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,7 @@ from eddi_scaffold.monitors.loading import checked_models, select_models
 from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.renaming import aside
 from eddi_scaffold.packages.rendering import read_answers
-from eddi_scaffold.packages.workspace import check_answers, existing, needed_parts
+from eddi_scaffold.packages.workspace import check_answers, existing
 from eddi_scaffold.platforms import (
     RUNTIME,
     SINGLE_PROCESS,
@@ -261,7 +261,8 @@ def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonit
     """Compare the compiled model with an independent tool, where its kind has one."""
     if monitor.kind.functions.cross_check is None:
         return monitor
-    result = monitor.kind.functions.cross_check(monitor.model, monitor.model_json)
+    running = monitor.compiled.monitor(monitor.model.name)
+    result = monitor.kind.functions.cross_check(monitor.model, running)
     problems += result.problems
     return replace(monitor, cross_check=result.text)
 
@@ -294,8 +295,6 @@ def support(
         if answers["template"] == own and name not in gone
     }
     packages = platform.support({**there, **monitors})
-    kept = {part for name in there if name not in monitors for part in needed_parts(root / name)}
-    packages = [with_parts(package, kept) for package in packages]
     _refuse_other_platform(platform, root, present, [package.folder for package in packages])
     shared = {package.folder: package.answers for package in packages}
     leaving = {
@@ -304,19 +303,6 @@ def support(
         if answers["template"] in platform.templates.support and folder not in shared
     }
     return [PackageAnswers(folder, answers) for folder, answers in {**shared, **leaving}.items()]
-
-
-def with_parts(package: PackageAnswers, kept: Iterable[str]) -> PackageAnswers:
-    """Return a shared package with the parts that monitors need which are not made again.
-
-    Args:
-        package: to which these may belong.
-        kept: parts of the runtime library.
-    """
-    parts: Any = package.answers.get("parts")
-    if parts is None:
-        return package
-    return replace(package, answers={**package.answers, "parts": sorted({*parts, *kept})})
 
 
 def _refuse_other_platform(

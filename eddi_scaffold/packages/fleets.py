@@ -75,7 +75,7 @@ def _look(site: Site, assembly: PackagePlan) -> Iterator[str]:
     """Yield what a person should look at in the workspace of one robot."""
     packages, own = assembly.packages, {monitor.package for monitor in site.monitors}
     for name, answers in assembly.present.items():
-        if "model_json" in answers and name not in own:
+        if "facts_json" in answers and name not in own:
             yield (
                 f"{site.name}: {name} is no monitor of this robot in the deployment file, and "
                 "still runs; remove its folder and repeat this"

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.problems import EddiError, Place, error
-from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
@@ -173,9 +172,6 @@ def _planned(
             place = rendering / name
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes(data)
-        problem = write_compiled(rendering)
-        if problem is not None:
-            raise EddiError(error("K028", problem, Place(str(target))))
         beside = {name: (rendered / name).read_bytes() for name in beside}
         beside[ANSWERS_FILE] = (beside[ANSWERS_FILE] or b"") + (_CHANGED if changed else b"")
     else:
@@ -193,7 +189,7 @@ def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> Non
     for note in plan.notes:
         work.notes.append(f"{package.folder}/{note.place}: {note.text}")
     work.attention |= bool(lost) or any(note.attention for note in plan.notes)
-    if "model_json" in package.answers:
+    if "facts_json" in package.answers:
         marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
         names = (name for name in marked if not name.startswith((EDDI, ANSWERS_FILE)))
         work.editable |= {f"{package.folder}/{name}" for name in names}

@@ -30,7 +30,7 @@ def left_behind(
     Yields:
         A sentence, and whether it is news: a package was made that was not there.
     """
-    made = [package for package in packages if "model_json" in package.answers]
+    made = [package for package in packages if "facts_json" in package.answers]
     folders = {*gone, *(package.folder for package in made)}
     known: set[tuple[str, str]] = set()
     for folder, answers in present.items():
@@ -60,7 +60,7 @@ def _topics(answers: Mapping[str, Any]) -> dict[str, str]:
 
 def _may_be(new: Mapping[str, Any], old: Mapping[str, Any]) -> bool:
     """Return whether two packages may be of one model: by its file, or by what it reads."""
-    if "model_json" not in old or new["kind"] != old["kind"]:
+    if "facts_json" not in old or new["kind"] != old["kind"]:
         return False
     topics = _topics(new)
     return new["model_file"] == old["model_file"] or (bool(topics) and topics == _topics(old))

@@ -7,17 +7,18 @@ model contains today.
 from __future__ import annotations
 
 import json
-import re
 from ast import literal_eval
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.common.problems import EddiError, Place, error
-from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.eddi_xml.links import Linked
+from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.facts import Element, MonitorFacts
+from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
-_LINE = re.compile(r"line ([0-9]+)")
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
 
@@ -90,7 +91,7 @@ class Trace:
         model: id of the model.
         file: model file it was generated from.
         sha256: digest of that file's bytes.
-        model_sha256: digest of its ``model.json``, which the monitor checks when it starts.
+        model_sha256: digest of all that decides what the monitor computes.
         outputs: topics it publishes.
         facts: lines about the whole, such as the result of a cross-check.
         rows: elements in the order of the model.
@@ -147,7 +148,7 @@ class Trace:
         head = [
             f"{self.package}: {self.kind} {self.model}",
             f"  generated from {self.file} (sha256 {self.sha256})",
-            f"  model.json has sha256 {self.model_sha256}",
+            f"  the monitor has the digest {self.model_sha256}",
         ]
         head += [f"  publishes {topic}" for topic in self.outputs]
         head += [f"  {fact}" for fact in self.facts]
@@ -187,49 +188,46 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:
-    document = json.loads(answers["model_json"])
+    facts = facts_of(answers["facts_json"])
     code = dict(_code(answers))
-    inputs = {item["id"]: item for item in document["inputs"]}
+    inputs = {input_.id: input_ for input_ in facts.inputs}
     config = _config(answers)
     topics = {item["id"]: item.get("topic", "") for item in config.get("SimulatorOutputs", ())}
     section = config.get("Model") or {}
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
     configured = {limit["id"] for limit in limits} | inputs.keys()
-    links = {path: _linked(link) for path, link in document.get("links", {}).items()}
+    links = {path: _linked(link) for path, link in (facts.links or {}).items()}
     rows: list[TraceRow] = []
-    published: dict[str, str] = {}
-    elements = list(_elements(document["model"], in_eddi=bool(document["source"]["path"])))
-    known = {item["id"] for _, item in elements}
-    elements += [("input", item) for name, item in inputs.items() if name not in known]
-    for element, item in elements:
-        given = inputs.get(item["id"], {})
-        published[item.get("class_name", item["id"])] = item["id"]
-        heard = tuple(topics.get(name) or name for name in given.get("requires", ()))
+    known = {element.id for element in facts.elements}
+    of_inputs = (Element("input", name) for name in inputs if name not in known)
+    elements = [*facts.elements, *of_inputs]
+    for element in elements:
+        given = inputs.get(element.id)
+        heard = tuple(topics.get(name) or name for name in given.requires) if given else ()
         rows.append(
             TraceRow(
-                element,
-                item["id"],
-                item.get("line"),
-                item.get("path") or "",
-                code.get(item["id"], ""),
+                element.element,
+                element.id,
+                element.line,
+                element.path or "",
+                code.get(element.id, ""),
                 heard,
-                tuple(one for at, of in links.items() if _is_in(at, item) for one in of),
-                item.get("line") is None and item["id"] in configured,
+                tuple(one for at, of in links.items() if _is_in(at, element.path) for one in of),
+                element.line is None and element.id in configured,
             )
         )
     paths = [row.path for row in rows if row.path]
-    whole = document["source"]["path"]
-    for path, link in document.get("links", {}).items():
-        if path != whole and not any(f"{path}/".startswith(f"{at}/") for at in paths):
-            row = TraceRow(link["element"], link["id"], link["line"], path, links=links[path])
+    for path, linked in (facts.links or {}).items():
+        if path != facts.path and not any(f"{path}/".startswith(f"{at}/") for at in paths):
+            row = TraceRow(linked.element, linked.id, linked.line, path, links=links[path])
             rows = [other for other in rows if other.path or other.id != row.id] + [row]
     return Trace(
         package=answers["package"],
         kind=answers["kind"],
-        model=document["id"],
+        model=facts.id,
         file=answers["model_file"],
         sha256=answers["model_sha256"],
-        model_sha256=document["sha256"],
+        model_sha256=facts.digest,
         outputs=tuple(item["topic_text"] for item in answers.get("publications") or ()),
         facts=tuple(
             line
@@ -237,41 +235,37 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
             if line and "|" not in line and not line.startswith("#")
         )
         + tuple(
-            f"{link['element']} {link['id']} has more links: the nearest are listed"
-            for link in document.get("links", {}).values()
-            if link.get("cut")
+            f"{linked.element} {linked.id} has more links: the nearest are listed"
+            for linked in (facts.links or {}).values()
+            if linked.is_cut
         ),
-        rows=_with_support(rows, document, published),
-        links=links.get(whole, ()),
+        rows=_with_support(rows, facts, {e.claim or e.id: e.id for e in elements}),
+        links=links.get(facts.path or "", ()),
     )
 
 
-def _linked(one: Mapping[str, Any]) -> tuple[TraceLink, ...]:
-    return tuple(
-        TraceLink(link["class"], link["name"], link["line"], link["path"]) for link in one["links"]
-    )
+def _linked(of: Linked) -> tuple[TraceLink, ...]:
+    return tuple(TraceLink(link.class_name, link.name, link.line, link.path) for link in of.links)
 
 
-def _is_in(path: str, item: Mapping[str, Any]) -> bool:
-    at = item.get("path")
-    return bool(at) and f"{path}/".startswith(f"{at}/")
+def _is_in(path: str, of: str | None) -> bool:
+    return bool(of) and f"{path}/".startswith(f"{of}/")
 
 
 def _with_support(
-    rows: Sequence[TraceRow], document: Mapping[str, Any], published: Mapping[str, str]
+    rows: Sequence[TraceRow], facts: MonitorFacts, published: Mapping[str, str]
 ) -> tuple[TraceRow, ...]:
     """Return claims with the links of what they rest on: these lead back to their hazards.
 
     Args:
         rows: the table.
-        document: ``config/model.json``.
+        facts: of the monitor.
         published: name of a claim in messages -> its id.
     """
     linked = {row.id: row.links for row in rows if row.links}
     if not linked:
         return tuple(rows)
-    support = kinds()[document["kind"]].functions.support(document)
-    resting = {published.get(name, name): inputs for name, inputs in support.items()}
+    resting = {published.get(claim.id, claim.id): claim.rests_on for claim in facts.claims}
     return tuple(
         replace(row, links=_all_links(row, linked, resting.get(row.id, ()))) for row in rows
     )
@@ -291,25 +285,6 @@ def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:
     text = answers.get("config_json")
     found: Mapping[str, Any] = json.loads(text) if text else {}
     return found
-
-
-def _elements(
-    model: Mapping[str, Any], *, in_eddi: bool
-) -> Iterable[tuple[str, Mapping[str, Any]]]:
-    """Yield what has an id or a name, list by list in the order of their names."""
-    for name, items in sorted(model.items()):
-        for item in items if isinstance(items, Sequence) and not isinstance(items, str) else ():
-            id_ = item.get("id", item.get("name")) if isinstance(item, dict) else None
-            if isinstance(id_, str):
-                line = _LINE.fullmatch(str(item.get("place")))
-                of = {"line": int(line[1])} if line else {}
-                yield name.removesuffix("s").replace("_", " "), {**of, **item, "id": id_}
-    form = model.get("form") or {"outputs": []}  # of events: where the condition of each is
-    for item in form["outputs"]:
-        line = None if in_eddi else form["nodes"][item["node"]]["at"][0]  # of its own text there
-        yield "event", {"id": item["id"], "line": line}
-    if "reference" in model:  # of SafeML: the sample, a file of its own
-        yield "reference", {"id": model["reference"]["name"]}
 
 
 def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:

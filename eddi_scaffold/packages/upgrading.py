@@ -202,7 +202,7 @@ def targets(
     monitors: dict[str, Platform] = {}
     joined: list[BoundMonitor] = []
     for folder, answers in group.present.items():
-        if "model_json" not in answers:
+        if "facts_json" not in answers:
             continue
         platform = monitors[folder] = _platform(answers)
         if folder not in renewed:
@@ -247,7 +247,7 @@ def _newer_models(
 ) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""
     source = read_source(model_file)
-    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "model_json" in a}
+    made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "facts_json" in a}
     first = read_models(source)
     names = {(model.kind, model.name) for model in first.models}
     folders = [folder for folder, made in made_of.items() if made in names]

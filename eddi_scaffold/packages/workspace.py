@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,9 +14,10 @@ from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
 from eddi_scaffold.platforms import Platform, owner_of
-from eddi_scaffold.regions.package import MANIFEST, BusyError, locked, manifest_of
+from eddi_scaffold.regions.package import MANIFEST, BusyError, locked
 
 _OF_INPUTS = ("id", "attribute", "title", "sources", "region_begin")
 
@@ -57,16 +57,17 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
     """
     try:
         owner_of(str(answers["template"]))
-        if "model_json" in answers:
+        if "facts_json" in answers:
             model_id(answers)
             kinds()[answers["kind"]]
             answers["model_file"]
+            runtime_parts_of(answers["compiled"])
             if answers.get("config_json"):
                 from_json(answers["config_json"], package.name)
             "".join(
                 input_[key] for input_ in answers["inputs"] for key in _OF_INPUTS
             )  # all are texts
-    except (KeyError, TypeError, ValueError, RecursionError) as damage:
+    except (AttributeError, KeyError, SyntaxError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
         message = f"the answers of the package are damaged: {reason}"
         hint = "restore the file from git, or generate the package again"
@@ -76,7 +77,7 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
 
 def model_id(answers: Mapping[str, Any]) -> str:
     """Return the id of the model that a monitor package was generated from."""
-    return str(json.loads(answers["model_json"])["id"])
+    return facts_of(answers["facts_json"]).id
 
 
 @contextmanager
@@ -131,20 +132,6 @@ def refuse_newer(packages: Iterable[Path]) -> None:
                 for package, version in newer.items()
             )
         )
-
-
-def needed_parts(package: Path) -> Sequence[str]:
-    """Return the parts of the runtime that the compiled monitor of a package needs, as it is.
-
-    None where it was damaged: then it does not start.
-    """
-    names = [name for name in manifest_of(package).files if name.endswith("compiled.py")]
-    try:
-        return [
-            part for name in names for part in runtime_parts_of((package / name).read_text("ascii"))
-        ]
-    except (OSError, SyntaxError, ValueError):
-        return []
 
 
 def packages_root(platform: Platform, place: Path) -> Path:

@@ -12,8 +12,6 @@ from shlex import quote
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, error
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.parts import PEERS, runtime_parts_of
 from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
@@ -155,13 +153,13 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
-    files = dict(monitor.kind.functions.data_files(monitor.model))
+    files = dict(monitor.compiled.tables)
     answers["package_data"] = ["model.json", *sorted(files)]
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers["definitions"] = definitions
     answers["hashes"] = hashes_of(node, known)
     answers[RUNTIME] = VENDORED
-    needed = runtime_parts_of(compile_model(parse_model(monitor.model_json)))
+    needed = runtime_parts_of(monitor.compiled.text)
     answers["parts"] = [*needed, PEERS] if answers["fleet"] else [*needed]
     return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
 

@@ -9,8 +9,6 @@ from shlex import quote
 from eddi_scaffold.common.escaping import python_literal, toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import parse_model
 from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
@@ -27,10 +25,10 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
     answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
-    files = dict(monitor.kind.functions.data_files(monitor.model))
+    files = dict(monitor.compiled.tables)
     answers["package_data"] = ["model.json", *sorted(files)]
     answers[RUNTIME] = VENDORED
-    answers["parts"] = list(runtime_parts_of(compile_model(parse_model(monitor.model_json))))
+    answers["parts"] = list(runtime_parts_of(monitor.compiled.text))
     return PackageAnswers(monitor.package, answers, files), []
 
 

@@ -77,17 +77,14 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     monitor, problems = bound_to(monitor, known_types(monitor.config, known_messages()))
     node = node_of(monitor)
     classes = classes_of(node)
-    answers = shared_answers(monitor, MONITOR_TEMPLATE)
+    answers = shared_answers(monitor, MONITOR_TEMPLATE, f"src/{monitor.package}/")
     answers |= {platforms.RUNTIME: platforms.VENDORED, platforms.SINGLE_PROCESS: False}
     answers["message_packages"] = [*packages_of_classes(classes)]
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes))
     answers["interfaces"] = interfaces_of(node.found, node.heard, node.between_robots)
-    files = {
-        f"src/{monitor.package}/{n}": data
-        for n, data in monitor.kind.functions.data_files(monitor.model).items()
-    }
+    files = {f"src/{monitor.package}/{name}": of for name, of in monitor.compiled.tables.items()}
     return PackageAnswers(monitor.package, answers, files), [*problems, *node.problems]
 
 

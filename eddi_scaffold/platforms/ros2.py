@@ -54,7 +54,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     monitor, problems = bound_to(monitor, types_of(monitor))
     node = node_of(monitor)
     classes = classes_of(node)
-    answers = shared_answers(monitor, MONITOR_TEMPLATE)
+    answers = shared_answers(monitor, MONITOR_TEMPLATE, f"{monitor.package}/")
     answers[platforms.RUNTIME] = platforms.VENDORED
     answers["message_packages"] = [*packages_of_classes(classes)]
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
@@ -62,10 +62,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     answers |= node.answers(partial(class_of, classes=classes), has_qos=True)
     answers["lifecycle"] = node.config.config.Model.lifecycle
     answers["interfaces"] = interfaces_of(node.found, node.heard, node.between_robots)
-    files = {
-        f"{monitor.package}/{name}": data
-        for name, data in monitor.kind.functions.data_files(monitor.model).items()
-    }
+    files = {f"{monitor.package}/{name}": of for name, of in monitor.compiled.tables.items()}
     problems += [*node.problems, *_check_topics(node)]
     return PackageAnswers(monitor.package, answers, files), problems
 

@@ -22,7 +22,6 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Problem, error
-from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.config.field_paths import (
     FieldPath,
     FieldPathError,
@@ -227,11 +226,9 @@ def _reads(
     binding: InputBinding, config: ConfigFile, index: int
 ) -> Iterator[tuple[SimulatorOutput, FieldPath, bool]]:
     """Yield message, path, and whether what is there is the value itself."""
-    if binding.computed is not None:
+    if binding.reads is not None:
         sources = {attribute(requirement.id): requirement for requirement in binding.requires}
-        document: Any = binding.computed
-        names = (n for p in document["parts"] for v in p["form"]["variables"] for n in inputs_of(v))
-        for name in dict.fromkeys(names):
+        for name in binding.reads:
             if head_of(name) in sources:
                 yield sources[head_of(name)], path_behind(name), False
         return

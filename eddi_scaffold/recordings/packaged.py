@@ -6,7 +6,6 @@ Loading one **executes its code**, as its node does: only for a folder that a pe
 from __future__ import annotations
 
 import importlib
-import json
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,6 +25,9 @@ from eddi_scaffold.config.message_types import known_messages, python_type
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
+from eddi_scaffold.monitors.compiling import CompiledModule
+from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
+from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.recordings.messages import Message, blank
@@ -164,9 +166,9 @@ def load(folder: Path) -> Packaged:
         name = answers["package"]
         config = from_json(answers["config_json"], str(folder)) if answers["config_json"] else None
         edited = set(written(folder))
-        inputs = json.loads(answers["model_json"])["inputs"]
-        by_hand = frozenset(i["id"] for i in inputs if f"process_{i['attribute']}" in edited)
-        monitor = _remembered(folder, answers, config, by_hand)
+        facts = facts_of(answers["facts_json"])
+        by_hand = frozenset(i.id for i in facts.inputs if f"process_{i.attribute}" in edited)
+        monitor = _remembered(folder, answers, config, facts, by_hand)
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"
         message = "this is not a package of a monitor"
@@ -208,38 +210,39 @@ def _importing(place: Path, package: str) -> Iterator[None]:
 
 
 def _remembered(
-    folder: Path, answers: Mapping[str, Any], config: ConfigFile | None, by_hand: frozenset[str]
+    folder: Path,
+    answers: Mapping[str, Any],
+    config: ConfigFile | None,
+    facts: MonitorFacts,
+    by_hand: frozenset[str],
 ) -> BoundMonitor:
     """Return a monitor as its package remembers it: without the elements of its model."""
-    document = json.loads(answers["model_json"])
     types = {input_["attribute"]: input_["type"] for input_ in answers["inputs"]}
     sources = (
         {} if config is None else {entry.id: entry for entry in config.config.SimulatorOutputs}
     )
     place = Place(str(folder))
     kind = kinds()[answers["kind"]]
-    model = Model(kind.name, document["id"], None, Source(str(folder / ANSWERS_FILE), b""), place)
+    model = Model(kind.name, facts.id, None, Source(str(folder / ANSWERS_FILE), b""), place)
     inputs = [
-        _binding(input_, types[input_["attribute"]], sources, by_hand)
-        for input_ in document["inputs"]
+        _binding(input_, types[input_.attribute], sources, by_hand) for input_ in facts.inputs
     ]
-    return BoundMonitor(
-        answers["package"], model, kind, config, tuple(inputs), answers["model_json"]
-    )
+    compiled = CompiledModule(answers["compiled"])
+    return BoundMonitor(answers["package"], model, kind, config, tuple(inputs), compiled, facts)
 
 
 def _binding(
-    document: Mapping[str, Any],
+    facts: InputFacts,
     type_: Any,
     sources: Mapping[str, SimulatorOutput],
     by_hand: frozenset[str],
 ) -> InputBinding:
-    own = SimulatorOutput.model_construct(id=document["id"], type="", topic="", max_age=None)
+    own = SimulatorOutput.model_construct(id=facts.id, type="", topic="", max_age=None)
     return InputBinding(
-        ModelInput(document["id"], type_, every_message=document.get("every_message", False)),
-        document["attribute"],
-        tuple(sources[name] for name in document["requires"]) if sources else (own,),
-        expression=None if document["id"] in by_hand else "",
-        max_age=document["max_age"],
-        computed=None if document["id"] in by_hand else document.get("expression"),
+        ModelInput(facts.id, type_, every_message=facts.every_message),
+        facts.attribute,
+        tuple(sources[name] for name in facts.requires) if sources else (own,),
+        expression=None if facts.id in by_hand else "",
+        max_age=facts.max_age,
+        reads=None if facts.id in by_hand else facts.reads,
     )

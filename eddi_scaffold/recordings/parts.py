@@ -7,8 +7,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
-from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
 from eddi_scaffold.recordings.csv_recording import Tape
 from eddi_scaffold.recordings.messages import Publications
@@ -23,8 +21,7 @@ if TYPE_CHECKING:
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
     """Return the monitor as its package would load it; hand-written code is not in it."""
-    files = monitor.kind.functions.data_files(monitor.model)
-    made: RuntimeMonitor[Any] = build(parse_model(monitor.model_json, monitor.model.name, files))
+    made: RuntimeMonitor[Any] = monitor.compiled.monitor(monitor.model.name)
     return made
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Iterator, Sequence
 from importlib.util import module_from_spec, spec_from_file_location
@@ -28,9 +29,12 @@ from .package import (
     read_file,
 )
 from .sync import Note, Plan, plan_sync
+from .tables import place_tables
 
 _USAGE = """\
-usage: python <this folder> sync PACKAGE STAGE   place the rendering in PACKAGE/.eddi/new/STAGE
+usage: python <this folder> sync PACKAGE STAGE [TABLES [FOLDER]]
+                                                 place the rendering in PACKAGE/.eddi/new/STAGE;
+                                                 TABLES: {path: SHA-256} of files in FOLDER
        python <this folder> damage PACKAGE       tell whether markers are damaged
        python <this folder> status PACKAGE       list what is open; status 3 when something is
        python <this folder> accept PACKAGE ID... note that bodies were looked at
@@ -67,6 +71,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if not is_relative(stage) or not rendering.is_dir():
                 sys.stderr.write(f"{rendering}: error: there is no rendering\n")
                 return 2
+            folder = Path(words[4]) if any(words[4:]) else None
+            tables = json.loads(words[3]) if words[3:] else {}
+            missing = list(place_tables(root, rendering, tables, folder))
+            if missing:
+                hint = "give its folder, as with `-d tables_folder=FOLDER`"
+                sys.stderr.write(f"error: {', '.join(missing)} is not there: {hint}\n")
             return run(plan_sync(root, rendering))
     except BusyError as busy:
         sys.stderr.write(f"error: {busy}: run the command again when that one has ended\n")

@@ -11,9 +11,6 @@ import rospkg
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.common.problems import EddiError, Place, error
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.config.message_types import element, fields_of, is_primitive
 from eddi_scaffold.config.schema import SimulatorOutput
@@ -199,17 +196,11 @@ def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
 
     Args:
         monitors: package -> its answers.
-
-    Raises:
-        EddiError: a model cannot be compiled (K028).
     """
-    return {part for name, answers in monitors.items() for part in _parts(name, answers)}
+    return {part for answers in monitors.values() for part in _parts(answers)}
 
 
-def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
-    try:
-        needed = runtime_parts_of(compile_model(parse_model(str(answers["model_json"]))))
-    except ModelError as refused:
-        raise EddiError(error("K028", refused.reason, Place(package))) from None
+def _parts(answers: Mapping[str, JsonValue]) -> Sequence[str]:
+    needed = runtime_parts_of(str(answers["compiled"]))
     asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}
     return with_needed([*needed, *(part for name, part in asked.items() if answers.get(name))])

@@ -29,11 +29,11 @@ def compiled_text(answers: Mapping[str, Any]) -> str:
     This is the only function that may follow the product when it compiles in another place:
     ``test_texts_are_those_of_packages`` compares what it returns with the examples' packages.
     """
-    from eddi_scaffold.compiling.compilation import compile_model
-    from eddi_scaffold.compiling.document import parse_model
-
-    runtime = "." if answers["template"] == "plain_monitor" else ""
-    return compile_model(parse_model(answers["model_json"], "model.json"), runtime)
+    text = f"{answers['compiled']}\n"
+    if answers["template"] != "plain_monitor":
+        return text
+    own = text.replace("\nimport eddi_runtime\n", "\nfrom . import eddi_runtime\n")
+    return own.replace("\nfrom eddi_runtime", "\nfrom .eddi_runtime")
 
 
 def write(folder: Path, files: Mapping[str, bytes]) -> Path:

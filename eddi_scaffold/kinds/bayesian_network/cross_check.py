@@ -13,8 +13,6 @@ from eddi_runtime.bayesian_network import BayesianNetworkMonitor
 from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 
 from eddi_scaffold.common.problems import Place, error, warning
-from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
@@ -27,7 +25,7 @@ _ROUNDING = 1e-12
 Case = Mapping[str, "str | list[float]"]
 
 
-def cross_check(model: NetworkModel, model_json: str) -> CrossCheck:
+def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCheck:
     """Compare posteriors of the engine that will run with those of pgmpy (B306, B307)."""
     try:
         with warnings.catch_warnings():
@@ -40,8 +38,6 @@ def cross_check(model: NetworkModel, model_json: str) -> CrossCheck:
         return CrossCheck("", (found,))
     network = model.data
     settings = settings_of(model)
-    monitor = build(parse_model(model_json, "the runtime model"))
-    assert isinstance(monitor, BayesianNetworkMonitor)
     cases = list(cases_of(network, settings.observed))
     peer = PgmpyNetwork(network)
     largest = 0.0

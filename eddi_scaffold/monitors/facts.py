@@ -1,0 +1,118 @@
+"""What a package remembers of its monitor: for wiring, tracing and status, small and typed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from eddi_scaffold.common.claims import Acceptance, Claim
+from eddi_scaffold.eddi_xml.links import Linked
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class InputFacts:
+    """One input of a monitor.
+
+    Attributes:
+        id: as in the model.
+        attribute: its name in ``EDDIInput``.
+        requires: ids of the simulator outputs that it is made of.
+        max_age: as ``InputBinding`` has it.
+        timeout_s: seconds after which its kind or its expression takes it as unknown.
+        every_message: no message is skipped.
+        reads: names that its expression reads; ``None`` without one.
+    """
+
+    id: str
+    attribute: str
+    requires: tuple[str, ...] = ()
+    max_age: float | str | None = None
+    timeout_s: float | None = None
+    every_message: bool = False
+    reads: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Element:
+    """An element of the model that can be traced.
+
+    Attributes:
+        element: what it is (``guarantee``, ``node``).
+        id: as in the model.
+        claim: its id in messages, where that is another one.
+        line: of the model file.
+        path: EMF fragment path in an EDDI.
+    """
+
+    element: str
+    id: str
+    claim: str | None = None
+    line: int | None = None
+    path: str | None = None
+
+
+@dataclass(frozen=True)
+class MonitorFacts:
+    """Content of ``config/model.json``.
+
+    Attributes:
+        kind: name of the kind.
+        id: of the model.
+        digest: of all that decides what the monitor computes; robots compare it.
+        file: name of the model file.
+        file_sha256: of its bytes.
+        path: EMF fragment path of the model in an EDDI.
+        inputs: in the order of the configuration.
+        claims: what it claims.
+        acceptances: what it accepts in place of what is not known.
+        elements: in the order of the model.
+        links: path of an element -> what is linked with it in the EDDI.
+    """
+
+    kind: str
+    id: str
+    digest: str
+    file: str
+    file_sha256: str
+    path: str | None
+    inputs: tuple[InputFacts, ...]
+    claims: tuple[Claim, ...] = ()
+    acceptances: tuple[Acceptance, ...] = ()
+    elements: tuple[Element, ...] = ()
+    links: dict[str, Linked] | None = None
+    format: int = FORMAT
+
+    def to_json(self) -> str:
+        """Return the text of ``config/model.json`` without the last line end."""
+        content = asdict(self, dict_factory=_without_none)
+        return json.dumps(content, sort_keys=True, indent=1, default=sorted)
+
+
+def from_json(text: object) -> MonitorFacts:
+    """Return the facts of a package.
+
+    Raises:
+        ValueError: the text is damaged, or of another format.
+    """
+    if not isinstance(text, str):
+        raise ValueError("there are no facts of the monitor")  # noqa: TRY004 - damage, no misuse
+    facts = _adapter().validate_json(text)
+    if facts.format != FORMAT:
+        raise ValueError(f"facts of the format {facts.format}, only {FORMAT} is known")
+    return facts
+
+
+def _without_none(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    return {key: value for key, value in pairs if value is not None}
+
+
+@cache
+def _adapter() -> TypeAdapter[MonitorFacts]:
+    return TypeAdapter(MonitorFacts)
