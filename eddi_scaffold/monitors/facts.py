@@ -68,8 +68,8 @@ class MonitorFacts:
         digest: of all that decides what the monitor computes; robots compare it.
         file: name of the model file.
         file_sha256: of its bytes.
-        path: EMF fragment path of the model in an EDDI.
         inputs: in the order of the configuration.
+        path: EMF fragment path of the model in an EDDI.
         claims: what it claims.
         acceptances: what it accepts in place of what is not known.
         elements: in the order of the model.
@@ -81,8 +81,8 @@ class MonitorFacts:
     digest: str
     file: str
     file_sha256: str
-    path: str | None
     inputs: tuple[InputFacts, ...]
+    path: str | None = None
     claims: tuple[Claim, ...] = ()
     acceptances: tuple[Acceptance, ...] = ()
     elements: tuple[Element, ...] = ()
