@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 
 from eddi_scaffold.common.files import Source
@@ -70,7 +68,7 @@ def built(parts, options="", telling=""):
             whole = source.replace("DIGEST", digests[model])
             tells = not telling or names[part] in telling
             found[part] = robot, monitor(names[part], robot, whole, how, options, tells=tells)
-        digests = {names[p]: json.loads(one.model_json)["sha256"] for p, (_, one) in found.items()}
+        digests = {names[p]: one.facts.digest for p, (_, one) in found.items()}
     return found
 
 

@@ -211,7 +211,7 @@ def generated(folder: Path, size: Size) -> str:
     text = CONFIG.replace("FREQUENCY", str(size.frequency)).replace("LEASE", str(size.lease))
     for digest in ("a" * 64, None):  # the digest of a model does not depend on its configuration
         config = folder / "config.yml"
-        found = digest or json.loads(next(folder.rglob("model.json")).read_text("utf-8"))["sha256"]
+        found = digest or json.loads(next(folder.rglob("model.json")).read_text("utf-8"))["digest"]
         config.write_text(text.replace("DIGEST", found), "utf-8")
         place = ("--platform", "dds", "-o", folder)
         done = run("generate", *place, "-m", HERE / "mover.yml", "-c", config, cwd=folder)

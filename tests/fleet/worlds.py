@@ -50,7 +50,7 @@ class Robots(Stage):
         """Generate both, and begin to hear."""
         arm = self._generated("arm", ARM)
         (model,) = arm.rglob("model.json")
-        digest = json.loads(model.read_text("utf-8"))["sha256"]
+        digest = json.loads(model.read_text("utf-8"))["digest"]
         self.packages = {
             "arm": arm,
             "cart": self._generated("cart", CART.replace("DIGEST", digest)),

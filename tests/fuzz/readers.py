@@ -13,8 +13,6 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError, has_errors
-from eddi_scaffold.compiling.document import ModelError, parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.report import as_json, as_text
 from eddi_scaffold.conditions.standalone import generate
@@ -34,6 +32,7 @@ from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import TODO, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.exports import written_into
+from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.monitors.survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
@@ -136,7 +135,7 @@ def _compiled(path: Path, configs: Sequence[Path], platform: str) -> Steps:
         made = assemble([one], platforms()[platform], path.parent / "packages", problems)
         yield
         for package in made.packages:
-            if "model_json" in package.answers:
+            if "facts_json" in package.answers:
                 trace_of(package.answers)
         compiled(one)
         yield
@@ -460,15 +459,15 @@ def _answers(folder: Path) -> Made:
             for group in groups(None, [path.parent]):
                 targets(group, None, [])
                 for answers in group.present.values():
-                    if "model_json" in answers:
+                    if "facts_json" in answers:
                         trace_of(answers)
         yield
 
     return samples, attempt
 
 
-def _model_files(folder: Path) -> Made:
-    """The model.json of packages, as the robot reads it."""
+def _facts(folder: Path) -> Made:
+    """The model.json of packages."""
     samples = []
     for name in (
         "two-conserts/two_conserts.xml",
@@ -476,11 +475,11 @@ def _model_files(folder: Path) -> Made:
         "drone/airframe.yml",
     ):
         found = monitors_of(EXAMPLES / name, [])[0]
-        samples += [Sample(f"{one.package}.json", one.model_json.encode()) for one in found]
+        samples += [Sample(f"{one.package}.json", one.facts.to_json().encode()) for one in found]
 
     def attempt(sample: Sample) -> Steps:
-        with contextlib.suppress(ModelError, UnicodeDecodeError):
-            build(parse_model(sample.data.decode(), sample.name, {}))
+        with contextlib.suppress(ValueError):
+            from_json(sample.data.decode())
         yield
 
     return samples, attempt
@@ -611,7 +610,7 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "recordings": _recordings,
     "bags": _bags,
     "answers": _answers,
-    "model.json": _model_files,
+    "model.json": _facts,
     "sync": _sync,
     "adopt": _adopt,
 }  # fmt: skip

@@ -52,7 +52,7 @@ def configuration_too_deep_to_read(world: World) -> None:
 
 def model_too_deep_to_read(world: World) -> None:
     """The same in the model."""
-    _answer(world, "model_json", DEEP)
+    _answer(world, "facts_json", DEEP)
 
 
 def answers_that_are_no_questions(world: World) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 
 import pytest
@@ -13,6 +12,7 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_example
@@ -120,15 +120,17 @@ def test_a_default_must_fit_and_must_not_count_as_evidence(default: str, codes: 
     assert [problem.code for problem in problems if problem.level == "error"] == codes
 
 
-def test_the_settings_travel_in_the_model_document() -> None:
-    monitor = sound("requires: [lidar]", top=", debounce: 3, guarantee_ids: class")
-    document = json.loads(monitor.model_json)
-    assert document["settings"] == {
-        "guarantee_ids": "class",
-        "filter": {"kind": "debounce", "regain_after": 3},
-    }
-    (item,) = document["inputs"]
-    assert (item["id"], item["requires"], item["max_age"]) == ("Clearance", ["lidar"], 2.0)
+def test_facts_are_read_as_they_are_written() -> None:
+    monitor = sound("requires: [lidar]", top=", guarantee_ids: class")
+    (item,) = monitor.facts.inputs
+    assert (item.id, item.requires, item.max_age) == ("Clearance", ("lidar",), 2.0)
+    assert from_json(monitor.facts.to_json()) == monitor.facts
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[" * 10**5, None, '{"format": 1, "kind": 3}'])
+def test_damaged_facts_are_refused(text: str | None) -> None:
+    with pytest.raises(ValueError, match="acts"):
+        from_json(text)
 
 
 def test_without_a_configuration_a_value_of_its_own_id_is_taken() -> None:

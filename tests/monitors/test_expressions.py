@@ -11,8 +11,6 @@ from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import kinds
@@ -52,7 +50,7 @@ EDDIOutputs:
 
 def bound(monitor: BoundMonitor) -> EDDIInputBase:
     eddi_input = EDDIInputBase()
-    specs = build(parse_model(monitor.model_json, "model")).inputs
+    specs = monitor.compiled.monitor(monitor.id).inputs
     eddi_input.bind(specs)
     eddi_input.requires = {spec.id: spec.requires for spec in specs}
     return eddi_input
@@ -218,7 +216,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
     other, problems = monitor_of(monitor.model, monitor.kind, again)
     assert other is not None, problems
-    assert other.model_json == monitor.model_json
+    assert other.compiled.text == monitor.compiled.text
     assert again.as_json() == monitor.config.as_json()
 
 

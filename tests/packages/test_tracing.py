@@ -32,8 +32,8 @@ def test_every_element_is_in_the_table_with_its_place() -> None:
     assert rows["System_A_G0"]["element"] == "guarantee"
     model = json.loads((GENERATED / "src/eddi_monitor/conserta/config/model.json").read_bytes())
     assert (conserta["sha256"], conserta["model_sha256"]) == (
-        model["source"]["sha256"],
-        model["sha256"],
+        model["file_sha256"],
+        model["digest"],
     )
     assert conserta["outputs"] == ["conserta/guarantees"]
 

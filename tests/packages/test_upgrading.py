@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
@@ -77,4 +78,5 @@ def test_the_marks_of_the_first_reading_are_remembered(tmp_path: Path) -> None:
     (group,) = groups(folder, [])
     (package,), _ = targets(group, model, [])
     assert package.answers["default_guarantees"] == ["Safe"]
-    assert '"default": true' in package.answers["model_json"]
+    facts = from_json(package.answers["facts_json"])
+    assert [claim.rests_on for claim in facts.claims if claim.id == "Safe"] == [frozenset()]

@@ -142,7 +142,6 @@ def test_it_is_upgraded(clone: Checkout, world: Path) -> None:
 
     assert written.read_text("utf-8").count(HAND) == 1
     robot = written.parent
-    assert "camera of system B" in (robot / "model.json").read_text("utf-8")
     assert "Each step" in (robot / "node.py").read_text("utf-8")
     clone.eddi("upgrade", "-w", "ws")
     assert written.read_text("utf-8").count(HAND) == 1

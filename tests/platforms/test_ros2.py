@@ -248,7 +248,6 @@ def test_hand_edits_survive_an_upgrade(workspace: Path) -> None:
     newer.write_text(text.replace("sensor of system B", "camera of system B"), "utf-8")
     done = run("upgrade", "-w", workspace, "-m", newer, cwd=workspace)
     assert done.status == 0, done.err
-    assert "camera of system B" in (packages / "consertb/config/model.json").read_text("utf-8")
     text = mine["consertb/consertb/EDDIInput.py"].decode()
     mine["consertb/consertb/EDDIInput.py"] = text.replace("sensor of", "camera of").encode()
     assert {name: (packages / name).read_bytes() for name in EDITED} == mine

@@ -72,7 +72,7 @@ class OnlyCopier:
             config.write_text(_NETWORK)
         monitors, problems = monitors_of(model, [config])
         packages = assemble(monitors, chosen(self.platform), folder / "none", problems).packages
-        return dict(next(one for one in packages if "model_json" in one.answers).answers)
+        return dict(next(one for one in packages if "facts_json" in one.answers).answers)
 
     def rendering(self) -> Mapping[str, str]:
         key = (self.inputs, self.states, self.template)

@@ -36,7 +36,7 @@ def package(cell: Path, robot: str, name: str) -> Path:
 
 def digest(cell: Path, robot: str) -> str:
     model = package(cell, robot, robot) / "config" / "model.json"
-    return str(json.loads(model.read_text("utf-8"))["sha256"])
+    return str(json.loads(model.read_text("utf-8"))["digest"])
 
 
 def test_a_robot_knows_the_models_of_those_that_it_relies_on(cell: Path) -> None:
@@ -178,7 +178,7 @@ def configured(text: str, folder: Path = EXAMPLE) -> dict[str, Config]:
     found = {one.robot.name: among_others(fleet, one, digests) for one in fleet.seats}
     for robot in fleet.robots:  # what the others are told is what the monitor is
         ((monitor,), _) = fleet.monitors(robot, lambda seat: found[seat.robot.name])
-        assert json.loads(monitor.model_json)["sha256"] == digests[robot.name, 0]
+        assert monitor.facts.digest == digests[robot.name, 0]
     return {name: config.config for name, config in found.items()}
 
 

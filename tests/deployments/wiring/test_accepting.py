@@ -8,8 +8,6 @@ from pathlib import Path
 import pytest
 from eddi_runtime.history import EDDIInputBase
 
-from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import run
 from tests.deployments.wiring.test_wiring import CONSERT
@@ -35,43 +33,43 @@ def written(folder: Path, entry: str, more: str = "", source: str = "") -> Path:
 @pytest.mark.parametrize(
     ("entry", "keys"),
     [
-        (", requires: [s], field: data, max_age: 1.0", None),
-        (LIMITLESS, None),  # the limit itself says it
-        (KNOWN, ["KNOWN"]),
-        (UNSAFE, ["allow_unsafe_default: true"]),
+        (", requires: [s], field: data, max_age: 1.0", ()),
+        (LIMITLESS, ()),  # the limit itself says it
+        (KNOWN, ("KNOWN",)),
+        (UNSAFE, ("allow_unsafe_default: true",)),
     ],
 )
 def test_the_monitor_is_told_what_it_cannot_see(
-    entry: str, keys: list[str] | None, tmp_path: Path
+    entry: str, keys: tuple[str, ...], tmp_path: Path
 ) -> None:
     (monitor,), _ = monitors_of(
         None, [written(tmp_path, entry, ", parameters: [{model: base.yml}]")]
     )
-    (spec,) = json.loads(monitor.model_json)["inputs"]
-    assert spec.get("accepts") == keys
+    (spec,) = monitor.compiled.monitor(monitor.id).inputs
+    assert spec.accepts == keys
 
 
 @pytest.mark.parametrize(
     ("expression", "keys"),
     [
-        ("MIN(s.ranges[*]) > 0.8", None),  # REP 117: +inf is a measurement, what is missing is NaN
-        ("s.ranges[0] > 0.8", None),
-        ("MIN(s.ranges[*], COVERAGE 0.9) > 0.8", ["COVERAGE 0.9"]),
-        ("VAR s.ranges[0] : NUMBER TIMEOUT 1s ALLOW INF\ns.ranges[0] > 0.8", ["ALLOW INF"]),
+        ("MIN(s.ranges[*]) > 0.8", ()),  # REP 117: +inf is a measurement, what is missing is NaN
+        ("s.ranges[0] > 0.8", ()),
+        ("MIN(s.ranges[*], COVERAGE 0.9) > 0.8", ("COVERAGE 0.9",)),
+        ("VAR s.ranges[0] : NUMBER TIMEOUT 1s ALLOW INF\ns.ranges[0] > 0.8", ("ALLOW INF",)),
     ],
 )
 def test_infinity_is_accepted_by_whoever_writes_it(
-    expression: str, keys: list[str] | None, tmp_path: Path
+    expression: str, keys: tuple[str, ...], tmp_path: Path
 ) -> None:
     entry = f", expression: {json.dumps(expression)}, max_age: 1.0"
     config = written(tmp_path, entry, ", parameters: [{model: base.yml}]")
     text = config.read_text("utf-8").replace("std_msgs.Bool", "sensor_msgs.LaserScan")
     config.write_text(text, "utf-8")
     (monitor,), _ = monitors_of(None, [config])
-    (spec,) = json.loads(monitor.model_json)["inputs"]
-    assert spec.get("accepts") == keys
+    (spec,) = monitor.compiled.monitor(monitor.id).inputs
+    assert spec.accepts == keys
     checked = run("check", "base_config.yml", "base.yml", cwd=tmp_path)
-    assert ("[D009]" in checked.err) == (keys is not None), checked.err
+    assert ("[D009]" in checked.err) == bool(keys), checked.err
 
 
 class Message:
@@ -81,7 +79,7 @@ class Message:
 def test_a_default_is_in_use_until_the_first_message(tmp_path: Path) -> None:
     config = written(tmp_path, UNSAFE, ", parameters: [{model: base.yml}]")
     (made,), _ = monitors_of(None, [config])
-    monitor = build(parse_model(made.model_json))
+    monitor = made.compiled.monitor(made.id)
     told = EDDIInputBase()
     vars(told)["E"] = True  # as the generated class begins
     told.bind(monitor.inputs)

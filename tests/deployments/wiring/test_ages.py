@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import json
+import hashlib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import run
 from tests.deployments.wiring.test_bounds import LINK, READ, SENSOR
@@ -36,7 +38,7 @@ def read(*configs: Path) -> tuple[dict[str, BoundMonitor], list[Problem]]:
 
 
 def limits(monitor: BoundMonitor) -> list[object]:
-    return [spec["max_age"] for spec in json.loads(monitor.model_json)["inputs"]]
+    return [input_.max_age for input_ in monitor.facts.inputs]
 
 
 def told(problems: list[Problem]) -> list[tuple[str, str]]:
@@ -82,14 +84,14 @@ def test_a_message_of_a_monitor_is_unknown_after_a_second(
     assert (limits(alone["top"]), told(problems)) == ([limit], found)
     together, problems = read(top, base)
     assert (limits(together["top"]), told(problems)) == ([limit], found)
-    assert together["top"].model_json == alone["top"].model_json
+    assert together["top"].compiled.text == alone["top"].compiled.text
 
 
 def test_each_message_of_an_expression_has_its_own_limit(tmp_path: Path) -> None:
     entry = "expression: 'b.guarantees[G].active AND s.data'"
     monitors, _ = read(written(tmp_path, "top", SENSOR_AND_MONITOR, entry))
-    (spec,) = json.loads(monitors["top"].model_json)["inputs"]
-    (part,) = spec["expression"]["parts"]
+    computed: Any = monitors["top"].inputs[0].computed
+    (part,) = computed["parts"]
     of = {one["name"].partition(".")[0]: one.get("timeout") for one in part["form"]["variables"]}
     assert of == {"b": 10**9, "s": None}
 
@@ -136,9 +138,10 @@ def test_a_newer_model_keeps_the_limit(tmp_path: Path) -> None:
     record = tmp_path / "ws/src/eddi_monitor/top/config/model.json"
     newer = tmp_path / "newer"
     newer.mkdir()
-    (newer / "top.yml").write_text(CONSERT.format().replace("type: Fine", "type: Finer"), "utf-8")
+    data = CONSERT.format().replace("type: Fine", "type: Finer").encode()
+    (newer / "top.yml").write_bytes(data)
     done = run("upgrade", "-w", "ws", "-m", "newer/top.yml", cwd=tmp_path)
     assert done.status == 0, done.err
-    text = record.read_text("utf-8")
-    assert "Finer" in text
-    assert [spec["max_age"] for spec in json.loads(text)["inputs"]] == [1.0]
+    facts = from_json(record.read_text("utf-8"))
+    assert facts.file_sha256 == hashlib.sha256(data).hexdigest()
+    assert [input_.max_age for input_ in facts.inputs] == [1.0]
