@@ -116,6 +116,25 @@ class Acceptance:
     outputs: tuple[str, ...] | None = None
 
 
+@dataclass(frozen=True)
+class Element:
+    """An element of the model that can be traced.
+
+    Attributes:
+        element: what it is (``guarantee``, ``node``).
+        id: as in the model.
+        claim: its id in messages, where that is another one.
+        line: of the model file.
+        path: EMF fragment path in an EDDI.
+    """
+
+    element: str
+    id: str
+    claim: str | None = None
+    line: int | None = None
+    path: str | None = None
+
+
 Meanings = Mapping[str, Mapping[str, Meaning]]
 """Message name -> field (``guarantees[].active``) -> what it means."""
 

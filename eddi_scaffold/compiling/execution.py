@@ -8,26 +8,8 @@ from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from pathlib import PurePath
 from types import ModuleType
-from typing import Any
-
-from eddi_scaffold.compiling.compilation import compile_model
-from eddi_scaffold.compiling.document import ModelFile
 
 _NAME = "compiled"
-
-
-def build(model_file: ModelFile, hooks: Any = None) -> Any:
-    """Return the monitor of a model: the text of its package, executed here.
-
-    Args:
-        model_file: the model.
-        hooks: object with a person's methods, for kinds that have an editable module.
-
-    Raises:
-        ModelError: the model is wrong.
-    """
-    made = module_of(compile_model(model_file), model_file.id, model_file.data).Monitor
-    return made() if hooks is None else made(hooks)
 
 
 class _Files(Loader):

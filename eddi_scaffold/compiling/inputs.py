@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.document import InputData, ModelFile
 from eddi_scaffold.compiling.expressions.emission import expression_classes
-from eddi_scaffold.compiling.monitor import Declaration
+from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.compiling.text import (
     Item,
     Part,
@@ -19,11 +18,6 @@ from eddi_scaffold.compiling.text import (
     text_literal,
     tuple_of,
 )
-
-
-def declaration_of(model_file: ModelFile) -> Declaration:
-    """Return what a compiled monitor begins with."""
-    return Declaration(model_file.id, model_file.digest, model_file.inputs)
 
 
 def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) -> list[str]:
@@ -42,7 +36,7 @@ def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) ->
     ]
 
 
-def _input_lines(inputs: Sequence[InputData], paths: Mapping[str, str]) -> list[str]:
+def _input_lines(inputs: Sequence[BoundInput], paths: Mapping[str, str]) -> list[str]:
     """Return the lines of the class attribute ``inputs``; expressions are classes above it.
 
     Args:
@@ -64,7 +58,7 @@ def attribute_of(source: str, attribute: str) -> str:
     return f"getattr({source}, {text_literal(attribute)})"
 
 
-def _spec(one: InputData, expression: str | None) -> Part:
+def _spec(one: BoundInput, expression: str | None) -> Part:
     named: dict[str, Any] = {
         "requires": one.requires or None,
         "max_age": one.max_age,

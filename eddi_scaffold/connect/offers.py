@@ -11,7 +11,6 @@ from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.compiling import meanings_of
 
 _SILENT = (False,)
 """What a field may be while nothing is known, that evidence may be made of."""
@@ -93,7 +92,7 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
         if output.field is not None:
             continue
         on_this = [claim for claim in claims if output.event in (None, claim.id)]
-        meanings = meanings_of(monitor.kind, on_this)
+        meanings = monitor.kind.functions.field_meanings(on_this)
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():

@@ -15,7 +15,6 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.topics import Deployment, Member
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
-from eddi_scaffold.monitors.compiling import meanings_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.input_rules import kind_of_message
@@ -238,7 +237,7 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
     if other is not None and other.of.kind is kind:
         return _Read(other.of.name, message, path, other.of.meanings(other.part))
     topic = member.topic(source.topic).removesuffix(f"/{STATUS}")
-    return _Read(topic, message, path, meanings_of(kind, None))
+    return _Read(topic, message, path, kind.functions.field_meanings(None))
 
 
 def _meaning(read: _Read) -> Meaning:

@@ -23,7 +23,6 @@ from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
-from eddi_scaffold.monitors.compiling import meanings_of
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.facts import MonitorFacts, from_json
 
@@ -64,7 +63,9 @@ class WiredMonitor:
 
     def meanings(self, part: str | None) -> Meanings:
         """Return what the fields of its messages mean on a topic of one claim, or of all."""
-        return meanings_of(self.kind, [c for c in self.facts.claims if part in (None, c.id)])
+        return self.kind.functions.field_meanings(
+            [c for c in self.facts.claims if part in (None, c.id)]
+        )
 
     @property
     def by_words(self) -> Sequence[str]:

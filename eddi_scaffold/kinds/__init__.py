@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Any, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
-from eddi_scaffold.common.claims import Acceptance, Listen, Meanings, Use
+from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place, error
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ JsonValue: TypeAlias = (
 )
 """What ``json`` reads and writes."""
 JsonObject: TypeAlias = Mapping[str, JsonValue]
-"""A document such as ``config/model.json``, or a part of it."""
+"""What is written as an object."""
 TODO = "TODO"
 """In a configuration, without quotes: what a person has still to decide."""
 
@@ -319,16 +319,8 @@ def _none(_: object) -> Sequence[NoReturn]:
     return ()
 
 
-def _no_meanings(_document: JsonObject | None, _part: str | None) -> Meanings:
-    return {}
-
-
-def _accepts_nothing(_document: JsonObject, _frequency: float) -> Sequence[Acceptance]:
+def _accepts_nothing(*_: object) -> Sequence[Acceptance]:
     return ()
-
-
-def _no_lag(_document: JsonObject, _frequency: float) -> float:
-    return 0.0
 
 
 def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
@@ -350,41 +342,31 @@ class Functions(Generic[M]):
         in_map: key and values (tag, text) by which an EDDI holds such a model, of a kind that is
             no part of the metamodel; raises EddiError.
         inputs: the inputs that the monitor needs.
-        runtime_model: the ``model`` part of ``config/model.json``.
+        compile: the monitor, of a configured model and its bound inputs.
+        claims: of a configured model, its bound inputs, and the steps per second: its claims.
+        field_meanings: what the fields of its messages express of what is known, where a topic
+            has these claims; ``None``: they are not known.
         beside: name -> message that it publishes in addition, on ``<topic>/<name>``; in the
             runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
         configure: applies the options of the configuration to the model; comes before ``inputs``,
-            ``runtime_model`` and all below.
-        settings: the ``settings`` part of ``config/model.json``.
+            and all below.
         modules: modules in which people write.
-        data_files: bulk data next to ``compiled.py``, which holds their digests.
         cross_check: compares the running monitor with an independent tool before a package is
             written.
         readme: lines of Markdown for the package's README; what comes of a model is escaped.
         diagram: the picture of a model.
         ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
             known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
-        meanings: what the fields of its messages express of what is known: of the ``model`` part
-            of ``config/model.json`` where it is at hand, and of the part to which a topic is
-            limited.
-        accepted: of ``config/model.json`` and the steps per second: what the model and its options
-            accept in place of what is not known.
-        limits: of ``config/model.json``: input -> seconds after which the kind itself takes it as
-            unknown, for those that have such a limit.
-        lag: of the same two: seconds for which a claim may outlive its inputs, by what is accepted.
-        support: of ``config/model.json``: claim -> inputs that it rests on.
         unfulfilled: why an output of a model does not fulfil an input of another one of this
             kind, ``None`` where it does, or where nothing is asked of that input.
-        compile: the monitor, of a configured model and its bound inputs.
-        claims: of a configured model, its bound inputs, and the steps per second: its claims.
-        acceptances: of the same: what the model and its options accept in place of what is not
+        acceptances: of a configured model, its bound inputs, and the steps per
+            second: what the model and its options accept in place of what is not
             known.
         input_timeouts: input -> seconds after which the kind itself takes it as unknown, for those
             that have such a limit.
-        field_meanings: what the fields of its messages express of what is known, where a topic
-            has these claims; ``None``: they are not known.
+        elements: of a configured model: what can be traced, in order.
         skeleton: what a configuration with these options has still to say, for kinds whose inputs
             are not all in the model; an option may still be ``TODO``.
     """
@@ -394,33 +376,26 @@ class Functions(Generic[M]):
     outline: Callable[[M], Sequence[str]]
     export: Callable[[M], Mapping[str, str]]
     inputs: Callable[[M], Sequence[ModelInput]]
-    runtime_model: Callable[[M], JsonObject]
+    compile: Callable[[M, Declaration], CompiledMonitor]
+    claims: Callable[[M, Sequence[BoundInput], float], Sequence[Claim]]
+    field_meanings: Callable[[Sequence[Claim] | None], Meanings]
     in_map: Callable[[M], tuple[str, Sequence[tuple[str, str]]]] | None = None
     read_eddi: Callable[[EddiDocument, Source, Sequence[str]], ReadResult] | None = None
     check: Callable[[M], Sequence[Problem]] = _none
     beside: Callable[[M], Mapping[str, str]] = _nothing
     configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is
-    settings: Callable[[M], JsonObject] = _nothing
     modules: Callable[[M], Sequence[EditableModule]] = _none
-    data_files: Callable[[M], Mapping[str, bytes]] = _nothing
     cross_check: Callable[[M, Any], CrossCheck] | None = None
     readme: Callable[[M], Sequence[str]] = _none
     diagram: Callable[[M], Diagram] | None = None
     parts: Callable[[M], Sequence[str]] = _none
     outputs: Callable[[M], Sequence[ModelOutput]] = _none
     ids: Callable[[M], Mapping[str, Sequence[str]]] = _nothing
-    meanings: Callable[[JsonObject | None, str | None], Meanings] = _no_meanings
-    accepted: Callable[[JsonObject, float], Sequence[Acceptance]] = _accepts_nothing
-    limits: Callable[[JsonObject], Mapping[str, float]] = _nothing
-    lag: Callable[[JsonObject, float], float] = _no_lag
-    support: Callable[[JsonObject], Mapping[str, frozenset[str]]] = _nothing
     unfulfilled: Callable[[M, str, M, str], str | None] | None = None
     skeleton: Callable[[M, Options], Skeleton] | None = None
-    compile: Callable[[M, Declaration], CompiledMonitor] | None = None
-    claims: Callable[[M, Sequence[BoundInput], float], Sequence[Claim]] | None = None
-    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] | None = None
+    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] = _accepts_nothing
     input_timeouts: Callable[[M], Mapping[str, float]] = _nothing
-    field_meanings: Callable[[Sequence[Claim] | None], Meanings] | None = None
+    elements: Callable[[M], Sequence[Element]] = _none
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from eddi_scaffold.common.claims import Acceptance, Claim
+from eddi_scaffold.common.claims import Acceptance, Claim, Element
 from eddi_scaffold.eddi_xml.links import Linked
 
 FORMAT = 1
@@ -37,25 +37,6 @@ class InputFacts:
     timeout_s: float | None = None
     every_message: bool = False
     reads: tuple[str, ...] | None = None
-
-
-@dataclass(frozen=True)
-class Element:
-    """An element of the model that can be traced.
-
-    Attributes:
-        element: what it is (``guarantee``, ``node``).
-        id: as in the model.
-        claim: its id in messages, where that is another one.
-        line: of the model file.
-        path: EMF fragment path in an EDDI.
-    """
-
-    element: str
-    id: str
-    claim: str | None = None
-    line: int | None = None
-    path: str | None = None
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,6 @@ from eddi_scaffold.config.field_paths import (
 )
 from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
-from eddi_scaffold.monitors.compiling import meanings_of
 
 _LIMITLESS = "max_age: none"
 
@@ -94,7 +93,7 @@ def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValu
     if kind is None:
         return []
     field = "".join(pattern(path)).removeprefix(".")
-    meaning = meanings_of(kind, None).get(name, {}).get(field, Meaning())
+    meaning = kind.functions.field_meanings(None).get(name, {}).get(field, Meaning())
     found: list[tuple[FieldPath, list[JsonValue]]] = [
         (path, [not value]) for value in meaning.silent or () if isinstance(value, bool)
     ]

@@ -12,10 +12,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.problems import EddiError, Place, error
 from eddi_scaffold.eddi_xml.links import Linked
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.monitors.facts import Element, MonitorFacts
+from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 

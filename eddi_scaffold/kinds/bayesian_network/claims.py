@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
 from eddi_scaffold.compiling.monitor import BoundInput
@@ -31,46 +30,6 @@ MEANINGS: Meanings = {
     },
 }
 """Message -> field, with all below it -> its meaning."""
-
-
-def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-    """Return what the thresholds rest on: the inputs; raw posteriors claim nothing."""
-    inputs = frozenset(spec["id"] for spec in document["inputs"])
-    return {threshold["id"]: inputs for threshold in document["model"].get("thresholds", ())}
-
-
-def accepted(document: Mapping[str, Any], frequency: float) -> Sequence[Acceptance]:
-    """Return what the declarations of the nodes accept in place of a known state."""
-    specs = {spec["id"]: spec for spec in document["inputs"]}
-    return [
-        one
-        for node, declared in document["model"].get("discretisation", {}).items()
-        for one in _of_node(node, declared, specs[declared["input"]], frequency)
-    ]
-
-
-def lag(document: Mapping[str, Any], frequency: float) -> float:
-    """Return for how many seconds a state is held after its input became unknown."""
-    held = [one.seconds for one in accepted(document, frequency) if one.key == "missing: hold"]
-    return max((one for one in held if one is not None), default=0.0)
-
-
-def _of_node(
-    node: str, declared: Mapping[str, Any], spec: Mapping[str, Any], frequency: float
-) -> Iterator[Acceptance]:
-    path = ("Model", "discretisation", node)
-    policy, age = declared.get("missing", "unobserved"), spec["max_age"]
-    if policy in _POLICIES and (policy != "default" or spec["default"] is not None):
-        seconds = age + 1 / frequency if policy == "hold" and isinstance(age, float) else None
-        lasts = "while it is unknown" if seconds is None else f"for {seconds:g} s"
-        text = f"{_POLICIES[policy]} of {node}"
-        key = f"missing: {policy}"
-        yield Acceptance(key, text, lasts, seconds, declared["input"], (*path, "missing"))
-    for name, value, what in _BEYOND:
-        if declared.get(name) == value:
-            text, lasts = f"{what} of {node}", "while it is so"
-            key = f"{name}: {value}".lower()
-            yield Acceptance(key, text, lasts, None, declared["input"], (*path, name))
 
 
 def acceptances(

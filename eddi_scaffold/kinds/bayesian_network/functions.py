@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePath
 
+from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, warning
@@ -17,7 +18,6 @@ from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import (
     EditableModule,
     Functions,
-    JsonValue,
     ModelInput,
     ModelOutput,
     ReadResult,
@@ -25,10 +25,7 @@ from eddi_scaffold.kinds import (
 from eddi_scaffold.kinds.bayesian_network.claims import (
     MEANINGS,
     acceptances,
-    accepted,
     claims,
-    lag,
-    support,
 )
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
@@ -36,9 +33,7 @@ from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
 from eddi_scaffold.kinds.bayesian_network.method_module import config_module, skeleton
 from eddi_scaffold.kinds.bayesian_network.network import (
     Network,
-    identifiers,
     in_digits,
-    node_attributes,
 )
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, configure, settings_of
 from eddi_scaffold.kinds.bayesian_network.read_bif import read_bif
@@ -162,40 +157,15 @@ def inputs(model: NetworkModel) -> Sequence[ModelInput]:
     return settings_of(model).inputs
 
 
-def runtime_model(model: NetworkModel) -> dict[str, JsonValue]:
-    """Return the ``model`` part of ``config/model.json``; the schedule is compiled by the robot."""
-    network = model.data
-    settings = settings_of(model)
-    attributes = node_attributes(network)
-    thresholds = [threshold.document() for threshold in settings.thresholds]
-    return {
-        "nodes": [
-            {
-                "id": node.id,
-                "title": node.title,
-                "states": list(node.states),
-                "parents": list(node.parents),
-                "table": list(node.table),
-                "attribute": attributes[node.id],
-                "state_attributes": identifiers(node.states),
-                "path": node.place.path,
-                "line": node.place.line,
-            }
-            for node in network.nodes
-        ],
-        "outputs": list(settings.outputs),
-        "observed": None if settings.foreseen is None else list(settings.foreseen),
-        "discretisation": {
-            declaration.node: dict(declaration.data) for declaration in settings.declarations
-        },
-        "direct": dict(settings.direct),
-        **({"thresholds": thresholds} if thresholds else {}),
-    }
-
-
-def settings(model: NetworkModel) -> dict[str, JsonValue]:
-    """Return the ``settings`` part of ``config/model.json``."""
-    return dict(settings_of(model).evidence)
+def elements(model: NetworkModel) -> Sequence[Element]:
+    """Return the nodes, then the thresholds."""
+    return [
+        *(
+            Element("node", node.id, None, node.place.line, node.place.path)
+            for node in model.data.nodes
+        ),
+        *(Element("threshold", threshold.id) for threshold in settings_of(model).thresholds),
+    ]
 
 
 def beside(model: NetworkModel) -> Mapping[str, str]:
@@ -285,23 +255,18 @@ FUNCTIONS = Functions(
     outline=outline,
     export=export,
     inputs=inputs,
-    runtime_model=runtime_model,
     beside=beside,
     configure=configure,
-    settings=settings,
     modules=modules,
     cross_check=cross_check,
     readme=readme,
     diagram=diagram,
     outputs=outputs,
     ids=ids,
-    accepted=accepted,
-    lag=lag,
-    support=support,
+    elements=elements,
     skeleton=skeleton,
     compile=compile_model,
     claims=claims,
     acceptances=acceptances,
     field_meanings=lambda _claims: MEANINGS,
-    meanings=lambda _document, _part: MEANINGS,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.eddi_xml.document import EddiDocument
@@ -15,16 +16,10 @@ from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.inputs import inputs
 from eddi_scaffold.kinds.consert.model import NAME, ConSert, ConSertModel
+from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import acceptances, configure, published_ids
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 from eddi_scaffold.kinds.consert.read_yaml import read_draft
-from eddi_scaffold.kinds.consert.runtime_model import (
-    accepted,
-    lag,
-    runtime_model,
-    settings,
-    support,
-)
 from eddi_scaffold.kinds.consert.show import counts, diagram, outline
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
@@ -68,6 +63,35 @@ def _export(model: ConSertModel) -> Mapping[str, str]:
     return {f"{safe}.yml": to_yaml(model.data)}
 
 
+def elements(model: ConSertModel) -> Sequence[Element]:
+    """Return what has a place, then the services."""
+    consert = model.data
+    nodes = {
+        "demand": consert.demands,
+        "evidence": consert.evidence,
+        "gate": consert.gates,
+        "guarantee": consert.guarantees,
+    }
+    services = {
+        "provided service": consert.provided_services,
+        "required service": consert.required_services,
+    }
+    return [
+        *(
+            Element(
+                name,
+                node.id,
+                published_class(node.id) if name == "guarantee" else None,
+                node.place.line,
+                node.place.path,
+            )
+            for name, group in nodes.items()
+            for node in group
+        ),
+        *(Element(name, service.id) for name, group in services.items() for service in group),
+    ]
+
+
 FUNCTIONS = Functions(
     read_eddi=_read_eddi,
     read_file=_read_file,
@@ -76,16 +100,11 @@ FUNCTIONS = Functions(
     outline=lambda model: outline(model.data),
     export=_export,
     inputs=lambda model: inputs(model.data),
-    runtime_model=lambda model: runtime_model(model.data),
     beside=with_status("ConSertStatus"),
     configure=configure,
-    settings=settings,
     diagram=lambda model: diagram(model.data),
     ids=lambda model: {"guarantees": [*published_ids(model)]},
-    meanings=lambda _document, _part: MEANINGS,
-    accepted=accepted,
-    lag=lag,
-    support=support,
+    elements=elements,
     compile=compile_consert,
     claims=claims,
     acceptances=acceptances,

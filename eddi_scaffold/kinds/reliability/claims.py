@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from eddi_scaffold.common.claims import Meaning, Meanings, ValidityField
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
@@ -37,9 +34,3 @@ MEANINGS: Meanings = {
     },
 }
 """Message -> field -> its meaning."""
-
-
-def support(document: Mapping[str, Any]) -> Mapping[str, frozenset[str]]:
-    """Return what the thresholds rest on: every input counts in the probability of failure."""
-    inputs = frozenset(spec["id"] for spec in document["inputs"])
-    return {threshold["id"]: inputs for threshold in document["model"].get("thresholds", ())}

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
-from eddi_scaffold.common.claims import Claim
+from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, warning
 from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
@@ -18,16 +17,15 @@ from eddi_scaffold.kinds import Functions, ModelInput, ModelOutput, Options, Rea
 from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
 from eddi_scaffold.kinds.reliability import show
 from eddi_scaffold.kinds.reliability.checks import check_system
-from eddi_scaffold.kinds.reliability.claims import MEANINGS, support
+from eddi_scaffold.kinds.reliability.claims import MEANINGS
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.inputs import inputs_of
 from eddi_scaffold.kinds.reliability.lowering import used
 from eddi_scaffold.kinds.reliability.read_open_psa import read_mef
 from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system, with_rate
-from eddi_scaffold.kinds.reliability.runtime_model import runtime_model
 from eddi_scaffold.kinds.reliability.show import picture
 from eddi_scaffold.kinds.reliability.skeleton import decided, drafted
-from eddi_scaffold.kinds.reliability.system import NAME, ReliabilityModel, ReliabilitySystem
+from eddi_scaffold.kinds.reliability.system import NAME, ReliabilityModel, ReliabilitySystem, order
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.write import to_mef, to_yaml
@@ -214,11 +212,6 @@ def ids(model: ReliabilityModel) -> Mapping[str, Sequence[str]]:
     return {"evidence": [threshold.id for threshold in model.data.thresholds]}
 
 
-def model_part(model: ReliabilityModel) -> dict[str, Any]:
-    """Return the ``model`` part of ``config/model.json``."""
-    return runtime_model(model.data)
-
-
 def export(model: ReliabilityModel) -> Mapping[str, str]:
     """Return the whole system as one readable file, and its tree as Open-PSA where that can be."""
     name = "".join(c if c.isalnum() or c in "._-" else "_" for c in model.name)
@@ -260,6 +253,18 @@ def claims(
     return [Claim(threshold.id, inputs_of_model) for threshold in model.data.thresholds]
 
 
+def elements(model: ReliabilityModel) -> Sequence[Element]:
+    """Return what the top uses, each behind what it needs, then the thresholds."""
+    components = model.data.components
+    below = {name: component.below for name, component in components.items()}
+    names = (name for name in order(model.data.top, below)[0] if name in components)
+    places = [(name, components[name].place) for name in names]
+    return [
+        *(Element("component", name, None, place.line, place.path) for name, place in places),
+        *(Element("threshold", threshold.id) for threshold in model.data.thresholds),
+    ]
+
+
 FUNCTIONS = Functions(
     read_eddi=read_eddi,
     read_file=read_file,
@@ -269,16 +274,14 @@ FUNCTIONS = Functions(
     export=export,
     inputs=inputs,
     outputs=outputs,
-    runtime_model=model_part,
     configure=configure,
     readme=readme,
     diagram=diagram,
     ids=ids,
-    support=support,
+    elements=elements,
     skeleton=skeleton,
     compile=compile_model,
     claims=claims,
     field_meanings=lambda _claims: MEANINGS,
-    meanings=lambda _document, _part: MEANINGS,
 )
 """What is done with systems of chains and trees."""

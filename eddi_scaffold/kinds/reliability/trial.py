@@ -13,7 +13,6 @@ import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.kinds.reliability.compile import compile_system
@@ -148,8 +147,7 @@ def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> Modu
     inputs = tuple(BoundInput(input_.id, input_.id) for input_ in inputs_of(used(system)))
     declaration = Declaration("m", "", inputs)
     compiled = compile_system(system, declaration, states=states)
-    frame = ModelFile("", NAME, "m", "", {}, inputs, {}, {}, lambda _: b"")
-    text = module_text(frame, {NAME: compiled.format}, [*compiled.lines])
+    text = module_text(NAME, compiled, inputs, declaration.model_id)
     return module_of(text, declaration.model_id)
 
 

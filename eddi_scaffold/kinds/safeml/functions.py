@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
-from eddi_scaffold.common.claims import Claim
+from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import Problem, error, has_errors, in_order
 from eddi_scaffold.compiling.monitor import BoundInput
@@ -20,7 +19,7 @@ from eddi_scaffold.kinds import (
     Skeleton,
     with_status,
 )
-from eddi_scaffold.kinds.safeml import runtime_model, show
+from eddi_scaffold.kinds.safeml import show
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.messages import MEANINGS, VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.plan import plan
@@ -128,21 +127,6 @@ def _input(model: SafeMLModel, name: str) -> Sequence[ModelInput]:
     )
 
 
-def model_part(model: SafeMLModel) -> dict[str, Any]:
-    """Return the ``model`` part of ``config/model.json``."""
-    return runtime_model.runtime_model(model.data, _connection(model).plan)
-
-
-def settings(model: SafeMLModel) -> dict[str, Any]:
-    """Return the ``settings`` part of ``config/model.json``."""
-    return runtime_model.settings(_connection(model))
-
-
-def data_files(model: SafeMLModel) -> Mapping[str, bytes]:
-    """Return the tables that are too large for ``config/model.json``."""
-    return runtime_model.data_files(_connection(model).plan)
-
-
 def claims(_model: SafeMLModel, inputs: Sequence[BoundInput], _frequency: float) -> Sequence[Claim]:
     """Return what "in scope" rests on: the samples."""
     return [Claim("in_scope", frozenset(input_.id for input_ in inputs))]
@@ -207,21 +191,15 @@ FUNCTIONS = Functions(
     outline=outline,
     export=export,
     inputs=inputs,
-    runtime_model=model_part,
     beside=with_status("SafeMLStatus"),
     configure=configure,
-    settings=settings,
-    data_files=data_files,
     readme=readme,
     diagram=diagram,
     compile=compile_safeml,
     claims=claims,
-    acceptances=lambda _model, _inputs, _frequency: (),
     input_timeouts=input_timeouts,
     field_meanings=lambda _claims: MEANINGS,
-    limits=runtime_model.limits,
-    support=runtime_model.support,
+    elements=lambda model: [Element("reference", model.data.reference.source.file_name)],
     skeleton=skeleton,
-    meanings=lambda _document, _part: MEANINGS,
 )
 """What is done with SafeML monitors."""
