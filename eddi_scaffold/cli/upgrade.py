@@ -31,8 +31,9 @@ def upgrade(
 ) -> None:
     """Bring packages to newer templates; hand edits stay.
 
-    To change a model or a configuration, run `generate` again; with -m or -c this command does the
-    same for packages that are there, and makes no new ones.
+    Monitors stay as they were compiled. To change a model or a configuration, or to compile with
+    a newer release, run `generate` again; with -m or -c this command does the same for packages
+    that are there, and makes no new ones.
 
     Example: eddi-scaffold upgrade -w catkin_ws -m example_v2.xml --dry-run
     """
@@ -44,7 +45,13 @@ def upgrade(
     from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.upgrading import groups, refuse_for_several, roots, targets
+    from eddi_scaffold.packages.upgrading import (
+        compiled_before,
+        groups,
+        refuse_for_several,
+        roots,
+        targets,
+    )
     from eddi_scaffold.packages.workspace import alone, linked_package
 
     if not config and (system is not None or models is not None):
@@ -72,5 +79,6 @@ def upgrade(
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            outcomes.append(replace(done, left=[*links, *done.left]))
+            left = [*links, *compiled_before(wanted), *done.left]
+            outcomes.append(replace(done, left=left))
     finish_all(outcomes, dry_run=dry_run)

@@ -320,12 +320,14 @@ def _refuse_other_platform(
 def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
     """Return a package as it is, its tables too, for the present version of the templates.
 
+    A compiled monitor stays that of the version which compiled it.
     Keys that begin with ``_`` are Copier's own: where the templates came from.
     """
     kept = {key: value for key, value in answers.items() if not key.startswith("_")}
     tables = [name for name in manifest_of(package).files if name.endswith(".bin")]
     files = {name: (package / name).read_bytes() for name in tables if (package / name).is_file()}
-    return PackageAnswers(package.name, {**kept, "generator_version": __version__}, files)
+    made = {} if "compiled" in answers else {"generator_version": __version__}
+    return PackageAnswers(package.name, {**kept, **made}, files)
 
 
 def rejoined(

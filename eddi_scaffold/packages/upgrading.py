@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import package_name
@@ -224,6 +225,20 @@ def targets(
     if has_errors(problems):
         raise EddiError(*problems)
     return packages, without_written_inputs(problems, lambda package: [group.root / package])
+
+
+def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
+    """Return what is to be said of monitors that another release compiled, without their models."""
+    versions = {
+        package.folder: package.answers["generator_version"]
+        for package in packages
+        if "compiled" in package.answers
+    }
+    return [
+        f"{folder}: compiled.py stays as eddi-scaffold {version} made it; name the model with -m"
+        for folder, version in versions.items()
+        if version != __version__
+    ]
 
 
 def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:

@@ -66,29 +66,19 @@ def _export(model: ConSertModel) -> Mapping[str, str]:
 def elements(model: ConSertModel) -> Sequence[Element]:
     """Return what has a place, then the services."""
     consert = model.data
-    nodes = {
-        "demand": consert.demands,
-        "evidence": consert.evidence,
-        "gate": consert.gates,
-        "guarantee": consert.guarantees,
-    }
-    services = {
-        "provided service": consert.provided_services,
-        "required service": consert.required_services,
-    }
+    nodes = [
+        *(("demand", demand.id, demand.place) for demand in consert.demands),
+        *(("evidence", evidence.id, evidence.place) for evidence in consert.evidence),
+        *(("gate", gate.id, gate.place) for gate in consert.gates),
+    ]
     return [
+        *(Element(name, id_, None, place.line, place.path) for name, id_, place in nodes),
         *(
-            Element(
-                name,
-                node.id,
-                published_class(node.id) if name == "guarantee" else None,
-                node.place.line,
-                node.place.path,
-            )
-            for name, group in nodes.items()
-            for node in group
+            Element("guarantee", of.id, published_class(of.id), of.place.line, of.place.path)
+            for of in consert.guarantees
         ),
-        *(Element(name, service.id) for name, group in services.items() for service in group),
+        *(Element("provided service", service.id) for service in consert.provided_services),
+        *(Element("required service", service.id) for service in consert.required_services),
     ]
 
 
