@@ -48,12 +48,26 @@ def test_it_is_refused_with_both_versions(folder: Path, words: tuple[str, ...]) 
     assert files_below(folder) == before
 
 
-@pytest.mark.parametrize("words", [GENERATE, ("upgrade", "-w", "ws")])
+WITH_MODEL = ("upgrade", "-w", "ws", "-m", MODEL)
+
+
+@pytest.mark.parametrize("words", [GENERATE, WITH_MODEL])
 def test_it_is_done_on_purpose(folder: Path, words: tuple[str, ...]) -> None:
     result = run(*words, "--force", cwd=folder)
-    assert result.status in {0, 3}, result.err
+    assert result.status == 0, result.err
     answers = (folder / "ws/consertb/.copier-answers.yml").read_text()
     assert f"generator_version: {__version__}\n" in answers
+
+
+def test_without_its_model_a_monitor_stays_as_it_was_compiled(folder: Path) -> None:
+    compiled = folder / "ws/consertb/compiled.py"
+    before = compiled.read_bytes()
+    result = run("upgrade", "-w", "ws", "--force", cwd=folder)
+    told = "compiled.py stays as eddi-scaffold 9.0.0 made it; name the model with -m"
+    assert (result.status, told in result.out + result.err) == (3, True), result
+    assert compiled.read_bytes() == before
+    assert run(*WITH_MODEL, "--force", cwd=folder).status == 0
+    assert run("upgrade", "-w", "ws", cwd=folder).status == 0
 
 
 @pytest.mark.parametrize(
