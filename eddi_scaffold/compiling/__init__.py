@@ -1,5 +1,4 @@
 """Models compiled to the Python that runs on the robot: standard library only.
 
-Copier runs this folder from a template's checkout, so that a plain ``copier update`` brings new
-logic; ``generate`` and ``run`` call the same functions.
+Kinds make a monitor of a typed model; here is what they share, and how the text is put together.
 """

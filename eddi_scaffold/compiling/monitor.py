@@ -4,11 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
-from eddi_scaffold.compiling.document import InputData as BoundInput
 from eddi_scaffold.compiling.program.instructions import Program
 
-__all__ = ["BoundInput", "CompiledMonitor", "Declaration"]
+
+@dataclass(frozen=True)
+class BoundInput:
+    """One input of a monitor, as ``eddi_runtime.InputSpec`` describes it."""
+
+    id: str
+    attribute: str
+    requires: tuple[str, ...] = ()
+    max_age: float | str | None = None
+    factor: tuple[int, int] | None = None
+    default: Any = None
+    every_message: bool = False
+    expression: Mapping[str, Any] | None = None
+    accepts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.kinds import Model, TypedModel, kinds
@@ -24,14 +23,11 @@ class BoundModel(NamedTuple):
     def compiled(self, **more: Any) -> CompiledMonitor:
         return kinds()[self.model.kind].functions.compile(self.model, self.declaration, **more)
 
-    def text(self, runtime: str = "", **more: Any) -> str:
-        made, (model_id, digest, inputs) = self.compiled(**more), vars(self.declaration).values()
-        kind, place = self.model.kind, self.model.place
-        source = {"file": self.model.source.file_name, "path": place.path}
-        file = ModelFile(
-            "", kind, model_id, digest, source, inputs, {}, {}, made.tables.__getitem__
-        )
-        return module_text(file, {kind: made.format}, [*made.lines], runtime)
+    def text(self, **more: Any) -> str:
+        compiled, declaration = self.compiled(**more), self.declaration
+        origin = f"{self.model.source.file_name} {self.model.place.path or ''}"
+        kind, model_id = self.model.kind, declaration.model_id
+        return module_text(kind, compiled, declaration.inputs, model_id, origin)
 
     def monitor(self, **more: Any) -> Any:
         tables = self.compiled(**more).tables

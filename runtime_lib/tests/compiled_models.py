@@ -5,17 +5,13 @@ from __future__ import annotations
 from types import ModuleType
 
 from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.document import ModelFile
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
 
 
 def text_of(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> str:
     """Return the text of ``compiled.py``."""
-    frame = ModelFile(
-        "", kind, declaration.model_id, "", {}, declaration.inputs, {}, {}, lambda _: b""
-    )
-    return module_text(frame, {kind: compiled.format}, [*compiled.lines])
+    return module_text(kind, compiled, declaration.inputs, declaration.model_id)
 
 
 def loaded(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> ModuleType:

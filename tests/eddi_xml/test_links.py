@@ -104,11 +104,12 @@ def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     """As with `guarantee_ids: class`."""
     monitors, problems = monitors_of(MODELS / "landing.xml", [], "Landing")
     (made,) = assemble(monitors, platforms()["plain"], MODELS / "none", problems).packages
-    text = str(made.answers["model_json"]).replace(
-        '"guarantee_ids": "source"', '"guarantee_ids": "class"'
-    )
-    assert text != made.answers["model_json"]
-    rows = trace_of({**made.answers, "model_json": text}).rows
+    facts = from_json(made.answers["facts_json"])
+    classes = {element.id: element.claim or element.id for element in facts.elements}
+    claims = tuple(replace(claim, id=classes[claim.id]) for claim in facts.claims)
+    assert claims != facts.claims
+    renamed = replace(facts, claims=claims).to_json()
+    rows = trace_of({**made.answers, "facts_json": renamed}).rows
     assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
 
 

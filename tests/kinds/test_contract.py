@@ -169,13 +169,12 @@ def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Model], tmp_pat
 @each_kind
 def test_it_says_what_its_messages_mean(kind: Kind[Model]) -> None:
     monitor = monitor_of(kind)
-    document = json.loads(monitor.model_json)
     assert kind.output_message in kind.messages
-    for message in kind.functions.meanings(document["model"], None):
+    for message in kind.functions.field_meanings(monitor.facts.claims):
         assert message in kind.all_messages
     inputs = {binding.model.id for binding in monitor.inputs}
-    for rests_on in kind.functions.support(document).values():
-        assert rests_on <= inputs
+    for claim in monitor.facts.claims:
+        assert claim.rests_on <= inputs
     for message in kind.functions.beside(monitor.model).values():
         assert message in kind.messages
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.document import InputData
 from eddi_scaffold.compiling.expressions.form import joined, read_form
+from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.compiling.program.instructions import Program
 from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
 from eddi_scaffold.compiling.program.sampling import Sampling
@@ -25,14 +25,14 @@ MODULES = ("expression", "hold", "lists", "stacks", "window", "windows")
 """Modules of the part that a monitor imports where it uses them."""
 
 
-def expression_classes(inputs: Sequence[InputData]) -> dict[str, str]:
+def expression_classes(inputs: Sequence[BoundInput]) -> dict[str, str]:
     """Return input id -> name of the class that computes it, for inputs with an expression."""
     found = [input_ for input_ in inputs if input_.expression is not None]
     names = variables([f"Expression_{one.attribute}" for one in found], ())
     return {one.id: name for one, name in zip(found, names, strict=True)}
 
 
-def expression_lines(inputs: Sequence[InputData]) -> list[str]:
+def expression_lines(inputs: Sequence[BoundInput]) -> list[str]:
     """Return the lines of the classes of all expressions."""
     classes = expression_classes(inputs)
     lines: list[str] = []

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_scaffold.compiling.document import InputData
 from eddi_scaffold.compiling.expressions.emission import Names
 from eddi_scaffold.compiling.expressions.form import read_form
+from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.compiling.program.building import Builder
 from eddi_scaffold.compiling.program.instructions import BOOL, Operation, Program, Read
 
@@ -14,7 +14,7 @@ _TYPES = {"bool": "bool", "float": "number"}
 """Type of an expression that is what its input gives -> type of what is read."""
 
 
-def inlined(program: Program, inputs: Sequence[InputData]) -> Program:
+def inlined(program: Program, inputs: Sequence[BoundInput]) -> Program:
     """Return a program that computes the inputs which an expression gives.
 
     Texts, rounded numbers and reductions of lists stay inputs.
@@ -41,7 +41,7 @@ def inlined(program: Program, inputs: Sequence[InputData]) -> Program:
     return builder.program(period, results)
 
 
-def _program(spec: InputData, read: Read) -> Program | None:
+def _program(spec: BoundInput, read: Read) -> Program | None:
     """Return the program that gives the value of an input, None where there is none."""
     document = spec.expression
     if document is None or _TYPES.get(document["type"]) != read.type:

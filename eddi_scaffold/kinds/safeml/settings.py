@@ -9,7 +9,6 @@ from typing import Any
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, did_you_mean, error
-from eddi_scaffold.compiling.safeml.model import BACKENDS
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, METRICS, SafeMLFile, SafeMLSettings
 from eddi_scaffold.yaml_text.nodes import (
     Map,
@@ -182,7 +181,7 @@ KEYS: Mapping[str, Callable[[Node], Any]] = {
     "on_omission": _one_of("hold", "clear"),
     "max_age": _between("a number of seconds above 0", 1e18),
     "input_dtype": _one_of("auto", "float32", "float64"),
-    "array_backend": _one_of(*BACKENDS),
+    "array_backend": _one_of("numpy", "torch"),
 }
 """Each key, and what reads its value."""
 _INSTEAD = dict.fromkeys(

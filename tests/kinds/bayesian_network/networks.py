@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.compiling.document import parse_model
-from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, ReadResult, kinds
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
@@ -46,7 +44,7 @@ def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None
 
 
 def running(monitor: BoundMonitor) -> BayesianNetworkMonitor:
-    found = build(parse_model(monitor.model_json, "model"))
+    found = monitor.compiled.monitor(monitor.id)
     assert isinstance(found, BayesianNetworkMonitor)
     return found
 

@@ -55,7 +55,8 @@ def test_a_network_without_evidence_has_no_topic_for_it(tmp_path: Path) -> None:
     package, _ = monitor_answers(pedestrian(tmp_path))
     (whole,) = package.answers["publications"]
     assert whole["status_topic"] == "'pedestrian/risk/status'"
-    assert "thresholds" not in pedestrian(tmp_path).model_json
+    (claim,) = pedestrian(tmp_path).facts.claims
+    assert claim.id == "", "the whole result"
 
 
 def test_a_value_beside_the_result_is_published_alone(tmp_path: Path) -> None:

@@ -114,7 +114,7 @@ def test_the_cross_check_agrees(network: Network) -> None:
     model = model_of(network)
     monitor, _ = joined(model)
     assert monitor is not None
-    result = cross_check(monitor.model, monitor.model_json)
+    result = cross_check(monitor.model, running(monitor))
     assert result.problems == ()
     assert result.text.startswith("Cross-checked with pgmpy: ")
 
@@ -124,7 +124,7 @@ def test_a_difference_stops_the_generation(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(crosscheck, "TOLERANCE", -1.0)
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
     assert monitor is not None
-    result = cross_check(monitor.model, monitor.model_json)
+    result = cross_check(monitor.model, running(monitor))
     (problem,) = result.problems
     said = re.sub(r"by \d\S*$", "by 0.25", problem.message)
     assert_example("B307", [replace(problem, message=said, place=Place("pedestrian.xml"))])
@@ -135,7 +135,7 @@ def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pgmpy", None)
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
     assert monitor is not None
-    result = cross_check(monitor.model, monitor.model_json)
+    result = cross_check(monitor.model, running(monitor))
     (problem,) = result.problems
     assert problem.place == Place(str(EXAMPLE / "pedestrian.xml"))
     assert_example("B306", [replace(problem, place=Place("pedestrian.xml"))])

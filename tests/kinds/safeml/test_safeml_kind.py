@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import random
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,10 +28,10 @@ FIGURE = {
 }
 
 
-def model_of(folder: Path, **keys: object) -> dict[str, object]:
+def plan_of(folder: Path, **keys: object) -> Plan:
     monitor, _ = joined(folder, ROWS, **{**FIGURE, **keys})
-    document: dict[str, dict[str, object]] = json.loads(monitor.model_json)
-    return document["model"]
+    plan: Plan = monitor.model.options.plan
+    return plan
 
 
 def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Path) -> None:
@@ -51,27 +50,23 @@ def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Pat
         joined(tmp_path, ROWS, wrong, **FIGURE)
 
 
-def test_the_reference_travels_with_its_digest(tmp_path: Path) -> None:
+def test_the_reference_travels(tmp_path: Path) -> None:
     monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
     assert problems == []
-    document = json.loads(monitor.model_json)
-    digest = hashlib.sha256((tmp_path / "reference.csv").read_bytes()).hexdigest()
-    assert document["model"]["reference"]["sha256"] == digest
     rows = np.array(ROWS[:150], dtype=np.float32)  # calibration takes the others
-    assert document["model"]["sample"] == np.sort(rows.T, axis=1).tolist()
-    assert FUNCTIONS.data_files(monitor.model) == {}
-    assert document["id"] == "scope"
-    assert document["settings"] == {"array_backend": "numpy", "max_age": 1.0, "on_omission": "hold"}
-    assert document["model"]["input_dtype"] == "float32"
+    running = monitor.compiled.monitor(monitor.id)
+    np.testing.assert_array_equal(monitor.model.options.plan.design.sample, np.sort(rows.T, axis=1))
+    assert monitor.compiled.tables == {}
+    assert (monitor.facts.id, monitor.facts.inputs[0].timeout_s) == ("scope", 1.0)
+    assert running.digest == monitor.facts.digest
+    assert monitor.model.options.plan.spec.single
 
 
 def test_a_large_reference_travels_in_a_file(tmp_path: Path) -> None:
     rows = [*ROWS, *ROWS, *ROWS, *ROWS]
     monitor, _ = joined(tmp_path, rows, **FIGURE, calibration="iid")
-    (data,) = FUNCTIONS.data_files(monitor.model).values()
-    sample = json.loads(monitor.model_json)["model"]["sample"]
-    digest = hashlib.sha256(data).hexdigest()
-    assert sample == {"file": "reference.bin", "sha256": digest, "shape": [2, 1200]}
+    (data,) = monitor.compiled.tables.values()
+    assert hashlib.sha256(data).hexdigest() in monitor.compiled.text
     table = np.frombuffer(data, "<f8").reshape(2, 1200)
     np.testing.assert_array_equal(table, np.sort(np.array(rows).T, axis=1))
 
@@ -81,8 +76,7 @@ def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
     rows = chance.normal(size=(100, 45)).tolist()
     keys = {**FIGURE, "n_components": 44, "significance_level": 0.5}
     monitor, _ = joined(tmp_path, rows, **keys)
-    files = FUNCTIONS.data_files(monitor.model)
-    assert list(files) == ["reference.bin", "axes.bin"]
+    assert list(monitor.compiled.tables) == ["reference.bin", "axes.bin"]
     one = compiled(monitor)
     for row in rows[:20]:
         result = one.execute_step(SimpleNamespace(sample=row), 0)
@@ -131,16 +125,15 @@ def test_element_type(type_: str, key: str, dtype: str, tmp_path: Path) -> None:
     if "Laser" in type_:
         connected = connected.replace("field: data", "field: ranges")
     monitor, _ = joined(tmp_path, ROWS, connected, **FIGURE, input_dtype=key)
-    assert json.loads(monitor.model_json)["model"]["input_dtype"] == dtype
+    assert monitor.model.options.plan.spec.single == (dtype == "float32")
 
 
 def test_without_a_configuration(tmp_path: Path) -> None:
     monitor, _ = joined(tmp_path, ROWS, **FIGURE)
-    document = json.loads(monitor.model_json)
-    assert document["id"] == "safeml_config"
-    assert [item["id"] for item in document["inputs"]] == [DEFAULT_INPUT]
-    assert document["settings"]["max_age"] is None
-    assert document["model"]["input_dtype"] == "float64"
+    (input_,) = monitor.facts.inputs
+    assert monitor.facts.id == "safeml_config"
+    assert (input_.id, input_.timeout_s) == (DEFAULT_INPUT, None)
+    assert not monitor.model.options.plan.spec.single
 
 
 def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
@@ -161,33 +154,37 @@ def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
 
 
 def test_axes_come_from_the_other_half(tmp_path: Path) -> None:
-    model = model_of(tmp_path, n_components=1, calibration="iid")
-    assert (model["halves"], model["reference_size"], model["tests"]) == (True, 150, 2)
-    model = model_of(tmp_path, calibration="iid")
-    assert (model["halves"], model["reference_size"], model["tests"]) == (False, 300, 2)
-    model = model_of(tmp_path, n_components=2)
-    assert model["residual_test"] is False  # nothing is left out
+    plan = plan_of(tmp_path, n_components=1, calibration="iid")
+    assert (plan.spec.halves, plan.n, plan.tests) == (True, 150, 2)
+    plan = plan_of(tmp_path, calibration="iid")
+    assert (plan.spec.halves, plan.n, plan.tests) == (False, 300, 2)
+    plan = plan_of(tmp_path, n_components=2)
+    assert plan.spec.residual is False  # nothing is left out
 
 
 def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
-    assert model_of(tmp_path, window_size=15)["calibration_windows"] != 0
-    assert model_of(tmp_path, window_size=16)["calibration_windows"] == 0
+    assert plan_of(tmp_path, window_size=15).calibration is not None
+    assert plan_of(tmp_path, window_size=16).calibration is None
 
 
 def test_a_calibrated_threshold_is_never_below_the_theoretical_one(tmp_path: Path) -> None:
     for metric in ("KolmogorovSmirnovDistance", "CramerVonMisesDistance"):
-        model = model_of(tmp_path, calibration="stream", distance_metric=metric)
-        assert model["threshold"] >= model["threshold_theoretical"]
-        assert model["threshold"] >= model["calibration_quantile"]
+        plan = plan_of(tmp_path, calibration="stream", distance_metric=metric)
+        assert plan.calibration is not None
+        assert plan.threshold >= plan.theoretical
+        assert plan.threshold >= plan.calibration.quantile
 
 
 def test_null_and_0_components_are_the_same(tmp_path: Path) -> None:
-    assert model_of(tmp_path, n_components=0) == model_of(tmp_path, n_components="null")
+    none, zero = ({**FIGURE, "n_components": count} for count in ("null", 0))
+    monitors = [joined(tmp_path, ROWS, **keys)[0] for keys in (none, zero)]
+    assert len({monitor.facts.digest for monitor in monitors}) == 1
 
 
 def test_numbers_that_yaml_takes_for_texts(tmp_path: Path) -> None:
-    model = model_of(tmp_path, significance_level="1e-1", window_size="'10'")
-    assert model == model_of(tmp_path)
+    texts = {**FIGURE, "significance_level": "1e-1", "window_size": "'10'"}
+    monitors = [joined(tmp_path, ROWS, **keys)[0] for keys in (texts, FIGURE)]
+    assert len({monitor.facts.digest for monitor in monitors}) == 1
 
 
 def test_export_reads_back(tmp_path: Path) -> None:

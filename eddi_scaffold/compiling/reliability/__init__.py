@@ -1,1 +1,0 @@
-"""Reliability models: chains and fault trees as sums, what is large as tables."""

@@ -1,1 +1,0 @@
-"""SafeML monitors: only constants are compiled."""
