@@ -126,6 +126,7 @@ class Element:
         claim: its id in messages, where that is another one.
         line: of the model file.
         path: EMF fragment path in an EDDI.
+        sha256: of one that is a file of its own.
     """
 
     element: str
@@ -133,6 +134,7 @@ class Element:
     claim: str | None = None
     line: int | None = None
     path: str | None = None
+    sha256: str | None = None
 
 
 Meanings = Mapping[str, Mapping[str, Meaning]]

@@ -10,6 +10,7 @@ from eddi_runtime.bayesian_network.asking import posteriors
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
+from eddi_scaffold.kinds.bayesian_network.options import settings_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, models
@@ -25,7 +26,7 @@ def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None
     assert dict(model.data.known) == want.get("evidence", {"Wind": None})
     monitor, problems = joined(model)
     assert monitor is not None, problems
-    assert FUNCTIONS.runtime_model(monitor.model)["outputs"] == want["targets"]
+    assert list(settings_of(monitor.model).outputs) == want["targets"]
     for row in want["posteriors"]:
         found = posteriors(running(monitor), row["given"])
         for node, states in row["of"].items():

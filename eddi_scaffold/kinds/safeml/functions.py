@@ -182,6 +182,12 @@ def _planned(model: SafeMLModel, *, single: bool) -> Planned:
     return plan(model.data.settings, model.data.reference, single=single)
 
 
+def elements(model: SafeMLModel) -> Sequence[Element]:
+    """Return the reference, which is a file of its own."""
+    source = model.data.reference.source
+    return [Element("reference", source.file_name, sha256=source.sha256)]
+
+
 FUNCTIONS = Functions(
     in_map=in_map,
     read_eddi=read_eddi,
@@ -199,7 +205,7 @@ FUNCTIONS = Functions(
     claims=claims,
     input_timeouts=input_timeouts,
     field_meanings=lambda _claims: MEANINGS,
-    elements=lambda model: [Element("reference", model.data.reference.source.file_name)],
+    elements=elements,
     skeleton=skeleton,
 )
 """What is done with SafeML monitors."""

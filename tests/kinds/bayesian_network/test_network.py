@@ -23,6 +23,7 @@ from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
 from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
 from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
+from eddi_scaffold.kinds.bayesian_network.options import settings_of
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_example
@@ -78,7 +79,7 @@ def test_posteriors_are_those_of_brute_force(
         [float(v > 0) for v in value]
         for name, value in known.items()
     }  # fmt: skip
-    for output in KIND.functions.runtime_model(monitor.model)["outputs"]:
+    for output in settings_of(monitor.model).outputs:
         wanted = brute_force(network, used, output)
         try:
             found = posteriors(machine, known)[output]

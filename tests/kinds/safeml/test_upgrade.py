@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import random
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -61,6 +62,9 @@ def test_a_newer_file_reaches_its_package(tmp_path: Path) -> None:
     write_packages(group.root, targets(group, model, [])[0], own_template())
     facts = json.loads((tmp_path / "out" / "scope" / "model.json").read_bytes())
     assert facts["file_sha256"] == hashlib.sha256(model.read_bytes()).hexdigest()
+    (reference,) = facts["elements"]
+    digest = hashlib.sha256((tmp_path / "in" / "reference.csv").read_bytes()).hexdigest()
+    assert reference["sha256"] == digest
     text = (tmp_path / "out" / "scope" / "compiled.py").read_text("utf-8")
     assert text.count(facts["digest"]) == 1
 
