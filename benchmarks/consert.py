@@ -27,8 +27,8 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import EDDIInputBase, InputSpec  # noqa: E402 - a benchmark runs from the checkout
 
-from eddi_scaffold.compiling.document import ModelFile, check_document, digest_of  # noqa: E402
-from eddi_scaffold.compiling.execution import build  # noqa: E402
+from runtime_lib.tests import conserts  # noqa: E402
+from runtime_lib.tests.bound_models import BoundModel  # noqa: E402
 
 SIZES = {1: (2, 2), 30: (61, 2), 300: (601, 10)}
 """Gates -> (inputs, guarantees)."""
@@ -37,6 +37,7 @@ WHEEL_NS = {1: 983, 30: 4_743, 300: 78_282}
 """Gates -> ns per step of the wheel of conserts-rs 0.1.6, measured once (CPython 3.11)."""
 
 Step = Callable[[Any], Any]
+Json = dict[str, Any]
 
 
 def main() -> None:
@@ -55,11 +56,11 @@ def main() -> None:
 
 def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
     """Return every row of one size."""
-    document = model_document(gates, *SIZES[gates])
-    model_file = check_document(document)
-    monitor = build(model_file)
-    source = some_inputs(model_file)
-    straight, interpreted = straight_line(model_file), interpreter(model_file)
+    model = model_of(gates, *SIZES[gates])
+    bound = compiled(model)
+    monitor = bound.monitor()
+    source = some_inputs(model)
+    straight, interpreted = straight_line(model), interpreter(model)
     flags = monitor.step(source)
     assert flags == straight(source) == interpreted(source)
     name = f"{gates} gate{'s' * (gates > 1)}"
@@ -81,7 +82,7 @@ def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
         alone("explain all", lambda _: monitor.explain(), "no peer explains"),
         alone(
             "compile",
-            lambda _: build(check_document(document)),
+            lambda _: bound.monitor(),
             "checked and imported, no file",
         ),
     ]
@@ -147,7 +148,7 @@ def per_call(step: Step, source: Any, seconds: float) -> float:
     return once / number
 
 
-def model_document(gates: int, inputs: int, guarantees: int) -> dict[str, Any]:
+def model_of(gates: int, inputs: int, guarantees: int) -> Json:
     """Return a random ConSert that is the same in every run; most evidence is binary."""
     rng = random.Random(gates)
     leaves = [f"evidence_{k}" for k in range(inputs)]
@@ -161,60 +162,59 @@ def model_document(gates: int, inputs: int, guarantees: int) -> dict[str, Any]:
         edges += [[source, made[-1]] for source in sources]
     for k in range(guarantees):
         edges.append([made[-1 - k] if k < len(made) else leaves[0], f"guarantee_{k}"])
-    data: dict[str, Any] = {
-        "format": 1,
-        "kind": "consert",
-        "id": "Benchmark",
-        "source": {},
-        "inputs": [{"id": one, "attribute": one, "requires": []} for one in leaves],
-        "model": {
-            "evidence": [{"id": one, "dimension": dimension(k)} for k, one in enumerate(leaves)],
-            "demands": [],
-            "gates": [{"id": one, "function": rng.choice(["And", "Or"])} for one in made],
-            "guarantees": [
-                {"id": f"guarantee_{k}", "class_name": f"Guarantee{k}"} for k in range(guarantees)
-            ],
-            "edges": edges,
-            "provided_services": [],
-        },
-        "settings": {},
+    return {
+        "evidence": [{"id": one, "kind": kind_of(k)} for k, one in enumerate(leaves)],
+        "gates": [{"id": one, "function": rng.choice(["And", "Or"])} for one in made],
+        "guarantees": [{"id": f"guarantee_{k}"} for k in range(guarantees)],
+        "edges": edges,
     }
-    return data | {"sha256": digest_of(data)}
 
 
-def dimension(k: int) -> dict[str, Any]:
-    if k % 10 == 8:
-        return {"kind": "categorical", "covered": ["low", "medium"]}
-    if k % 10 == 9:
-        return {"kind": "numeric", "covered": [{"start": "0", "end": "5", "inclusive": True}]}
-    return {"kind": "binary"}
+def compiled(model: Json) -> BoundModel:
+    """Return the ConSert with its inputs."""
+    dimensions = {
+        "binary": conserts.binary(),
+        "categorical": conserts.categorical("low", "medium"),
+        "numeric": conserts.numeric("[0, 5]"),
+    }
+    return conserts.consert(
+        [(item["id"], dimensions[item["kind"]]) for item in model["evidence"]],
+        (),
+        [f"{item['id']}{'&' if item['function'] == 'And' else '|'}" for item in model["gates"]],
+        [item["id"] for item in model["guarantees"]],
+        model["edges"],
+        name="Benchmark",
+    )
 
 
-def some_inputs(model_file: ModelFile) -> EDDIInputBase:
+def kind_of(k: int) -> str:
+    return {8: "categorical", 9: "numeric"}.get(k % 10, "binary")
+
+
+def some_inputs(model: Json) -> EDDIInputBase:
     """Return values of which three of four are good; the others are bad or None in turn."""
     values = {"binary": (True, False), "categorical": ("low", "high"), "numeric": (2.5, 7.5)}
     source = type("EDDIInput", (EDDIInputBase,), {})()
-    for k, item in enumerate(model_file.model["evidence"]):
-        good, bad = values[item["dimension"]["kind"]]
+    for k, item in enumerate(model["evidence"]):
+        good, bad = values[item["kind"]]
         setattr(source, item["id"], good if k % 4 else None if k % 8 else bad)
     return source
 
 
-def straight_line(model_file: ModelFile) -> Step:
+def straight_line(model: Json) -> Step:
     """Return two-valued code as one would write it by hand; None is not True."""
-    lines, model = ["def step(x):"], model_file.model
+    lines = ["def step(x):"]
     tests = {
         "binary": "x.{0} is True",
         "categorical": "x.{0} in ('low', 'medium')",
         "numeric": "x.{0} is not None and 0.0 <= x.{0} <= 5.0",
     }
     lines += [
-        f"    {item['id']} = {tests[item['dimension']['kind']].format(item['id'])}"
-        for item in model["evidence"]
+        f"    {item['id']} = {tests[item['kind']].format(item['id'])}" for item in model["evidence"]
     ]
     lines += [
         f"    {name} = {f' {function.lower()} '.join(sources)}"
-        for name, (function, sources) in nodes(model_file).items()
+        for name, (function, sources) in nodes(model).items()
     ]
     flags = ", ".join(item["id"] for item in model["guarantees"])
     names: dict[str, Any] = {}
@@ -223,21 +223,21 @@ def straight_line(model_file: ModelFile) -> Step:
     return step
 
 
-def nodes(model_file: ModelFile) -> dict[str, tuple[str, list[str]]]:
+def nodes(model: Json) -> dict[str, tuple[str, list[str]]]:
     """Return gate or guarantee -> (function, inputs), inputs first."""
-    functions = {item["id"]: item["function"] for item in model_file.model["gates"]}
-    functions |= {item["id"]: "And" for item in model_file.model["guarantees"]}
-    edges = model_file.model["edges"]
+    functions = {item["id"]: item["function"] for item in model["gates"]}
+    functions |= {item["id"]: "And" for item in model["guarantees"]}
+    edges = model["edges"]
     sources: dict[str, list[str]] = {name: [] for name in functions}
     for source, target in edges:
         sources[target].append(source)
     return {name: (function, sources[name]) for name, function in functions.items()}
 
 
-def interpreter(model_file: ModelFile) -> Step:
+def interpreter(model: Json) -> Step:
     """Return a three-valued evaluation that looks everything up by id (FALSE 0, TRUE 2)."""
-    evidence, graph = model_file.model["evidence"], nodes(model_file)
-    guarantees = [item["id"] for item in model_file.model["guarantees"]]
+    evidence, graph = model["evidence"], nodes(model)
+    guarantees = [item["id"] for item in model["guarantees"]]
 
     def judged(kind: str, value: Any) -> int:
         if value is None:
@@ -249,7 +249,7 @@ def interpreter(model_file: ModelFile) -> Step:
     def step(x: Any) -> tuple[bool, ...]:
         values = {}
         for item in evidence:
-            values[item["id"]] = judged(item["dimension"]["kind"], getattr(x, item["id"]))
+            values[item["id"]] = judged(item["kind"], getattr(x, item["id"]))
         for name, (function, sources) in graph.items():
             found = [values[source] for source in sources]
             values[name] = min(found) if function == "And" else max(found)

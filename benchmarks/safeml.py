@@ -28,18 +28,20 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the checkout
 
-from eddi_scaffold.compiling.document import check_document, digest_of  # noqa: E402
-from eddi_scaffold.compiling.execution import build  # noqa: E402
+from eddi_scaffold.common.files import Source  # noqa: E402
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec  # noqa: E402
-from eddi_scaffold.kinds.safeml.reference import Table  # noqa: E402
+from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402
+    Plan,
+    ReferenceSample,
+    SafeMLFile,
+    SafeMLOptions,
+    SafeMLSettings,
+)
+from runtime_lib.tests.bound_models import bound_input, bound_model  # noqa: E402
 
 WINDOW = 100
 SIZES = [(1000, 10), (1000, 100), (10_000, 10), (10_000, 100)]
-NAMES = {
-    "ks": "KolmogorovSmirnovDistance",
-    "cvm": "CramerVonMisesDistance",
-    "ad": "AndersonDarlingDistance",
-}
+METRICS = ("ks", "cvm", "ad")
 Array = Any
 """numpy.ndarray."""
 
@@ -53,10 +55,10 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     runs, steps = (2, 200) if options.quick else (7, 1000)
-    peers = [*scipy_peers(), ("SafeML's loop", {name: safeml(name) for name in NAMES}, None)]
+    peers = [*scipy_peers(), ("SafeML's loop", {name: safeml(name) for name in METRICS}, None)]
     rows = []
     for n, d in SIZES:
-        for metric in NAMES:
+        for metric in METRICS:
             rows += rows_of(metric, n, d, peers, runs, steps)
     rows += pca_rows(runs, steps)
     if options.json:
@@ -97,7 +99,7 @@ def pca_rows(runs: int, steps: int) -> list[dict[str, object]]:
     """Return the step of ten components and the residual of 100 features, beside ten features."""
     chance = np.random.default_rng(3)
     wide, samples = chance.normal(size=(10_000, 100)), chance.normal(size=(steps + WINDOW, 100))
-    pca = monitor_of(wide, "ks", components=10, residual_test=True, halves=True)
+    pca = monitor_of(wide, "ks", components=10, residual=True, halves=True)
     plain = monitor_of(wide[:5000, :10], "ks")
     pairs = [
         (step_seconds(pca, samples), step_seconds(plain, samples[:, :10])) for _ in range(runs)
@@ -132,47 +134,17 @@ def peer_seconds(distances: Distances, reference: Array, window: Array) -> float
         return time.process_time() - start
 
 
-def monitor_of(reference: Array, metric: str, **more: Any) -> Monitor:
-    spec = DesignSpec(
-        components=more.get("components"),
-        residual=more.get("residual_test", False),
-        halves=more.get("halves", False),
+def monitor_of(reference: Array, metric: str, **parts: Any) -> Monitor:
+    settings, spec = SafeMLSettings(WINDOW, "r.csv", 0.1, metric), DesignSpec(**parts)
+    design, threshold = Design(reference, spec), 17_000 if metric == "ks" else 3.5
+    size, correlation = design.reference.shape[1], (0.0, 0)
+    plan = Plan(
+        settings, spec, design, size, 0.1, threshold, None, threshold, "exact", correlation, ()
     )
-    design = Design(reference, spec)
-    sample, axes = Table("reference.bin", design.sample), None
-    if design.table is not None:
-        axes = {"table": design.table.tolist(), "residual_floor": design.floor}
-    rows, features = reference.shape
-    model = {
-        "reference": {"name": "r.csv", "rows": rows, "features": features},
-        "sample": sample.as_json(),
-        "axes": axes,
-        "metric": NAMES[metric],
-        "components": None,
-        "standardize": False,
-        "residual_test": False,
-        "halves": False,
-        "input_dtype": "float64",
-        "window_size": WINDOW,
-        "stride": 1,
-        "significance_level": 0.1,
-        "threshold": 3.5,
-        "threshold_theoretical": 3.5,
-        "threshold_scaled": 17_000,
-        "threshold_theoretical_scaled": 17_000,
-        **more,
-    }
-    document = {
-        "format": 1,
-        "kind": "safeml",
-        "id": "Benchmark",
-        "source": {},
-        "inputs": [{"id": "sample", "attribute": "sample", "requires": []}],
-        "model": model,
-        "settings": {"on_omission": "hold", "max_age": None, "array_backend": "numpy"},
-    }
-    document["sha256"] = digest_of(document)
-    monitor: Monitor = build(check_document(document, "benchmark", sample.files))
+    file = SafeMLFile(settings, ReferenceSample(Source("r.csv", b""), reference))
+    options = SafeMLOptions(plan, "sample", None, None)
+    bound = bound_model("safeml", "Benchmark", file, options, [bound_input("sample")])
+    monitor: Monitor = bound.monitor()
     return monitor
 
 

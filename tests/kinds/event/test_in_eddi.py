@@ -35,7 +35,7 @@ def part(model: Model) -> object:
     monitor, problems = monitor_of(replace(model, name="m"), kinds()[model.kind], None)
     assert monitor is not None, problems
     lines = monitor.compiled.text.partition("\nclass ")[2].splitlines()
-    return [line for line in lines if not line.startswith(("    digest =", "    # of"))]
+    return [line for line in lines if not line.lstrip().startswith(("digest =", "#"))]
 
 
 def problems(text: str) -> list[Problem]:
