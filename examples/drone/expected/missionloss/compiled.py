@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: 15a04f64e8c91d60aa0b96fcc4b0b1b36f7ed1b2a255a4820f5ce0b00cd3475e
+# sha256 of the lines below: 14955a259c7f6acf24253bcd9e027f9e2ee25d5cfd909ea647beeee3b9912d7f
 
 
 # Markov Rotors
@@ -96,7 +96,7 @@ class Tree1(tree.FaultTree):
 
 class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
-    digest = "8893ba6cae5f0ffcdced2430c234f4990c7be1f51c48c23c91e74bf2b08445f0"
+    digest = "f1cfe764d3228de6d6809971739d65d4760c91c1ada6a011656b07b33b146151"
     inputs = (
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),

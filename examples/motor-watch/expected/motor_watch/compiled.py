@@ -9,14 +9,14 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: b86d7e329c613815b0999226e830a1b8fe078b1164ebe7172d1de29525e6674c
+# sha256 of the lines below: 320342972622b0c4926006c42ad323b0b329f3ed7cdd233adfcafeee04754086
 INF = float("inf")
 NAN = float("nan")
 
 
 class Monitor(event.EventMonitor):
     model_id = "motor_watch"
-    digest = "2893fec387542f2787e13d78a7f0f7d26b8df6aa0a5df684748fa765f4c9d513"
+    digest = "22f37059697f407dea845f4fb14244d74f773e4cd41733d201936147cb68f3d9"
     inputs = (
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),

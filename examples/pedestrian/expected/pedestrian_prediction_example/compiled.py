@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: b66eaa2dc278c393d986bcd7a8f9497a7b383d94bf6eb513ebc679e384bc27ed
+# sha256 of the lines below: c8033b930d8e3a9a1f3b1d95b244ff74a310198d7249b0d7e5e675f7d27f7484
 
 
 def part_0_0_total(v):
@@ -177,7 +177,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "a1c5d335998f2b800cc35819d6b45ebf9ff36d0a3e3bd930ffce42a36fa6401d"
+    digest = "636c9f070d5cdfdcb6212fcdf603bbb54d3c754558078719eace67c237fdca2a"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),

@@ -8,12 +8,12 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: b7dc4074e3c1f1b5902ae188e27dfb94f8a37fd21d74414da4b2b35c0eceb9d1
+# sha256 of the lines below: 49252511ef61ef991d5b44171899302812dc2f6ba4a548e71efa5b33ad9bf0af
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
-    digest = "07cb95669a0b5ee98783fed6ec19fdab061d7841ae11ee02485ad78efd94ebfd"
+    digest = "6cd3375307ef35816b0885ab37595490a96c03aad30e40693457d1a1b6cd4ef0"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
     metric = "ad"
     metric_name = "AndersonDarlingDistance"

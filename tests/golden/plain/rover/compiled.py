@@ -8,13 +8,13 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 9ee96c9c32ad3cfa9f5be326c1651d0428c8802921b4562acaae59b1a728f5ee
+# sha256 of the lines below: bdec77ad5ae56019269eea90268a2d66862f4fd7b66fef65601feca8733c1d0c
 INF = float("inf")
 
 
 class Monitor(consert.ConSert):
     model_id = "rover"
-    digest = "6eacc4b7f4820065bbf6cdce85662186e9563c0fab8585deaa47ccecf8b4d674"
+    digest = "b5b7e66866c20f16430b4fd3bcd0550ff69cb6bb4fb81a50afac1774652c8580"
     inputs = (
         InputSpec("MapKnown", "MapKnown", requires=("MapKnown",)),
         InputSpec("Distance", "Distance", requires=("Distance",)),

@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 938b2ad061f36f8f86c60a98b81a5418206737815eeaf81f6bbcc41139e7ce5c
+# sha256 of the lines below: 66e56c4c4d1c5f7b477d5f48933db573a1819041f24089f25dcdaed51ab32f29
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertA"
-    digest = "bc7df5f2432e4e3b457b6624e12e1b484ce0e16689172558ce71e83c048f5afd"
+    digest = "1740b131ffeb57dad6c2286b89e1d6b5de18cf2f585ab9357323c71966e27112"
     inputs = (
         # //@odeProductPackages.0/@conSerts.0/@demands.0
         InputSpec("RtE_A_D0", "RtE_A_D0", requires=("consertb",), max_age=0.5, default=False),

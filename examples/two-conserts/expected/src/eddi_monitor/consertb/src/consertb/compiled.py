@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: ccd096db8a345b699029cb907fc82b630c3a0f65d7a18a187b37f7c5758dbd19
+# sha256 of the lines below: 1f5435c335c4e9ed8e733ff610731897bf755b63d4ec3e8c7fafa914ac1e0404
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertB"
-    digest = "45de2d9748626d829c9eda25f51d2c1026b8f9d43df5950c1fa08d5d100a977d"
+    digest = "4b14d5e67fa27f9f362478ebca7a37a581eaf8738ff9439c700c30a90877d19e"
     inputs = (
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),
