@@ -9,7 +9,7 @@ from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, error, has_errors, warning
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.kinds import InputType, JsonValue, ModelInput, Options, TypedModel
+from eddi_scaffold.kinds import InputType, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.influence import doubts, without_influence
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
@@ -33,7 +33,9 @@ class NetworkOptions:
         direct: node -> input that holds its state or likelihoods.
         inputs: what the monitor reads.
         renamed: node -> its former name; its hand-written body moves along.
-        evidence: ``evidence_mode``, ``on_inconsistent`` and ``explain``.
+        virtual: several non-zero outcomes are likelihoods; else D7.2's rule.
+        on_inconsistent: the result on evidence of probability zero.
+        explain: the status message has the relevance of each observed node.
         width: what inference will cost.
         thresholds: the evidence for ConSerts.
     """
@@ -46,7 +48,9 @@ class NetworkOptions:
     width: Width
     foreseen: tuple[str, ...] | None = None
     renamed: Mapping[str, str] = field(default_factory=dict)
-    evidence: Mapping[str, JsonValue] = field(default_factory=dict)
+    virtual: bool = True
+    on_inconsistent: str = "silent"
+    explain: bool = False
     thresholds: tuple[Threshold, ...] = ()
     by_hand: tuple[str, ...] = ()
 
@@ -61,21 +65,6 @@ class NetworkOptions:
     def observable(self) -> tuple[str, ...]:
         """The nodes that may be observed: those that `observed:` names, or that inputs feed."""
         return self.observed if self.foreseen is None else self.foreseen
-
-    @property
-    def virtual(self) -> bool:
-        """Several non-zero outcomes are likelihoods; else D7.2's rule."""
-        return self.evidence.get("evidence_mode") != "d7.2"
-
-    @property
-    def on_inconsistent(self) -> str:
-        """The result on evidence of probability zero: ``silent``, ``prior`` or ``hold``."""
-        return str(self.evidence.get("on_inconsistent", "silent"))
-
-    @property
-    def explain(self) -> bool:
-        """The status message has the relevance of each observed node."""
-        return self.evidence.get("explain") is True
 
 
 NetworkModel = TypedModel[Network, NetworkOptions]
@@ -115,11 +104,6 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
     judged, names = [*outputs, *(threshold.node for threshold in thresholds)], network.names()
     problems += doubts(network, thresholds, declarations, observed, options)
     values = options.values
-    evidence = {
-        "evidence_mode": values.get("evidence_mode", "virtual"),
-        "on_inconsistent": values.get("on_inconsistent", "silent"),
-        "explain": values.get("explain", False),
-    }
     declared = {*discretised, *direct}
     spare = {input_.id for input_ in inputs}.difference(
         direct.values(), (d.input for d in declarations)
@@ -139,7 +123,9 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
         ),
         None if foreseen is None else tuple(foreseen),
         renamed,
-        evidence,
+        values.get("evidence_mode") != "d7.2",
+        str(values.get("on_inconsistent", "silent")),
+        values.get("explain") is True,
         tuple(thresholds),
         tuple(by_hand),
     )

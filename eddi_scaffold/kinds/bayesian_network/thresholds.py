@@ -56,17 +56,6 @@ class Threshold:
         wanted = f"P({self.node} = {states}) {less} {self.limit:g}{held}"
         return f"{wanted}, gone {more} {self.release:g}{where}"
 
-    def document(self) -> dict[str, JsonValue]:
-        """Return it as the runtime reads it."""
-        return {
-            "id": self.id,
-            "node": self.node,
-            "states": list(self.states),
-            _LIMITS[self.at_least]: self.limit,
-            "release": self.release,
-            "hold_ns": round(self.hold * 1e9),
-        }
-
 
 def read_thresholds(
     network: Network, options: Options, discretised: Collection[str]

@@ -80,7 +80,8 @@ def model(
     observed=None,
     specs=None,
     thresholds=(),
-    **evidence,
+    evidence_mode="virtual",
+    **more,
 ):
     """Return a model; inputs are those that ``bins`` and ``direct`` name."""
     network = Network("net", tuple(nodes))
@@ -96,8 +97,9 @@ def model(
         (),
         Width(0, (), 0, 0),
         None if observed is None else tuple(observed),
-        evidence=evidence,
+        virtual=evidence_mode == "virtual",
         thresholds=tuple(thresholds),
+        **more,
     )
     return Model(network, options, Declaration("net", "", tuple(inputs)))
 
