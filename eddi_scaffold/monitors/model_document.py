@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
 
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.document import ModelError, canonical, digest_of, parse_model
 from eddi_scaffold.compiling.execution import build
 from eddi_scaffold.kinds import JsonValue, Kind, Model
@@ -51,5 +51,5 @@ def model_document(
         monitor = build(parse_model(text, "the model", kind.functions.data_files(model)))
         EDDIInputBase().bind(monitor.inputs)
     except (ModelError, NotRunning) as refused:  # what will run it has the last word
-        raise EddiError(error("K028", refused.reason, place)) from None
+        raise EddiError(problem("K028.refused", place, reason=refused.reason)) from None
     return text

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.package import write_compiled
 from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
@@ -173,9 +173,9 @@ def _planned(
             place = rendering / name
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_bytes(data)
-        problem = write_compiled(rendering)
-        if problem is not None:
-            raise EddiError(error("K028", problem, Place(str(target))))
+        refused = write_compiled(rendering)
+        if refused is not None:
+            raise EddiError(problem("K028.refused", Place(str(target)), reason=refused))
         beside = {name: (rendered / name).read_bytes() for name in beside}
         beside[ANSWERS_FILE] = (beside[ANSWERS_FILE] or b"") + (_CHANGED if changed else b"")
     else:
@@ -213,7 +213,8 @@ def _refuse(plans: Iterable[Plan]) -> None:
         for refusal in plan.refusals:
             file = plan.root / refusal.file
             hint = ADOPT if is_of_d72(file) else None
-            problems.append(error("H010", refusal.text, Place(str(file), refusal.line), hint))
+            place = Place(str(file), refusal.line)
+            problems.append(problem("H010", place, hint=hint, reason=refusal.text))
     if problems:
         last = problems[-1]
         hint = last.hint or "Nothing was changed; mend this, and run the command again"
@@ -237,8 +238,7 @@ def _refuse_foreign(target: Path) -> None:
         EddiError: that is so (H012).
     """
     if target.is_symlink():
-        message = f"{target.name} is a link; nothing is written through it"
-        raise EddiError(error("H012", message, Place(str(target)), "name the folder behind it"))
+        raise EddiError(problem("H012.link", Place(str(target)), target=target.name))
     mine = {EDDI, ANSWERS_FILE}
     if not target.is_dir() or (
         not (target / MANIFEST).exists() and not ({path.name for path in target.iterdir()} - mine)
@@ -248,9 +248,7 @@ def _refuse_foreign(target: Path) -> None:
         return
     if (target / EDDI).is_dir():
         raise lacks_answers(target)
-    hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
-    message = "the folder exists and was not generated"
-    raise EddiError(error("H012", message, Place(str(target)), hint))
+    raise EddiError(problem("H012.foreign", Place(str(target)), answers=ANSWERS_FILE))
 
 
 def _is_current(

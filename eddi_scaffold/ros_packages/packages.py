@@ -11,7 +11,7 @@ import rospkg
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.compilation import compile_model
 from eddi_scaffold.compiling.document import ModelError, parse_model
 from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
@@ -210,6 +210,6 @@ def _parts(package: str, answers: Mapping[str, JsonValue]) -> Sequence[str]:
     try:
         needed = runtime_parts_of(compile_model(parse_model(str(answers["model_json"]))))
     except ModelError as refused:
-        raise EddiError(error("K028", refused.reason, Place(package))) from None
+        raise EddiError(problem("K028.refused", Place(package), reason=refused.reason)) from None
     asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}
     return with_needed([*needed, *(part for name, part in asked.items() if answers.get(name))])

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import cycles
-from eddi_scaffold.common.problems import Problem, SimilarNames, error, warning
+from eddi_scaffold.common.problems import Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 
@@ -166,8 +166,7 @@ def _allocations(
                 ]
                 if unmet:
                     what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
-                    message = f"{what}, which does not fulfil {', '.join(unmet)}"
-                    yield warning("X009", message, service.place)
+                    yield problem("X009.unmet", service.place, subject=what, unmet=", ".join(unmet))
 
 
 def _with_near_names(
@@ -185,8 +184,7 @@ def _with_near_names(
 def _repeated_names(names: Sequence[str]) -> Iterator[Problem]:
     for name in dict.fromkeys(names):
         if names.count(name) > 1:
-            message = f"{names.count(name)} ConSerts are called {name!r}"
-            yield error("C027", message, hint="give each a name of its own: NAME=FILE")
+            yield problem("C027.same_instances", number=names.count(name), name=name)
 
 
 def _offers(instance: str, consert: ConSert) -> list[_Offer]:

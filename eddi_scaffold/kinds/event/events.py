@@ -9,7 +9,7 @@ from typing import Any
 
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.findings import Locate, line_and_column
@@ -219,14 +219,11 @@ def _one_topic(
 ) -> Iterable[Problem]:
     """Warn where the latest message of a topic may be that of another event."""
     if len(analysis.events) > 1 and None in parts:
-        shared = f"{len(analysis.events)} events share one topic"
-        message = f"{shared}: the latest message may be from any of them"
-        hint = "give each event a separate output: `event: ID` with `topic:`"
         place = model.place
         if model.data.placed is None:  # a file: the second event, the first is no mistake
             line, column = line_and_column(model.data.text)(analysis.events[1].at)
             place = replace(place, line=line, col=column)
-        yield warning("W005", message, place, hint)
+        yield problem("W005", place, events=len(analysis.events))
 
 
 def parts(model: EventModel) -> Sequence[str]:
@@ -257,7 +254,5 @@ def _covered(limits: tuple[float, float] | None, unit: str | None) -> str | None
 def _numbers(analysis: Analysis, place: Place) -> Sequence[Problem]:
     """Return an error for a bare numeric expression: it is not an event."""
     return [
-        error("E007", "an event is a boolean, this is a number", place)
-        for event in analysis.events
-        if event.type != "bool"
+        problem("E007.event_number", place) for event in analysis.events if event.type != "bool"
     ]
