@@ -15,6 +15,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 from eddi_scaffold.cli.app import COMMANDS, app
+from eddi_scaffold.common.catalogue import areas
 
 project = "eddi-scaffold"
 author = "The eddi-scaffold team"
@@ -40,7 +41,11 @@ def setup(application: Sphinx) -> None:
 
 
 def _add(_: Sphinx, name: str, text: list[str]) -> None:
-    added = {root_doc: _contents, "docs/reference/options": _options}
+    added = {
+        root_doc: _contents,
+        "docs/reference/options": _options,
+        "docs/reference/diagnostics": _diagnostics,
+    }
     if name in added:
         text[0] += added[name](text[0])
 
@@ -67,6 +72,19 @@ def _options(_: str) -> str:
             text, _, _ = printed.getvalue().partition("  -q, --quiet ")
             sections.append(f"### {name}\n\n```text\n{text.strip()}\n```\n")
     return "\n".join(sections)
+
+
+def _diagnostics(_: str) -> str:
+    """Return a section for each code: why, what to do, and what is printed."""
+    parts = []
+    for area in areas():
+        parts += [f"## {area.letter}: {area.title}", area.about]
+        for entry in area.diagnostics.values():
+            known_as = f" (formerly {', '.join(entry.absorbed)})" if entry.absorbed else ""
+            parts += [f"### {entry.code} {entry.title}", f"*{', '.join(entry.levels)}*{known_as}"]
+            parts += [entry.why, f"What to do: {entry.fix}"]
+            parts.append("\n".join(["```text", *entry.shown(), "```"]))
+    return "\n\n".join(["", *parts])
 
 
 def _first_page(application: Sphinx, failure: Exception | None) -> None:

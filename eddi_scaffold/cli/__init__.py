@@ -11,7 +11,7 @@ from typing import Any
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 
 def program() -> None:
@@ -84,7 +84,9 @@ def _misused(failed: Any, arguments: Sequence[str]) -> int:
     if "unexpected extra argument" in failed.message and "-c" in options:
         failed.message += "; a configuration is -c FILE"
     if _wants_json(arguments):
-        return _fail([error("G000", " ".join(failed.format_message().split()))], arguments)
+        return _fail(
+            [problem("G000.usage", reason=" ".join(failed.format_message().split()))], arguments
+        )
     failed.show()
     return exit_status.BAD_INPUT
 
@@ -99,7 +101,7 @@ def _wants_json(arguments: Sequence[str]) -> bool:
 
 def _refusal(refused: OSError) -> Problem:
     place = Place(str(refused.filename)) if refused.filename is not None else Place()
-    return error("F006", f"the system refused: {refused.strerror or refused}", place)
+    return problem("F006.system", place, reason=refused.strerror or refused)
 
 
 def _say_traceback(failed: Exception) -> None:

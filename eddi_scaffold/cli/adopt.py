@@ -48,7 +48,7 @@ def adopt(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.destination import destination
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.adopting.adopt import adopt as adopted
     from eddi_scaffold.packages.adopting.writing import write_adopted
     from eddi_scaffold.packages.rendering import own_template
@@ -56,7 +56,7 @@ def adopt(
     from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
 
     if (workspace is None) == (output is None):
-        raise EddiError(error("G006", "give the destination: -w WORKSPACE, or -o FOLDER"))
+        raise EddiError(problem("G006.none"))
     target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
     place = destination(target, workspace, output)
     found = adopted(package, model, name)

@@ -45,7 +45,7 @@ def check(
     from eddi_scaffold.cli.console import console, count_line
     from eddi_scaffold.common.problems import has_errors, in_order
     from eddi_scaffold.connect.robot import beside_configs, check_robots
-    from eddi_scaffold.deployments.checking import BY_HAND, ByHand, check_files
+    from eddi_scaffold.deployments.checking import ByHand, check_files
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.monitors.survey import files_of
     from eddi_scaffold.packages.handwritten import until_written_near
@@ -72,7 +72,7 @@ def check(
         shown = [problem for problem in problems if console.shows(problem)]
         by_hand = [problem.of for problem in problems if isinstance(problem, ByHand)]
         if by_hand and not console.verbose:
-            console.say(f"{BY_HAND}{', '.join(by_hand)}")
+            console.say(f"to be written by hand: {', '.join(by_hand)}")
         if unread:
             console.say(f"not checked: {', '.join(map(str, unread))}")
         names = ", ".join(str(file) for file in files)

@@ -26,7 +26,7 @@ def compose(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, error
+    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
     from eddi_scaffold.kinds.consert.model import ConSert
@@ -48,19 +48,15 @@ def compose(
         )
         complete_reading(source, replace(reading, problems=problems))
         if not found:
-            message = "there is no ConSert in this file"
-            hint = "leave it out: only ConSerts are composed"
-            raise EddiError(error("F004", message, Place(source.name), hint))
+            raise EddiError(problem("F004.no_consert", Place(source.name)))
         if label and len(found) != 1:
-            message = f"{source.name} contains {len(found)} ConSerts, `NAME=` can name only one"
-            raise EddiError(error("G010", message, hint="leave the name out"))
+            raise EddiError(problem("G010.one_name", source=source.name, number=len(found)))
         instances += [(label or name, consert) for name, consert in found]
         if not as_json:
             console.problems(problems)
     repeated = sorted({name for name, _ in instances if [n for n, _ in instances].count(name) > 1})
     if repeated:
-        message = f"two instances are called {repeated[0]!r}"
-        raise EddiError(error("G011", message, hint="give them names: NAME=FILE"))
+        raise EddiError(problem("G011.instances", name=repeated[0]))
     result = composition_of(instances)
     if as_json:
         console.json(result.as_json())

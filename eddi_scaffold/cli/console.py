@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TextIO
 
 from eddi_scaffold.common.files import open_regular
-from eddi_scaffold.common.problems import EddiError, Problem, error, in_order
+from eddi_scaffold.common.problems import EddiError, Problem, in_order, problem
 
 MAX_LINE = 1024 * 1024
 """Bytes of a longer line are not shown: the place could not be found in it."""
@@ -23,9 +23,9 @@ def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
     """Attach to each problem its source line, where the file can still be read."""
     problems = list(problems)
     wanted: dict[str, set[int]] = {}
-    for problem in problems:
-        if problem.excerpt is None and problem.place.file and problem.place.line is not None:
-            wanted.setdefault(problem.place.file, set()).add(problem.place.line)
+    for reported in problems:
+        if reported.excerpt is None and reported.place.file and reported.place.line is not None:
+            wanted.setdefault(reported.place.file, set()).add(reported.place.line)
     found = {file: _lines(Path(file), numbers) for file, numbers in wanted.items()}
     return [_with_line(problem, found.get(problem.place.file, {})) for problem in problems]
 
@@ -109,8 +109,8 @@ class Console:
     def problems(self, problems: Iterable[Problem], *, summary: bool = True) -> None:
         """Print problems in order, with source lines, carets, hints and a closing count."""
         shown = [p for p in in_order(problems) if self.shows(p)]
-        for problem in with_source_lines(shown):
-            _write(sys.stderr, self.text(problem))
+        for reported in with_source_lines(shown):
+            _write(sys.stderr, self.text(reported))
         if shown and summary:
             self.say(count_line(shown))
 
@@ -200,8 +200,7 @@ def _write(stream: TextIO | None, text: str) -> None:
     except OSError as refused:
         _mute(stream)
         if stream is sys.stdout and not isinstance(refused, BrokenPipeError):
-            message = f"cannot write to the standard output: {refused.strerror}"
-            raise EddiError(error("F007", message)) from None
+            raise EddiError(problem("F007.output", reason=refused.strerror)) from None
 
 
 def _mute(stream: TextIO) -> None:

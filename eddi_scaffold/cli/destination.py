@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.platforms import Platform, platforms
 
@@ -22,13 +22,18 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
         known = platforms().items()
         others = [name for name, one in known if (one.workspace is None) == in_workspace]
         hint = f"{'-o' if in_workspace else '-w'} is for --platform {' or '.join(others)}"
-        message = f"the platform {platform.name} needs {option}"
-        raise EddiError(error("G006", message, hint=hint if given is not None else None))
+        raise EddiError(
+            problem(
+                "G006.platform",
+                hint=hint if given is not None else None,
+                platform=platform.name,
+                option=option,
+            )
+        )
     if workspace is not None and output is not None:
-        message = f"the platform {platform.name} takes {option} alone"
-        raise EddiError(error("G014", message, hint="leave the other one out"))
+        raise EddiError(problem("G014.alone", platform=platform.name, option=option))
     if (place / ANSWERS_FILE).is_file():
-        message = "this folder is a package, and packages do not lie in one another"
-        hint = f"the folder of its packages is {place.absolute().parent}"
-        raise EddiError(error("G006", message, Place(str(place)), hint))
+        raise EddiError(
+            problem("G006.inside_package", Place(str(place)), parent=place.absolute().parent)
+        )
     return place

@@ -71,7 +71,7 @@ def event(
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.conditions import analyse
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
@@ -85,12 +85,10 @@ def event(
     if name is not None:
         check_module_name(name)
     if None not in {text, file} or {text, file, config} == {None}:
-        hint = 'eddi-scaffold event "x > 5", or: eddi-scaffold event --file overheat.events'
-        raise EddiError(error("E023", "give one expression or one file", hint=hint))
+        raise EddiError(problem("E023.argument"))
     if config is not None or (path is not None and _is_model(path)):
         if check or inputs is not None:
-            hint = "eddi-scaffold check FILE; eddi-scaffold run FILE -c CONFIG --inputs FILE.csv"
-            raise EddiError(error("E026", "--check and --inputs are for conditions", hint=hint))
+            raise EddiError(problem("E026.conditions"))
         _generate_of_model(path, config, target, name, output, as_json=as_json)
         return
     source, label = _source(text or "", path)
@@ -238,7 +236,7 @@ def _write(
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.targets.kept_bodies import keep_in_folder
 
@@ -249,9 +247,7 @@ def _write(
     if as_json:
         console.json(report(files))
     elif output is None and len(files) > 1:
-        raise EddiError(
-            error("E022", "C code consists of several files: name a folder with --output")
-        )
+        raise EddiError(problem("E022.folder"))
     elif output is None:
         console.data(next(iter(files.values())).rstrip("\n"))
     else:

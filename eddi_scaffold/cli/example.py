@@ -17,7 +17,7 @@ def example(
     Example: eddi-scaffold example two-conserts demo
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, error
+    from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
     from eddi_scaffold.packages.examples import described, example_files, names
     from eddi_scaffold.packages.transaction import write
 
@@ -28,11 +28,11 @@ def example(
         return
     if name not in names():
         hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"
-        raise EddiError(error("G012", f"there is no example {name!r}", hint=hint))
+        raise EddiError(problem("G012.example", hint=hint, name=name))
     target = folder or Path(name)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        message = "the folder is not empty" if target.is_dir() else "this is a file, not a folder"
-        raise EddiError(error("G013", message, Place(str(target)), "name a new folder"))
+        case = "G013.not_empty" if target.is_dir() else "G013.file"
+        raise EddiError(problem(case, Place(str(target))))
     files = example_files(name)
     write(target, files)
     for file in sorted(files):

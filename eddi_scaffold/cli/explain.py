@@ -18,25 +18,27 @@ def explain(
 
     Example: eddi-scaffold explain K007
     """
-    from dataclasses import asdict
-    from textwrap import fill, indent
+    from textwrap import fill
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common import catalogue
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
 
-    found = catalogue.find(code)
-    if found is None:
-        near = catalogue.near(code)
-        hint = f"did you mean {' or '.join(near)}?" if near else "a code is like K007"
-        raise EddiError(error("G023", f"there is no code {code!r}", hint=hint))
+    diagnostic = catalogue.find(code)
+    if diagnostic is None:
+        similar = catalogue.similar(code)
+        hint = f"did you mean {' or '.join(similar)}?" if similar else "a code is like K007"
+        raise EddiError(problem("G023.code", hint=hint, code=code))
     if json:
-        console.json(asdict(found))
+        console.json(diagnostic.as_json())
         return
+    before = (
+        "" if diagnostic.code == code.upper() else f"{code.upper()} is {diagnostic.code} now\n\n"
+    )
     parts = [
-        f"{found.code}: {found.title} ({', '.join(found.levels)})",
-        fill(found.why, 96, break_long_words=False, break_on_hyphens=False),
-        fill(f"What to do: {found.what_to_do}", 96, break_long_words=False, break_on_hyphens=False),
-        f"Example:\n\n{indent(found.example, '    ')}",
+        f"{before}{diagnostic.code}: {diagnostic.title} ({', '.join(diagnostic.levels)})",
+        fill(diagnostic.why, 96, break_long_words=False, break_on_hyphens=False),
+        fill(f"What to do: {diagnostic.fix}", 96, break_long_words=False, break_on_hyphens=False),
+        "\n".join(["Printed as:", "", *diagnostic.shown()]),
     ]
     console.data("\n\n".join(parts))

@@ -50,7 +50,7 @@ def export(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, did_you_mean, error, in_order
+    from eddi_scaffold.common.problems import EddiError, did_you_mean, in_order, problem
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.exports import written_into
     from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
@@ -58,10 +58,10 @@ def export(
     from eddi_scaffold.packages.transaction import FileState, write
 
     if (output is None) == (into is None):
-        raise EddiError(error("G020", "give either -o FOLDER or --into EDDI"))
+        raise EddiError(problem("G020.one_destination"))
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
-        raise EddiError(error("G009", f"there is no kind {kind!r}", hint=hint))
+        raise EddiError(problem("G009.kind", hint=hint, kind=kind))
     wanted = kinds()[kind] if kind else None
     alone = is_config(read_source(model))
     configs = [model, *(config or ())] if alone else config
@@ -87,9 +87,7 @@ def export(
         for file, text in kinds()[item.kind].functions.export(item).items():
             # Upper and lower case are the same on some disks.
             if file.lower() in map(str.lower, files):
-                message = f"two models would be written to {file}; {item.name!r} is the second"
-                hint = "export them one by one: --name NAME -o FOLDER"
-                raise EddiError(error("G021", message, item.place, hint=hint))
+                raise EddiError(problem("G021.one_file", item.place, file=file, model=item.name))
             files[file] = FileState(text.encode())
     write(output, files)
     for file in sorted(files):

@@ -7,7 +7,7 @@ from pathlib import Path
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.reporting import finish
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.monitors.loading import checked_models
@@ -34,14 +34,11 @@ def generate_fleet(
     """
     source = read_source(deployment)
     if not is_fleet(source):
-        message = "this is no deployment file: there is no section `Robots`"
-        hint = "a model is -m FILE, a configuration is -c FILE"
-        raise EddiError(error("G028", message, Place(str(deployment)), hint))
+        raise EddiError(problem("G028.deployment", Place(str(deployment))))
     if others:
-        message = f"a deployment file says it all: {', '.join(others)} cannot be given with it"
-        raise EddiError(error("G014", message, hint="leave it out, or write it into the file"))
+        raise EddiError(problem("G014.deployment", others=", ".join(others)))
     if folder is None:
-        raise EddiError(error("G006", "a deployment file needs -o FOLDER"))
+        raise EddiError(problem("G006.deployment"))
     sites, problems = sites_of(source, checked_models)
     with alone(() if dry_run else places_of(sites, folder)):
         outcome, found = write_sites(

@@ -32,14 +32,13 @@ def in_a_folder(path: Path | None) -> Path | None:
         return path
     from shlex import quote
 
-    from eddi_scaffold.common.problems import EddiError, Place, error
+    from eddi_scaffold.common.problems import EddiError, Place, problem
 
     there = next(parent for parent in path.parents if parent.exists())
-    message, hint = f"cannot write: {there} is not a folder", None
-    if there.is_dir():
-        message = f"cannot write: there is no folder {path.parent}"
-        hint = f"mkdir -p {quote(str(path.parent))}"
-    raise EddiError(error("F002", message, Place(str(path)), hint))
+    if not there.is_dir():
+        raise EddiError(problem("F002.not_a_folder", Place(str(path)), folder=there))
+    quoted = quote(str(path.parent))
+    raise EddiError(problem("F002.no_folder", Place(str(path)), folder=path.parent, quoted=quoted))
 
 
 def a_runtime(name: str | None) -> str | None:
@@ -65,11 +64,13 @@ def for_pictures(path: Path | None) -> Path | None:
         EddiError: there is no such folder (F002), or the name is not that of an SVG (G022).
     """
     if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
-        from eddi_scaffold.common.problems import EddiError, Place, error
+        from eddi_scaffold.common.problems import EddiError, Place, problem
 
-        message = f"pictures are SVG files, not {path.suffix}"
-        hint = f"name it {path.with_suffix('.svg')}; browsers, Inkscape and rsvg-convert convert it"
-        raise EddiError(error("G022", message, Place(str(path)), hint))
+        raise EddiError(
+            problem(
+                "G022.picture", Place(str(path)), suffix=path.suffix, value=path.with_suffix(".svg")
+            )
+        )
     return in_a_folder(path)
 
 

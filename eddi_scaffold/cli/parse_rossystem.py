@@ -147,7 +147,7 @@ def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str
 
 def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
-    from eddi_scaffold.config.topic_block import KEPT_ENTRY
+    from eddi_scaffold.config.topic_block import KEPT_ENTRIES
 
     failed = any(problem.level == "error" for problem in parsed.problems)
     if failed and not parsed.outputs.topics:
@@ -163,6 +163,6 @@ def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
         done = f"{config}: SimulatorOutputs is rewritten"
     if failed:
         done += " with what resolved"
-    kept = sum(1 for problem in parsed.problems if problem.code == KEPT_ENTRY)
+    kept = sum(1 for problem in parsed.problems if problem.case in KEPT_ENTRIES)
     stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
     return f"{done}; {stays}" if kept else done

@@ -99,7 +99,7 @@ def run(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import refuse_input
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
@@ -107,9 +107,9 @@ def run(
     from eddi_scaffold.recordings.results import changes, picture, steps, table, watched
 
     if as_json and as_csv:
-        raise EddiError(error("G016", "--json and --csv exclude each other"))
+        raise EddiError(problem("G016.formats"))
     if (inputs is None) == (bag is None):
-        raise EddiError(error("G020", "give either --inputs FILE.csv or --bag FILE.bag"))
+        raise EddiError(problem("G020.one_recording"))
     others = {"config": config, "name": name, "marks": default_guarantee}
     package = _package(files or [], **others, system=system, models=models)
     configs: list[Path] = []
@@ -155,20 +155,23 @@ def run(
 
 def _package(files: Sequence[Path], **others: object) -> Packaged | None:
     """Return the package that is named in place of a model; its code is executed."""
-    from eddi_scaffold.common.problems import EddiError, Place, error
+    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
         inside = [one for path in files for one in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
         if inside:
-            message = "this folder holds packages, and one of them runs"
-            hint = f"name it: {' or '.join(str(one.parent) for one in inside)}"
-            raise EddiError(error("G020", message, Place(str(inside[0].parent.parent)), hint))
+            raise EddiError(
+                problem(
+                    "G020.folder_of_packages",
+                    Place(str(inside[0].parent.parent)),
+                    inside=" or ".join(str(one.parent) for one in inside),
+                )
+            )
         return None
     if len(files) > 1 or any(others.values()):
-        message = "a package has its model and its configuration, and runs alone"
-        raise EddiError(error("G020", message, Place(str(folder)), "name the package only"))
+        raise EddiError(problem("G020.package", Place(str(folder))))
     from eddi_scaffold.recordings.packaged import load
 
     return load(folder)
@@ -176,7 +179,7 @@ def _package(files: Sequence[Path], **others: object) -> Packaged | None:
 
 def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> list[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I022)."""
-    from eddi_scaffold.common.problems import Place, warning
+    from eddi_scaffold.common.problems import Place, problem
     from eddi_scaffold.packages.handwritten import packages_of, written
 
     near = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
@@ -185,9 +188,7 @@ def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> 
         for package in packages_of(monitor.package, near):
             lines = ", ".join(written(package))
             if lines:
-                message = f"the hand-written lines of this package are not used here: {lines}"
-                hint = "run that folder alone, without configurations"
-                found.append(warning("I022", message, Place(str(package)), hint))
+                found.append(problem("I022.lines", Place(str(package)), lines=lines))
     return found
 
 
@@ -196,7 +197,7 @@ def _models_and_configs(
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, error
+    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.file import named_model_path
     from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
@@ -210,9 +211,9 @@ def _models_and_configs(
         if parsed is None:
             raise EddiError(*problems)
         if named_model_path(parsed) is None:
-            message = "this is an eddi_config.yml, not a model, and it names none"
-            hint = f"run MODEL -c {path}, or name it: `parameters: [{{model: FILE}}]`"
-            raise EddiError(error("F008", message, Place(str(path)), hint))
+            raise EddiError(
+                problem("F008.configuration_without_model", Place(str(path)), path=path)
+            )
     return models, [*configs, *(path for path in sources if path not in models)]
 
 
@@ -220,15 +221,14 @@ def _check_number(
     monitors: Sequence[BoundMonitor], configs: Sequence[Path], one_only: str | None
 ) -> None:
     """Refuse several models without configurations, and what shows one monitor only."""
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.assembly import only
 
     if not configs:
         only(monitors)
     if len(monitors) > 1 and one_only is not None:
         names = ", ".join(monitor.model.name for monitor in monitors)
-        message = f"{one_only} shows one monitor, not {names}"
-        raise EddiError(error("G020", message, hint="--json prints every step of each"))
+        raise EddiError(problem("G020.one_monitor", one_only=one_only, names=names))
 
 
 def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[StepRule]:
@@ -263,7 +263,7 @@ def _from_csv(
     from functools import partial
 
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import warning
+    from eddi_scaffold.common.problems import problem
     from eddi_scaffold.monitors.survey import inputs_beside
     from eddi_scaffold.recordings.csv_recording import read_tape
     from eddi_scaffold.recordings.parts import beyond_whole, columns
@@ -273,9 +273,8 @@ def _from_csv(
     tape, found = read_tape(read_source(path), columns(monitors), others)
     found += beyond_whole(monitors, tape, str(path))
     if any(monitor.config is None for monitor in monitors):
-        message = "without a configuration no `max_age` is checked, and each row is one step"
         hint = "give it with -c" if package is None else "generate the package with -c"
-        found.append(warning("I016", message, hint=hint))
+        found.append(problem("I016", hint=hint))
     found += package.without_lines() if package is not None else []
     return tape, found
 
@@ -283,16 +282,15 @@ def _from_csv(
 def _from_bag(
     monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
 ) -> tuple[Tape, Sequence[Problem]]:
-    from eddi_scaffold.common.problems import EddiError, error, warning
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.recordings.bags import read_bag, written_by_hand
     from eddi_scaffold.recordings.parts import published
 
     if any(monitor.config is None for monitor in monitors):
-        raise EddiError(error("G020", "--bag needs the topics of a configuration: -c"))
+        raise EddiError(problem("G020.bag"))
     tape, problems = read_bag(path, monitors, published(monitors))
     for monitor in monitors if package is None else ():
         by_hand = written_by_hand(monitor)
         if by_hand:
-            message = f"only hand-written code gives {', '.join(by_hand)}: unknown here"
-            problems.append(warning("I014", message, hint="a `field:` needs no code"))
+            problems.append(problem("I014.by_hand", by_hand=", ".join(by_hand)))
     return tape, problems

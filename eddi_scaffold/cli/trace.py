@@ -30,14 +30,14 @@ def trace(
     import io
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
-        raise EddiError(error("G016", "--json and --csv exclude each other"))
+        raise EddiError(problem("G016.formats"))
     chosen = groups(workspace, packages or [])
     found = [
         trace_of(answers)

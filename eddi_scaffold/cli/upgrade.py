@@ -41,7 +41,7 @@ def upgrade(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish_all
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.connect.robot import beside_configs
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
@@ -55,8 +55,7 @@ def upgrade(
     from eddi_scaffold.packages.workspace import alone, linked_package
 
     if not config and (system is not None or models is not None):
-        hint = "add -c CONFIG: packages remember the message types that they were made with"
-        raise EddiError(error("U008", "--system and --models add to configurations", hint=hint))
+        raise EddiError(problem("U008.no_configuration"))
     outcomes: list[WriteResult] = []
     template = own_template()
     places = roots(workspace, packages or [])

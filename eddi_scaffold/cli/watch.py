@@ -94,7 +94,7 @@ def _opened(
     import os
     import time
 
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.watch.recording import Recording
     from eddi_scaffold.watch.ros1.source import Ros1Graph
     from eddi_scaffold.watch.text import seconds, time_of_day
@@ -102,7 +102,7 @@ def _opened(
     given = {"--bag": bag, "--master": master, "--domain": domains}
     names = [name for name, value in given.items() if value]
     if len(names) > 1:
-        raise EddiError(error("V003", f"{' and '.join(names)} exclude each other"))
+        raise EddiError(problem("V003.exclude", options=" and ".join(names)))
     if bag is not None:
         return Recording(bag, speed), seconds
     clock = time_of_day(time.time() - time.monotonic())
@@ -115,13 +115,12 @@ def _opened(
 
 
 def _dds(domains: list[int]) -> Source:
-    from eddi_scaffold.common.problems import EddiError, error
+    from eddi_scaffold.common.problems import EddiError, problem
 
     try:
         from eddi_scaffold.watch.dds_source import DdsGraphs
     except ImportError:
-        hint = "`pipx inject eddi-scaffold cyclonedds`, or pip in its environment"
-        raise EddiError(error("V004", "cyclonedds is not installed", hint=hint)) from None
+        raise EddiError(problem("V004.cyclonedds")) from None
     return DdsGraphs(dict.fromkeys(domains))
 
 

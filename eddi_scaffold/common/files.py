@@ -20,7 +20,7 @@ from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, most_similar
+from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
 from eddi_scaffold.regions.package import KINDS, is_relative
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -169,10 +169,10 @@ class Source:
         """
         try:
             return self.data.decode("utf-8-sig")
-        except UnicodeDecodeError as problem:
-            *above, line = self.data[: problem.start].decode("utf-8", "replace").split("\n")
+        except UnicodeDecodeError as failure:
+            *above, line = self.data[: failure.start].decode("utf-8", "replace").split("\n")
             place = Place(self.name, len(above) + 1, len(line) + 1)
-            raise EddiError(error(code, "the file is not UTF-8 text", place)) from None
+            raise EddiError(problem(f"{code}.encoding", place)) from None
 
     @property
     def stem(self) -> str:
@@ -193,9 +193,7 @@ def next_to(file: str, name: str) -> Path:
     """
     place = inside(Path(file).parent, str(PurePosixPath(name)))
     if place is None:
-        message = "it is not below the folder of the file that names it"
-        hint = "copy it there: a file may refer only to files in its own folder"
-        raise EddiError(error("F009", message, Place(file), hint))
+        raise EddiError(problem("F009.outside", Place(file)))
     return place
 
 
@@ -213,8 +211,8 @@ class LargeSource(Source):
         """The bytes of the file as it is now."""
         try:
             return read_regular(self.name, self._limit)
-        except OSError as problem:
-            raise EddiError(_unreadable(self.name, problem)) from None
+        except OSError as failure:
+            raise EddiError(_unreadable(self.name, failure)) from None
 
     def open(self) -> BinaryIO:
         """Open the file.
@@ -224,8 +222,8 @@ class LargeSource(Source):
         """
         try:
             stream = open_regular(self.name)
-        except OSError as problem:
-            raise EddiError(_unreadable(self.name, problem)) from None
+        except OSError as failure:
+            raise EddiError(_unreadable(self.name, failure)) from None
         note_input(stream.fileno())
         return stream
 
@@ -271,7 +269,7 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
         size = os.fstat(stream.fileno()).st_size
         other = other_format(stream.read(HEAD_BYTES))
     if other is not None:
-        raise EddiError(error("F003", f"this is {other[0]}", Place(large.name), other[1]))
+        raise EddiError(problem("F003.other", Place(large.name), hint=other[1], other=other[0]))
     return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
 
 
@@ -303,27 +301,24 @@ def refuse_input(path: Path) -> None:
     except OSError:  # nothing there: it is new
         return
     if found in (_inputs.get() or ()):
-        message = "this file is an input of the command, and would be overwritten"
-        hint = "name another file or folder for the output"
-        raise EddiError(error("F014", message, Place(str(path)), hint))
+        raise EddiError(problem("F014", Place(str(path))))
 
 
 def saved_meanwhile(path: Path) -> EddiError:
     """Return what to say of a file that was saved between its reading and its writing (F013)."""
-    message = "it was saved while this command was running; Nothing was changed"
-    return EddiError(error("F013", message, Place(str(path)), "run the command again"))
+    return EddiError(problem("F013", Place(str(path))))
 
 
 def _identity(status: os.stat_result) -> tuple[int, int]:
     return status.st_dev, status.st_ino
 
 
-def _unreadable(name: str, problem: OSError) -> Problem:
-    reason = problem.strerror or str(problem)
-    hint = "write it to a file first" if isinstance(problem, NotRegularError) else None
-    if isinstance(problem, FileNotFoundError):
+def _unreadable(name: str, failure: OSError) -> Problem:
+    reason = failure.strerror or str(failure)
+    hint = "write it to a file first" if isinstance(failure, NotRegularError) else None
+    if isinstance(failure, FileNotFoundError):
         hint = near_file(Path(name), name)
-    return error("F001", f"cannot read the file: {reason}", Place(name), hint)
+    return problem("F001.unreadable", Place(name), hint=hint, reason=reason)
 
 
 def near_file(path: Path, written: str, but: str = "") -> str | None:

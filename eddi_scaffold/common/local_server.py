@@ -13,7 +13,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from io import BufferedReader, RawIOBase
 from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 
 _BUSY = b"HTTP/1.0 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 5\r\n\r\n"
 
@@ -127,9 +127,8 @@ def open_server(
     """
     try:
         return LimitedServer((HOST, port), type("Handler", (handler,), dict(parts)), connections)
-    except OSError as problem:
-        message = f"the port {port} cannot be used: {problem.strerror or problem}"
-        raise EddiError(error("E024", message, hint="choose another one with --port")) from None
+    except OSError as failure:
+        raise EddiError(problem("E024", port=port, reason=failure.strerror or failure)) from None
 
 
 class Refused(Exception):  # noqa: N818 - an answer, not an error

@@ -7,9 +7,10 @@ import itertools
 import re
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import Literal
 
-Level = Literal["error", "warning", "info"]
+from eddi_scaffold.common import catalogue
+from eddi_scaffold.common.catalogue import Level
+
 _RANK: dict[str, int] = {"info": 1, "warning": 2, "error": 3}
 
 
@@ -36,7 +37,7 @@ class Problem:
 
     Attributes:
         level: ``error`` stops every command that would write.
-        code: stable code such as ``C012`` (ConSerts) or ``X008`` (EDDI XML).
+        case: its name in the catalogue, ``K029.long``.
         message: one sentence without a full stop.
         place: where it was found.
         hint: what to do, or ``None``.
@@ -44,11 +45,20 @@ class Problem:
     """
 
     level: Level
-    code: str
+    case: str
     message: str
     place: Place = Place()
     hint: str | None = None
     excerpt: str | None = None
+
+    @property
+    def code(self) -> str:
+        """The stable code, such as ``K029``."""
+        return self.case.partition(".")[0]
+
+    def about(self, subject: str) -> Problem:
+        """Return the problem with the subject before its message."""
+        return replace(self, message=f"{subject}: {self.message}")
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``--json``."""
@@ -83,19 +93,21 @@ class HintedError(ValueError):
         self.hint = hint
 
 
-def error(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
-    """Return an error."""
-    return Problem("error", code, message, place, hint)
+def problem(
+    case: str, place: Place = Place(), /, *, hint: str | None = None, **fields: object
+) -> Problem:
+    """Return the problem of a case of the catalogue.
 
-
-def warning(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
-    """Return a warning."""
-    return Problem("warning", code, message, place, hint)
-
-
-def info(code: str, message: str, place: Place = Place(), hint: str | None = None) -> Problem:
-    """Return an information."""
-    return Problem("info", code, message, place, hint)
+    Args:
+        case: such as ``K029.long``.
+        place: where it was found.
+        hint: one that is computed, where the catalogue has none.
+        **fields: what stands in the text and the hint of the catalogue.
+    """
+    level, text, template = catalogue.case_of(case)
+    if template is not None:
+        hint = template.format_map(fields)
+    return Problem(level, case, text.format_map(fields), place, hint)
 
 
 def has_errors(problems: Iterable[Problem]) -> bool:

@@ -52,7 +52,7 @@ def aligned(
     if dimension(left.unit) != dimension(right.unit):
         shown = " and ".join(f"{one} ({dimension(one)})" for one in (left.unit, right.unit))
         at = places[0 if constant[0] and not constant[1] else 1]
-        findings.error("E009", at, f"{shown} do not go together")
+        findings.add("E009.apart", at, shown=shown)
         return None
     if constant[1]:
         made = _converted(right, left.unit, places[1], builder, findings)
@@ -61,8 +61,7 @@ def aligned(
         made = _converted(left, right.unit, places[0], builder, findings)
         return None if made is None else (made, right)
     times = converted(1.0, right.unit, left.unit)
-    message = f"the left side is in {left.unit}, this is in {right.unit}"
-    findings.error("E009", places[1], message, f"multiply it by {times:g}")
+    findings.add("E009.scale", places[1], unit=left.unit, right_unit=right.unit, times=times)
     return None
 
 
@@ -78,11 +77,10 @@ def _with_plain(
     plain = 0 if left.unit is None else 1
     unit = left.unit or right.unit or ""
     if constant[1 - plain] and not constant[plain]:
-        message = f"this is in {unit}, but the other side has no unit"
         hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
         if builder.rows[(left, right)[plain].node]["op"] != "variable":
             hint = "what *, / and RATE give has no unit: write the number without one"
-        findings.error("E009", places[1 - plain], message, hint)
+        findings.add("E009.one_side", places[1 - plain], hint=hint, unit=unit)
         return None
     return replace(left, unit=unit), replace(right, unit=unit)
 
@@ -94,7 +92,7 @@ def _converted(
     row = builder.rows[value.node]
     number = None if row["value"] is None else converted(row["value"], value.unit or "", unit)
     if number is not None and not math.isfinite(number):
-        findings.error("E013", place, f"the number does not fit into a double in {unit}")
+        findings.add("E013.number_in_unit", place, unit=unit)
         return None
     line, column = row["at"]
     return Value(NUMBER, unit, builder.number(number, (line, column)))

@@ -10,9 +10,9 @@ from typing import Any
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,
-    error,
     has_errors,
     in_order,
+    problem,
     with_excerpts,
 )
 from eddi_scaffold.conditions.alignment import Value
@@ -113,7 +113,7 @@ def analyse(
     builder = GraphBuilder(1 if any_rate else period_of(rate))
     file = parse(text, findings)
     if not file.events and not findings.problems:
-        findings.error("E026", 0, "no event is declared", "write EVENT Name := a condition")
+        findings.add("E026.no_event", 0)
     file = file if only is None else file.reduced_to(only)
     outer = parse(declarations, TextFindings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
@@ -146,8 +146,7 @@ def period_of(rate: float | None) -> int:
     if rate is None:
         return 0
     if not (math.isfinite(rate) and 1e-6 <= rate <= MAX_RATE):
-        message = f"the rate {rate:g} is not a number of steps per second from 1e-6 to 1e9"
-        raise EddiError(error("E005", message))
+        raise EddiError(problem("E005.rate_range", rate=rate))
     return round(1e9 / rate)
 
 
@@ -162,17 +161,11 @@ def _warn(
         value = values[event.name]
         if value is not None and builder.is_constant(value.node):
             at = file.nodes[event.root].start
-            findings.warning("W004", at, "the result never changes: no variable decides it")
+            findings.add("W004.constant", at)
         if event.polarity == "HAZARD" and file.nodes[event.root].op == "implies":
-            message = f"the HAZARD {event.name!r} holds whenever the left side of IMPLIES does not"
-            hint = "a hazard is what must not be: write AND in place of IMPLIES"
-            findings.warning("W006", file.nodes[event.root].at, message, hint)
+            findings.add("W006.implies", file.nodes[event.root].at, event=event.name)
         if event.polarity is None and not event.anonymous:
-            message = (
-                f"the event {event.name!r} does not declare what UNKNOWN means: EVIDENCE is used"
-            )
-            hint = f"EVENT {event.name} (EVIDENCE): not active when UNKNOWN; (HAZARD): active"
-            findings.warning("W002", event.at, message, hint)
+            findings.add("W002.polarity", event.at, event=event.name)
 
 
 def _output(event: EventDeclaration, values: Mapping[str, Value | None]) -> dict[str, Any]:

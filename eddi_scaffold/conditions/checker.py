@@ -72,8 +72,7 @@ class Checker:
             and found.type != BOOL
             and not (event.anonymous and found.type == NUMBER)
         ):
-            message = f"an event is a boolean, this is {found.type}"
-            self._findings.error("E007", root.start, message)
+            self._findings.add("E007.event", root.start, type=found.type)
             found = None
         self._events[event.name] = found
         return found
@@ -112,13 +111,11 @@ class Checker:
         if self._inside is None:
             if not node.is_list or node.op != "name":
                 return False
-            message = f"{node.text} is a list, no single value"
-            hint = f"reduce it: MIN({node.text}), ANY({node.text} > 1), ..."
-            self._findings.error("E007", node.start, message, hint)
+            self._findings.add("E007.list", node.start, list=node.text)
             return True
         why = self._inside.objection(node, self._scope)
         if why:
-            self._findings.error("E007", node.start, why)
+            self._findings.add("E007.objection", node.start, reason=why)
         return bool(why)
 
     def _reduction(
@@ -162,8 +159,9 @@ class Checker:
         if scope.closed and name not in self._reported and name not in self._file.broken:
             self._reported.add(name)
             self._near = self._near or SimilarNames(scope.names, "there are")
-            message = f"there is no variable {name!r}"
-            self._findings.error("E008", node.start, message, self._near.hint(name))
+            self._findings.add(
+                "E008.unknown_variable", node.start, hint=self._near.hint(name), name=name
+            )
         return None
 
     def _variable(self, node: SyntaxNode, at: tuple[int, int]) -> Value | None:
@@ -171,9 +169,8 @@ class Checker:
         if variable.type is None:
             if not variable.declared and node.text not in self._reported:
                 self._reported.add(node.text)
-                message = f"the type of {node.text!r} is not known"
                 hint = variable.advice or _VAR_ADVICE.format(node.text)
-                self._findings.error("E008", node.start, message, hint)
+                self._findings.add("E008.list_type", node.start, hint=hint, node=node.text)
             return None
         used = self.used if self._inside is None else self._inside.used
         number = used.setdefault(node.text, len(used))
@@ -194,8 +191,7 @@ class Checker:
             return True
         if node.op in _ORDER and len(wrong) == 2:
             shown = " and ".join(sorted({str(arg.type) for arg in args if arg is not None}))
-            message = f"{shown} cannot be ordered: {OPERATORS[node.op]} compares numbers"
-            self._findings.error("E007", node.at, message)
+            self._findings.add("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
             return False
         for k in wrong:
             self._wrong_type(node, self._file.nodes[node.args[k]], args[k], types[k])
@@ -205,8 +201,7 @@ class Checker:
         if not any(arg is not None and arg.type == TEXT for arg in args):
             return True
         operand = self._file.nodes[node.args[0]]
-        hint = f"VAR {operand.text} : with an ENUM of its values, or NUMBER({operand.text})"
-        self._findings.error("E007", operand.start, "this is a text", hint)
+        self._findings.add("E007.text", operand.start, operand=operand.text)
         return False
 
     def _wrong_type(
@@ -216,12 +211,20 @@ class Checker:
         shown = word_of(node.op)
         variable = self._scope.variables.get(operand.text) if operand.op == "name" else None
         if variable is not None and not variable.declared:
-            message = f"{operand.text!r} is {value.type} elsewhere, but {shown} needs {wanted}"
             hint = _VAR_ADVICE.format(operand.text)
-            self._findings.error("E008", operand.start, message, hint)
+            self._findings.add(
+                "E008.elsewhere",
+                operand.start,
+                hint=hint,
+                operand=operand.text,
+                type=value.type,
+                shown=shown,
+                expected=wanted,
+            )
         else:
-            message = f"{shown} needs {wanted}, this is {value.type}"
-            self._findings.error("E007", operand.start, message)
+            self._findings.add(
+                "E007.operand", operand.start, shown=shown, expected=wanted, type=value.type
+            )
 
     def _same_types(self, node: SyntaxNode, args: list[Value | None]) -> bool:
         left, right = args
@@ -229,8 +232,7 @@ class Checker:
             return True
         if left.type == right.type:
             return self._is_no_text(node, args)
-        message = f"{left.type} and {right.type} cannot be compared"
-        self._findings.error("E007", node.at, message)
+        self._findings.add("E007.comparison", node.at, left=left.type, right=right.type)
         return False
 
     # operations
@@ -272,12 +274,15 @@ class Checker:
             f"{low:g} .. {high:g}" if low < high else f"{low:g}" for low, high in filter(None, both)
         )
         unit = args[0].unit or args[1].unit
-        message = (
-            f"this is always {'TRUE' if truth else 'FALSE'} while it is known: "
-            f"{left} {OPERATORS[node.op]} {right}{f', in {unit}' if unit else ''}"
+        self._findings.add(
+            "W007.decided",
+            node.at,
+            value="TRUE" if truth else "FALSE",
+            left=left,
+            operators=OPERATORS[node.op],
+            right=right,
+            unit=f", in {unit}" if unit else "",
         )
-        hint = "the RANGE decides alone: check the limit, the RANGE and their units"
-        self._findings.warning("W007", node.at, message, hint)
 
     def _bounds(self, k: int, arg: Value) -> Bounds | None:
         if self._builder.is_constant(arg.node):
@@ -292,7 +297,7 @@ class Checker:
     def _number_of(self, node: SyntaxNode, arg: Value) -> Value | None:
         operand = self._file.nodes[node.args[0]]
         if operand.op != "name":
-            self._findings.error("E007", operand.start, "NUMBER needs a text of a message")
+            self._findings.add("E007.number", operand.start)
             return None
         return Value(NUMBER, None, arg.node)
 
@@ -315,8 +320,7 @@ class Checker:
         if self._builder.is_constant(low.node) and self._builder.is_constant(high.node):
             ends = self._builder.value(low.node), self._builder.value(high.node)
             if None not in ends and ends[0] >= ends[1]:
-                message = f"the lower bound of {node.op.upper()} must be below the upper one"
-                self._findings.error("E006", node.at, message)
+                self._findings.add("E006.bounds", node.at, word=node.op.upper())
                 return None
         if node.op == "clamp":
             made = self._builder.operation("greatest", (x.node, low.node), at)
@@ -328,18 +332,17 @@ class Checker:
     def _window(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
         period = self._builder.period
         if not period:
-            message = f"{node.op.upper()} needs a sampling rate"
-            self._findings.error("E005", node.window_at, message, "add --rate 10")
+            self._findings.add("E005.no_rate", node.window_at, word=node.op.upper())
             return None
         if node.window < period:
-            message = f"the window is shorter than one sample period ({period / 1e9:g} s)"
-            self._findings.error("E005", node.window_at, message)
+            self._findings.add("E005.short_window", node.window_at, period=period / 1000000000.0)
             return None
         too_many = node.op in BUFFERED and capacity(node.window, period) > MAX_CAPACITY
         if too_many and not self._any_rate:
             samples = -(-node.window // period)
-            message = f"the window has {samples} samples, more than {MAX_CAPACITY // 2 - 8}"
-            self._findings.error("E013", node.window_at, message, "TIME and ONCE need no buffer")
+            self._findings.add(
+                "E013.window", node.window_at, samples=samples, limit=MAX_CAPACITY // 2 - 8
+            )
             return None
         made = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
         unit = arg.unit if node.op in _KEEPS_UNIT else None
@@ -348,7 +351,7 @@ class Checker:
     def _age(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
         operand = self._file.nodes[node.args[0]]
         if operand.op != "name" or operand.text not in self._scope.variables:
-            self._findings.error("E007", operand.start, "AGE needs a variable")
+            self._findings.add("E007.age", operand.start)
             return None
         number = self.used[operand.text]
         return Value(NUMBER, "s", self._builder.variable("age", number, at))

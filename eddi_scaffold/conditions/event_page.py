@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from html import escape
 from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Problem, error
+from eddi_scaffold.common.problems import EddiError, Problem, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.recorded_values import columns, play
 from eddi_scaffold.conditions.report import as_text
@@ -241,8 +241,7 @@ def analysis_of(request: Request) -> Analysis:
         try:
             rate = float(request.rate.strip())
         except ValueError:
-            message = f"the rate {request.rate.strip()[:40]!r} is not a number of steps per second"
-            raise EddiError(error("E005", message)) from None
+            raise EddiError(problem("E005.rate_text", rate=request.rate.strip()[:40])) from None
     return analyse(_lines(request.text), rate=rate)
 
 
@@ -312,8 +311,8 @@ def _lines(text: str) -> str:
 
 def _offset(text: str, problems: Sequence[Problem]) -> int | None:
     """Return the offset of the first error."""
-    for problem in problems:
-        line, col = problem.place.line, problem.place.col
-        if problem.level == "error" and line is not None and col is not None:
+    for reported in problems:
+        line, col = reported.place.line, reported.place.col
+        if reported.level == "error" and line is not None and col is not None:
             return sum(len(one) + 1 for one in text.split("\n")[: line - 1]) + col - 1
     return None

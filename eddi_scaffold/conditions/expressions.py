@@ -62,8 +62,7 @@ class ExpressionParser(Cursor):
             # IMPLIES groups to the right, all others to the left.
             while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
                 if stack[-1][0] == strength == _COMPARISON:
-                    hint = "write a < b AND b < c"
-                    self._fail("E004", "comparisons do not chain", hint=hint)
+                    self._fail("E004.chain")
                 self._reduce(stack.pop(), operands)
             if not op:
                 break
@@ -76,8 +75,7 @@ class ExpressionParser(Cursor):
         while self._token.word == "NOT" or self._is_symbol("-"):
             prefix = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
             if prefix[0] == _NOT and stack and stack[-1][0] > _NOT:
-                hint = "put it in parentheses: (NOT a)"
-                self._fail("E002", f"an operand is expected, found {self._token.shown}", hint=hint)
+                self._fail("E002.operand_not", shown=self._token.shown)
             stack.append((*prefix, self._token))
             self._k += 1
 
@@ -110,27 +108,24 @@ class ExpressionParser(Cursor):
             return inside
         if token.kind == "word":
             return self._named(token)
-        message = f"an operand is expected, found {token.shown}"
-        return self._fail("E002", message)
+        return self._fail("E002.operand", shown=token.shown)
 
     def _named(self, token: Token) -> int:
         if token.word == "UNKNOWN":
-            hint = "KNOWN(x) tests whether a value is known"
-            self._fail("E012", "UNKNOWN is not a literal, use KNOWN(...)", hint=hint)
+            self._fail("E012.literal")
         if token.word in RESERVED:
             if self._declaration():
                 end = self._tokens[self._k - 1].end if self._k else 0
-                message = "an operand is expected, found the next declaration"
-                self._fail("E002", message, at=end)
+                self._fail("E002.operand_before_declaration", end)
             if token.word in (*_WORDS, "NOT"):
-                self._fail("E002", f"an operand is expected, found {token.shown}")
-            self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
+                self._fail("E002.operand", shown=token.shown)
+            self._fail("E012.reserved", shown=token.shown)
         self._k += 1
         if self._is_symbol("("):
             return self._call(token)
         if self._is_symbol("[") and self._peek(2).text in (":", ",") and token.word in _PAST:
             instead = self._temporal_hint(self._k - 1)
-            self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=instead)
+            self._fail("E006.unknown_function", token.start, hint=instead, shown=token.shown)
         name = self._path_rest(token.text)
         return self._add(SyntaxNode("name", (), token.start, token.start, name))
 
@@ -142,21 +137,27 @@ class ExpressionParser(Cursor):
             names = {name: name for name in (*WINDOWS, *REDUCTIONS, *FUNCTIONS, *MORE)}
             near = self._temporal_hint(self._k - 2) or did_you_mean(token.text, names)
             hint = near or f"functions: {', '.join(names)}"
-            self._fail("E006", f"there is no function {token.shown}", at=token.start, hint=hint)
+            self._fail("E006.unknown_function", token.start, hint=hint, shown=token.shown)
         args = [] if self._is_symbol(")") else [self._expression()]
         while self._is_symbol(","):
             self._k += 1
             args.append(self._expression())
         if not self._is_symbol(")"):
-            self._fail("E002", f"',' or ')' is expected, found {self._token.shown}")
+            self._fail("E002.list_end", shown=self._token.shown)
         self._k += 1
         if token.word in MORE:
             return self._nested(token, args)
         wanted = FUNCTIONS[token.word]
         if len(args) != wanted:
             plural = "s" if wanted != 1 else ""
-            message = f"{token.word} takes {wanted} argument{plural}, here are {len(args)}"
-            self._fail("E006", message, at=token.start)
+            self._fail(
+                "E006.arguments",
+                token.start,
+                word=token.word,
+                expected=wanted,
+                plural=plural,
+                number=len(args),
+            )
         op = OPERATIONS.get(token.word, token.word.lower())
         return self._add(SyntaxNode(op, tuple(args), token.start, token.start))
 
@@ -183,8 +184,7 @@ class ExpressionParser(Cursor):
     def _nested(self, token: Token, args: list[int]) -> int:
         """Add LEAST or GREATEST of two arguments, as often as needed."""
         if len(args) < 2:
-            message = f"{token.word} takes 2 arguments or more, here are {len(args)}"
-            self._fail("E006", message, at=token.start)
+            self._fail("E006.two_arguments", token.start, word=token.word, number=len(args))
         op = token.word.lower()
         found = args[0]
         for arg in args[1:]:
@@ -196,17 +196,15 @@ class ExpressionParser(Cursor):
         if self._nodes[argument].is_list:
             return self._reduction(token, argument)
         if token.word not in WINDOWS:
-            message = f"{token.word} needs a list"
-            self._fail("E006", message, at=token.start, hint=f"{token.word}(scan.ranges[*] > 1)")
+            self._fail("E006.needs_list", token.start, word=token.word)
         op = WINDOWS[token.word]
         if self._is_symbol(")"):
-            self._fail("E005", f"{token.word} needs a duration", hint=f"{token.word}(x, 5s)")
+            self._fail("E005.no_duration", word=token.word)
         self._expect(",", "',' and a duration such as 5s")
         at, word = self._token.start, self._token.word
         if word in LIST_OPTIONS and word != "COVERAGE":
-            hint = f"[*] behind the list, for its elements: {token.word}(x[*], {word} ...)"
-            self._fail("E006", f"{word} is for a list", hint=hint)
-        length = self._duration("E005")
+            self._fail("E006.for_lists", word=word, function=token.word)
+        length = self._duration()
         coverage = None
         if self._is_symbol(","):
             self._k += 1
@@ -221,34 +219,31 @@ class ExpressionParser(Cursor):
     def _coverage(self, function: Token, op: str) -> float:
         word = self._token
         if word.word != "COVERAGE":
-            message = f"{function.word} takes 1 argument and a duration"
-            self._fail("E006", message, at=function.start)
+            self._fail("E006.one_argument", function.start, word=function.word)
         self._k += 1
         number = self._token
         if number.kind != "number":
-            self._fail("E002", f"a number is expected, found {number.shown}")
+            self._fail("E002.number", shown=number.shown)
         share = self._number()
         if op in ("time", "once"):
-            message = f"{function.word} takes no COVERAGE"
-            self._findings.error("E014", word.start, message)
+            self._findings.add("E014.not_here", word.start, word=function.word)
         elif not 0 < share <= 1:
             hint = f"{word.word} {share / 100:g}" if 10 <= share <= 100 else None  # percent
-            message = "the coverage must be above 0 and at most 1"
-            self._findings.error("E014", number.start, message, hint)
+            self._findings.add("E014.range", number.start, hint=hint)
         return share
 
     def _reduction(self, token: Token, argument: int) -> int:
         """Take the options behind the list of a reduction."""
         if token.word not in REDUCTIONS:
-            message = f"{token.word} takes no list"
-            hint = f"of a list: {', '.join(REDUCTIONS)}"
-            self._fail("E006", message, at=token.start, hint=hint)
+            self._fail(
+                "E006.no_list", token.start, word=token.word, reductions=", ".join(REDUCTIONS)
+            )
         options, args = ReductionOptions(), [argument]
         while self._is_symbol(","):
             self._k += 1
             options = self._list_option(token, options, args)
         if not self._is_symbol(")"):
-            self._fail("E002", f"',' or ')' is expected, found {self._token.shown}")
+            self._fail("E002.list_end", shown=self._token.shown)
         self._k += 1
         op = REDUCTIONS[token.word]
         return self._add(SyntaxNode(op, tuple(args), token.start, token.start, options=options))
@@ -260,12 +255,10 @@ class ExpressionParser(Cursor):
         word = self._token
         if word.word not in LIST_OPTIONS:
             if word.kind == "number" and self._peek().text in DURATIONS:
-                hint = f"a window over it: {token.word}({token.word}(x[*]), 5s)"
-                self._fail("E006", "a list takes no duration", hint=hint)
-            message = f"{' or '.join(LIST_OPTIONS)} is expected, found {word.shown}"
-            self._fail("E002", message)
+                self._fail("E006.list_duration", word=token.word)
+            self._fail("E002.list_option", list_options=" or ".join(LIST_OPTIONS), shown=word.shown)
         if word.word in dict(options.at):
-            self._fail("E006", f"{word.word} is repeated")
+            self._fail("E006.repeated", word=word.word)
         options = replace(options, at=(*options.at, (word.word, word.start)))
         if word.word == "COVERAGE":
             return replace(options, coverage=self._coverage(token, REDUCTIONS[token.word]))
@@ -287,13 +280,13 @@ class ExpressionParser(Cursor):
             self._k += 1
             ends.append(self._whole_number())
         if ends[-1] < ends[0]:
-            self._fail("E006", "the LENGTH is empty: its ends are swapped")
+            self._fail("E006.length")
         return ends[0], ends[-1]
 
     def _whole_number(self) -> int:
         token = self._token
         if not token.text.isdigit() or len(token.text) > 6:
-            self._fail("E002", f"a number of elements is expected, found {token.shown}")
+            self._fail("E002.count", shown=token.shown)
         self._k += 1
         return int(token.text)
 
@@ -302,14 +295,12 @@ class ExpressionParser(Cursor):
         node = self._nodes[right]
         is_quotient = node.op == "div" and not node.wrapped
         if op in ("add", "sub") and is_quotient and self._nodes[node.args[1]].op == "number":
-            message = "only this term is divided, not the whole sum"
-            hint = "put the sum in parentheses, or this term to show that it is intended"
-            self._findings.warning("W001", node.start, message, hint)
+            self._findings.add("W001", node.start)
 
     def _add(self, node: SyntaxNode) -> int:
         if len(self._nodes) >= MAX_NODES:
             self._k = len(self._tokens) - 1
-            self._fail("E013", f"the text has more than {MAX_NODES} operations", at=node.at)
+            self._fail("E013.operations", node.at, limit=MAX_NODES)
         if node.op not in REDUCTIONS.values():
             is_list = any(self._nodes[k].is_list for k in node.args)
             if is_list or (node.op == "name" and is_list_path(node.text)):
@@ -322,4 +313,4 @@ class ExpressionParser(Cursor):
         if self._depth > MAX_DEPTH:
             at = self._token.start
             self._k = len(self._tokens) - 1
-            self._fail("E013", f"the expression is nested more than {MAX_DEPTH} deep", at=at)
+            self._fail("E013.depth", at, limit=MAX_DEPTH)

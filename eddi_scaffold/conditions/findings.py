@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from itertools import accumulate
 
-from eddi_scaffold.common.problems import Place, Problem, error, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 
 Locate = Callable[[int], Place]
 """Offset in the text (0 to its length) -> place in the file that holds it."""
@@ -28,15 +28,10 @@ class TextFindings:
         self.text = text
         self._locate = locate
 
-    def error(self, code: str, offset: int, message: str, hint: str | None = None) -> None:
-        """Add an error at an offset."""
+    def add(self, case: str, offset: int, /, *, hint: str | None = None, **fields: object) -> None:
+        """Add the problem of a case at an offset."""
         if len(self.problems) < MAX_FINDINGS:
-            self.problems.append(error(code, message, self._locate(offset), hint))
-
-    def warning(self, code: str, offset: int, message: str, hint: str | None = None) -> None:
-        """Add a warning at an offset."""
-        if len(self.problems) < MAX_FINDINGS:
-            self.problems.append(warning(code, message, self._locate(offset), hint))
+            self.problems.append(problem(case, self._locate(offset), hint=hint, **fields))
 
 
 def line_and_column(text: str) -> Callable[[int], tuple[int, int]]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from eddi_scaffold.common.problems import Problem, error, has_errors
+from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.findings import Locate
 from eddi_scaffold.conditions.scope import Variable
@@ -105,11 +105,14 @@ def _wrong_type(
     if analysis.form is None:
         return ()
     if len(analysis.events) != 1:
-        return (error("E003", "one expression is expected, not several events", text.locate(0)),)
+        return (problem("E003.several_events", text.locate(0)),)
     place = text.locate(0 if text.event is None else analysis.events[0].at)
     wanted = "bool" if type_ in ("bool", "state") else "number"
     if analysis.events[0].type == wanted:
         return ()
     shown = {"bool": "a boolean", "number": "a number"}
-    message = f"the input needs {shown[wanted]}, this is {shown[analysis.events[0].type]}"
-    return (error("E007", message, place),)
+    return (
+        problem(
+            "E007.input_type", place, expected=shown[wanted], actual=shown[analysis.events[0].type]
+        ),
+    )

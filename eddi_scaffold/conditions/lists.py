@@ -96,9 +96,9 @@ def reduced(
         if node.options.within:
             limits.append([_limited(lists, elements, scope), *nodes[1:]])
         row |= _sector(node.options, lists, elements)
-    except _Wrong as problem:
-        at = node.start if problem.at is None else problem.at
-        findings.error(problem.code, at, str(problem), problem.hint)
+    except _Wrong as wrong:
+        at = node.start if wrong.at is None else wrong.at
+        findings.add(wrong.case, at, **wrong.fields)
         return None
     needed, new = elements.builder.needed([nodes[0], *(n for limit in limits for n in limit[1:])])
     parts = [_part(name, scope) for name in elements.used]
@@ -124,11 +124,9 @@ def reduced(
 
 
 class _Wrong(Exception):  # noqa: N818 - it ends one reduction
-    def __init__(
-        self, message: str, hint: str | None = None, code: str = "E007", at: int | None = None
-    ) -> None:
-        super().__init__(message)
-        self.hint, self.code, self.at = hint, code, at
+    def __init__(self, case: str, at: int | None = None, /, **fields: str) -> None:
+        super().__init__(case)
+        self.case, self.at, self.fields = case, at, fields
 
 
 def _head(name: str) -> str:
@@ -139,10 +137,9 @@ def _one_message(names: Iterable[str], lists: list[str]) -> None:
     """Check that everything is of one message, and the lists have one length."""
     heads = list(dict.fromkeys(_head(name) for name in names))
     if len(heads) > 1:
-        raise _Wrong(f"a reduction is of one message, these are two: {heads[0]} and {heads[1]}")
+        raise _Wrong("E007.two_messages", first=heads[0], second=heads[1])
     if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_place_of, lists))) > 1:
-        message = f"{lists[0]} and {lists[1]} are different lists"
-        raise _Wrong(message, "only parallel lists of numbers can be combined")
+        raise _Wrong("E007.two_lists", first=lists[0], second=lists[1])
 
 
 def _place_of(name: str) -> tuple[str, str, str]:
@@ -164,7 +161,7 @@ def _documented(lists: list[str], elements: Elements, scope: Scope) -> Iterator[
 def _limited(lists: list[str], elements: Elements, scope: Scope) -> int:
     numbers = [name for name in lists if scope.variables[name].type == NUMBER]
     if len(numbers) != 1:
-        raise _Wrong("WITHIN needs one list of numbers")
+        raise _Wrong("E007.within")
     return elements.used[numbers[0]]
 
 
@@ -181,15 +178,14 @@ def _sector(options: ReductionOptions, lists: list[str], elements: Elements) -> 
     for end in options.sector:
         unit = find(end.unit) if end.unit else None
         if unit is None or unit.dimension != "angle":
-            raise _Wrong("SECTOR needs angles", "SECTOR -30 deg .. 30 deg", "E009", end.at)
+            raise _Wrong("E009.sector", end.at)
         ends.append(converted(end.value, end.unit or "", "rad"))
     at = dict(options.at)["SECTOR"]
     if ends[0] >= ends[1]:
-        hint = "angles are not turned by 360 deg: across the end of a scan, take two sectors"
-        raise _Wrong("the SECTOR is empty: its ends are swapped", hint, at=at)
+        raise _Wrong("E007.empty_sector", at)
     scans = {_place_of(name)[0] for name in lists if not array_of(name)[1]}
     if len(lists) != 1 or len(scans) != 1 or not array_of(lists[0])[0].endswith("[*]"):
-        raise _Wrong("SECTOR needs the list of a scan, such as scan.ranges[*]", at=at)
+        raise _Wrong("E007.scan", at)
     (scan,) = scans
     for angle in ANGLES:
         elements.number(f"{scan}.{angle}")

@@ -39,7 +39,7 @@ def parse(text: str, findings: TextFindings) -> File:
     could be read are returned.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:
-        findings.error("E013", 0, f"the text is longer than {MAX_TEXT} bytes")
+        findings.add("E013.text", 0, limit=MAX_TEXT)
         return File()
     tokens = tokens_of(text, findings)
     if findings.problems:
@@ -77,10 +77,9 @@ class _Parser(ExpressionParser):
             try:
                 readers.get(self._declaration(), bare)()
                 if not self._at_declaration():
-                    message = f"unexpected {self._token.shown}: the text before is complete"
                     hint = self._comparison_hint() or self._misspelt(before, readers)
                     hint = self._temporal_hint(self._k) or self._temporal_hint(self._k - 1) or hint
-                    self._fail("E003", message, hint=hint)
+                    self._fail("E003.rest", hint=hint, shown=self._token.shown)
             except Wrong:
                 broken.add(self._declared)
                 self._skip(before)
@@ -156,12 +155,12 @@ class _Parser(ExpressionParser):
             self._k += 1
             rate = self._number()
             if self._token.text != "Hz" or not 0 < rate <= 1e9:
-                self._fail("E002", "a rate such as 10 Hz is expected", at=after.start)
+                self._fail("E002.rate", after.start)
             self._k += 1
             return replace(found, rate=rate)
         if word == "TIMEOUT" and after.kind == "number":
             self._k += 1
-            return replace(found, timeout=self._duration("E005"))
+            return replace(found, timeout=self._duration())
         if word == "RANGE" and (after.kind == "number" or after.text == "-"):
             self._k += 1
             low = self._signed()
@@ -178,11 +177,12 @@ class _Parser(ExpressionParser):
         goes_on = after.kind == "number" or (after.kind == "word" and after.word not in RESERVED)
         wanted = _WANTED.get(word.word)
         if wanted is not None and (goes_on or after.word in _DECLARATIONS):
-            message = f"{wanted} is expected behind {word.word}, found {after.shown}"
-            self._fail("E002", message, at=after.start)
+            self._fail(
+                "E002.behind", after.start, expected=wanted, word=word.word, shown=after.shown
+            )
         hint = did_you_mean(word.word, _WANTED) if word.kind == "word" and goes_on else None
         if hint is not None and word.word not in RESERVED:
-            self._fail("E002", f"{word.shown} is no option of a VAR", hint=hint)
+            self._fail("E002.variable_option", hint=hint, shown=word.shown)
 
     def _constant(self) -> ConstDeclaration:
         self._k += 1
@@ -200,7 +200,7 @@ class _Parser(ExpressionParser):
             self._k += 1
             polarity = self._token.word
             if polarity not in ("EVIDENCE", "HAZARD"):
-                self._fail("E002", f"EVIDENCE or HAZARD is expected, found {self._token.shown}")
+                self._fail("E002.polarity", shown=self._token.shown)
             self._k += 1
             self._expect(")")
         self._expect(":=")

@@ -142,7 +142,7 @@ def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
 
     def new(named: Identifier) -> bool:
         if named.name in seen:
-            findings.error("E011", named.at, f"the name {named.name!r} has two meanings")
+            findings.add("E011.two_meanings", named.at, name=named.name)
             return False
         seen.add(named.name)
         return True
@@ -176,16 +176,15 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) ->
     if type_ is None:
         known = ["NUMBER", "BOOL", "TEXT", *scope.enums]
         hint = did_you_mean(word, known) or f"types: {', '.join(known)}"
-        findings.error("E008", declared.type.at, f"there is no type {word!r}", hint)
+        findings.add("E008.unknown_type", declared.type.at, hint=hint, word=word)
     found = Variable(declared.name, type_, infinite=declared.infinite)
     if type_ is not None and type_ != NUMBER and (declared.unit or declared.range):
         at = (declared.unit or declared.type).at
-        findings.error("E007", at, f"UNIT and RANGE are for numbers, {word} is none")
+        findings.add("E007.unit_of_other", at, word=word)
         return found
     found = replace(found, unit=_unit(declared, findings), timeout=_timeout(declared))
     if declared.timeout is None and declared.rate is None:
-        message = f"{declared.name} has no TIMEOUT: it goes unnoticed when its source falls silent"
-        findings.warning("W003", declared.at, message, "add TIMEOUT 500ms, or RATE 10 Hz")
+        findings.add("W003.variable", declared.at, declared=declared.name)
     return replace(found, range=_range(declared, found.unit, findings))
 
 
@@ -193,7 +192,7 @@ def _unit(declared: VarDeclaration, findings: TextFindings) -> str | None:
     unit = declared.unit
     if unit is not None and unit.name not in words():
         hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
-        findings.error("E009", unit.at, f"there is no unit {unit.name!r}", hint)
+        findings.add("E009.unknown", unit.at, hint=hint, unit=unit.name)
         return None
     return None if unit is None else unit.name
 
@@ -214,17 +213,15 @@ def _range(
         if bound.unit is None:
             ends.append(bound.value)
         elif unit is None or dimension(bound.unit) != dimension(unit):
-            message = f"a bound in {bound.unit} does not fit the unit {unit or 'none'}"
-            findings.error("E009", bound.at, message)
+            findings.add("E009.bound", bound.at, unit=bound.unit, other=unit or "none")
             return None
         else:
             ends.append(converted(bound.value, bound.unit, unit))
     if not all(map(math.isfinite, ends)):
-        message = f"the bounds do not fit into doubles in {unit}"
-        findings.error("E013", declared.range[0].at, message)
+        findings.add("E013.bounds", declared.range[0].at, unit=unit)
         return None
     if ends[0] > ends[1]:
-        findings.error("E007", declared.range[0].at, "the RANGE is empty: its ends are swapped")
+        findings.add("E007.range", declared.range[0].at)
         return None
     return ends[0], ends[1]
 
@@ -245,8 +242,7 @@ def _in_order(file: File, scope: Scope, findings: TextFindings) -> list[EventDec
             first = min(members, key=lambda name: events[name].at)
             turn = members.index(first)
             listed = [*members[turn:], *members[:turn], first]
-            message = f"the event uses itself: {' uses '.join(listed)}"
-            findings.error("E010", events[first].at, message)
+            findings.add("E010.uses_itself", events[first].at, listed=" uses ".join(listed))
             for name in members:
                 uses[name] = []
                 events[name] = replace(events[name], root=-1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.common.problems import Place, Problem, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.targets import Target, printed
@@ -36,10 +36,8 @@ def without_limits(analysis: Analysis, file: str) -> list[Problem]:
     if not of:
         return []
     names = ", ".join(one.name for one in of)
-    message = f"{names}: no TIMEOUT, so it goes unnoticed when a source falls silent"
     type_ = of[0].type.kind.upper() if of[0].type is not None else "NUMBER"
-    hint = f"in a file of events: VAR {of[0].name} : {type_} TIMEOUT 500ms"
-    return [warning("W003", message, Place(file), hint)]
+    return [problem("W003.variables", Place(file), names=names, example=of[0].name, kind=type_)]
 
 
 def monitor_model(analysis: Analysis, name: str) -> StandaloneMonitor:

@@ -102,11 +102,12 @@ def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
         elif match.lastgroup == "other":
             char = match.group()
             instead = _INSTEAD.get(char)
-            findings.error(
-                "E001",
+            findings.add(
+                "E001.character",
                 match.start(),
-                f"unexpected {'characters' if len(char) > 1 else 'character'} {char!r}",
-                f"write {instead}" if instead else None,
+                hint=f"write {instead}" if instead else None,
+                kind="characters" if len(char) > 1 else "character",
+                character=char,
             )
     last = found[-1].end if found else 0
     return (*found, Token("end", "", last, last))
@@ -167,7 +168,7 @@ class Cursor:
         if not self._is_symbol(symbol):
             wanted = shown or repr(symbol)
             hint = self._comparison_hint() if symbol in {")", ","} else None
-            self._fail("E002", f"{wanted} is expected, found {self._token.shown}", hint=hint)
+            self._fail("E002.word", hint=hint, expected=wanted, shown=self._token.shown)
         self._k += 1
 
     def _comparison_hint(self) -> str | None:
@@ -176,9 +177,9 @@ class Cursor:
     def _new_name(self, what: str) -> Identifier:
         token = self._token
         if token.kind != "word":
-            self._fail("E002", f"{what} is expected, found {token.shown}")
+            self._fail("E002.list_option", list_options=what, shown=token.shown)
         if token.word in RESERVED:
-            self._fail("E012", f"{token.shown} is a reserved word, it cannot be a name")
+            self._fail("E012.reserved", shown=token.shown)
         self._k += 1
         self._declared = self._declared or token.text
         return Identifier(token.text, token.start)
@@ -189,7 +190,7 @@ class Cursor:
         value = float(token.text)
         digits = token.text.lower().partition("e")[0]
         if not math.isfinite(value) or (value == 0 and digits.strip("0.") != ""):
-            self._fail("E013", "the number does not fit into a double", at=token.start)
+            self._fail("E013.number", token.start)
         self._k += 1
         return value
 
@@ -197,7 +198,7 @@ class Cursor:
         at, negative = self._token.start, self._is_symbol("-")
         self._k += negative
         if self._token.kind != "number":
-            self._fail("E002", f"a number is expected, found {self._token.shown}")
+            self._fail("E002.number", shown=self._token.shown)
         value = self._number()
         return NumberWithUnit(-value if negative else value, self._unit(), at)
 
@@ -212,7 +213,7 @@ class Cursor:
             return token.text
         if token.start == number.end:  # 5x: it cannot be anything else
             hint = did_you_mean(token.text, words()) or f"units: {', '.join(sorted(words()))}"
-            self._fail("E009", f"there is no unit {token.shown}", hint=hint)
+            self._fail("E009.unknown_quoted", hint=hint, shown=token.shown)
         return None
 
     def _refuse_compound_unit(self, ahead: int = 0) -> None:
@@ -221,31 +222,35 @@ class Cursor:
         spelling = "".join(token.text for token in self._tokens[first : first + 3])
         unit = one_word(spelling)
         if unit is not None:
-            hint = f"write {self._tokens[first - 1].text} {unit}"
             at = self._tokens[first].start
-            self._fail("E009", f"a unit is one word here, not {spelling}", at=at, hint=hint)
+            self._fail(
+                "E009.spelling",
+                at,
+                spelling=spelling,
+                words=self._tokens[first - 1].text,
+                unit=unit,
+            )
 
-    def _duration(self, code: str) -> int:
+    def _duration(self) -> int:
         number, unit = self._token, self._peek()
         if number.kind != "number" or unit.kind != "word" or unit.text not in DURATIONS:
             hint = f"the unit is one of {', '.join(DURATIONS)}"
-            self._fail(code, f"a duration such as 5s is expected, found {number.shown}", hint=hint)
+            self._fail("E005.duration", hint=hint, shown=number.shown)
         if unit.start != number.end:
-            hint = f"write {number.text}{unit.text}"
-            self._fail(code, "the unit of a duration must directly follow the number", hint=hint)
+            self._fail("E005.apart", number=number.text, unit=unit.text)
         try:
             length = nanoseconds(number.text, unit.text)
         except OverflowError:
-            self._fail("E013", "the duration does not fit into 62 bits of nanoseconds")
+            self._fail("E013.duration")
         if length == 0:
-            self._fail(code, "a duration must be longer than 0")
+            self._fail("E005.no_time")
         self._k += 2
         return length
 
     def _fail(
-        self, code: str, message: str, *, at: int | None = None, hint: str | None = None
+        self, case: str, at: int | None = None, /, *, hint: str | None = None, **fields: object
     ) -> NoReturn:
-        self._findings.error(code, self._token.start if at is None else at, message, hint)
+        self._findings.add(case, self._token.start if at is None else at, hint=hint, **fields)
         raise Wrong
 
     def _path_rest(self, name: str) -> str:
@@ -267,7 +272,7 @@ class Cursor:
             field += self._token.text + self._peek().text
             self._k += 2
         if field.endswith("."):
-            self._fail("E002", f"'=' and a key are expected, found {self._token.shown}")
+            self._fail("E002.key", shown=self._token.shown)
         token = self._token
         if token.kind in ("word", "text"):
             key = key_text(token.text.strip('"'))
@@ -276,8 +281,7 @@ class Cursor:
         elif token.text.isdigit() and len(token.text) < 8 and int(token.text) < _PATH_INDEX:
             key = str(int(token.text)) + self._last_of_part()
         else:
-            message = f"an index from 0 on or a key is expected, found {token.shown}"
-            self._fail("E002", message, hint='[0], [name], ["a name"] or [field="a name"]')
+            self._fail("E002.index_or_key", shown=token.shown)
         self._k += 1
         return field + key
 
@@ -287,7 +291,7 @@ class Cursor:
             return ""
         first, last = self._token, self._peek(2)
         if len(last.text) > 7 or int(last.text) < int(first.text) or int(last.text) >= _PATH_INDEX:
-            self._fail("E002", f"an index behind {first.text} is expected, found {last.shown}")
+            self._fail("E002.index", first=first.text, shown=last.shown)
         self._k += 2
         return f"..{int(last.text)}"
 

@@ -26,9 +26,9 @@ from eddi_scaffold.common.problems import (
     HintedError,
     Place,
     Problem,
-    error,
     has_errors,
     in_order,
+    problem,
 )
 from eddi_scaffold.config.file import about_file
 from eddi_scaffold.config.options import Places, plain_values, violations
@@ -247,8 +247,7 @@ class FleetFile:
         except EddiError as failure:
             raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
         except (OSError, ValueError):
-            hint = "a name is relative to the folder of the deployment file"
-            raise EddiError(error("F001", f"there is no file {name!r}", place, hint)) from None
+            raise EddiError(problem("F001.no_file_below", place, name=name)) from None
         return path
 
 
@@ -298,6 +297,4 @@ def _repeated(file: FleetFile) -> Iterator[Problem]:
     for name, place in [*names, (form.Station.name, file.place("Station", "name"))]:
         before = first.setdefault(name.casefold(), place)
         if before is not place:
-            message = f"two robots are called {name!r}, first in line {before.line}"
-            hint = "give each a name of its own; the control station is `station` by default"
-            yield error("D010", message, place, hint)
+            yield problem("D010.same_name", place, name=name, line=before.line)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, near_file, next_to, read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text
@@ -57,8 +57,7 @@ class ConfigFile:
                 (F009), or the configuration is a remembered one (K033).
         """
         if self.remembered:
-            message = f"{name!r} cannot be read: the configuration is remembered, not given"
-            raise EddiError(error("K033", message, hint="name the configuration with -c"))
+            raise EddiError(problem("K033.remembered", name=name))
         return read_source(next_to(self.name, name))
 
     def inside(self, *path: str | int) -> Callable[[int], Place]:
@@ -138,8 +137,7 @@ def named_model_path(file: ConfigFile) -> Path | None:
     except (OSError, ValueError):
         near = near_file(path, name, Path(file.name).name)
         hint = near or "a name is relative to the folder of the configuration"
-        message = f"there is no file {name!r}"
-        raise EddiError(error("F001", message, file.place(*where), hint)) from None
+        raise EddiError(problem("F001.no_file", file.place(*where), hint=hint, name=name)) from None
     return path
 
 

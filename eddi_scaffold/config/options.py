@@ -13,9 +13,8 @@ from eddi_scaffold.common.problems import (
     Problem,
     SimilarNames,
     did_you_mean,
-    error,
     most_similar,
-    warning,
+    problem,
 )
 from eddi_scaffold.config.file import KEY, MODEL_KEYS, ConfigFile
 from eddi_scaffold.config.schema import INPUT_TYPES, ModelSection, known_keys
@@ -62,10 +61,9 @@ def plain_values(
         value = value_11(node)
         number = number_for_11(node) if isinstance(value, str) else None
         read = repr(value) if number is None else f"the text {value!r}"
-        message = f"{node.text!r} is read as {read} (YAML 1.1)"
         hint = "write it in quotes if a text is meant"
         hint = hint if number is None else f"write {number} for the number, or quotes for the text"
-        problems.append(warning("K008", message, node.place, hint))
+        problems.append(problem("K008", node.place, hint=hint, text=node.text, meaning=read))
     return value_11(node)
 
 
@@ -110,7 +108,9 @@ def violations(
         place = places.get(path, Place(file))
         key = str(found["loc"][-1])
         if found["type"] == "missing":
-            yield error("K003", f"{_named_path(path) or 'the file'} has no {key!r}", place)
+            yield problem(
+                "K003.missing_key", place, section=_named_path(path) or "the file", key=key
+            )
         elif found["type"] == "extra_forbidden":
             known = keys_of(path[:-1])
             hint = did_you_mean(key, known) or f"known keys: {', '.join(sorted(known))}"
@@ -118,7 +118,7 @@ def violations(
                 hint = "put the expression in quotes: inside { } a comma ends it"
             else:
                 hint = hint_for_decimals(key) or hint
-            yield error("K004", f"unknown key {key!r}", places.get((*path, KEY), place), hint)
+            yield problem("K004.unknown_key", places.get((*path, KEY), place), hint=hint, key=key)
         else:
             raised = found.get("ctx", {}).get("error")  # by our own checks
             own, hint = _TEXTS.get(found["type"]) or str(raised or found["msg"]), None
@@ -127,7 +127,9 @@ def violations(
             elif isinstance(raised, HintedError):
                 hint = raised.hint
             own = own.replace("Input should be", "must be")  # of pydantic, for a literal
-            yield error("K005", f"{_named_path(path) or 'the file'}: {own}", place, hint)
+            yield problem(
+                "K005.value", place, hint=hint, key=_named_path(path) or "the file", reason=own
+            )
 
 
 def hint_for_decimals(key: str) -> str | None:
@@ -206,4 +208,4 @@ def unknown_options(
                 hint = (
                     f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
                 )
-            yield error("K004", f"unknown key {key!r}", place, hint)
+            yield problem("K004.unknown_key", place, hint=hint, key=key)

@@ -22,10 +22,9 @@ from eddi_scaffold.common.problems import (
     Problem,
     SimilarNames,
     did_you_mean,
-    error,
     has_errors,
     in_order,
-    warning,
+    problem,
 )
 from eddi_scaffold.config.file import ConfigFile, about_file, overridden
 from eddi_scaffold.config.message_types import MessageFields, used
@@ -75,16 +74,14 @@ def read_config(
         partly: return one with unknown keys as it is without them, to look for what else is wrong.
     """
     if looks_like_xml(source.data):
-        return None, [error("K001", "this is XML, not an eddi_config.yml", Place(source.name))]
+        return None, [problem("K001.xml", Place(source.name))]
     document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
     if {"Model"}.isdisjoint(document.keys()):
         title = next((kind.title for kind in kinds().values() if kind.sniff(source)), None)
         if title is not None:
-            message = f"this is a model, of the kind {title}, not a configuration"
-            hint = "give it as the model; `connect` drafts a configuration for it"
-            return None, [error("K001", message, Place(source.name), hint)]
+            return None, [problem("K001.model", Place(source.name), title=title)]
     places: dict[tuple[str | int, ...], Place] = {}
     data = plain_values(overridden(_renamed(document, problems), override), places, problems)
     # an empty section is an empty list, as D7.2's tools read it
@@ -199,11 +196,7 @@ def _renamed(document: Map, problems: list[Problem]) -> Map:
     for key, value in document.entries:
         if key.text in _ALIASES:
             name = _ALIASES[key.text]
-            problems.append(
-                warning(
-                    "K002", f"{key.text!r} is read as {name!r}", key.place, "rename the section"
-                )
-            )
+            problems.append(problem("K002", key.place, key=key.text, name=name))
             key = replace(key, text=name)  # noqa: PLW2901 - the same key, spelt right
         entries.append((key, value))
     return replace(document, entries=tuple(entries))
@@ -243,10 +236,12 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
                     entry.id,
                     attribute(entry.id),
                 }
-                yield (warning if harmless else error)(
-                    "K006",
-                    f"the id {entry.id!r} is used twice in {section}, first in line {before}",
+                yield problem(
+                    "K006.twice_unused" if harmless else "K006.twice",
                     file.place(section, index, "id"),
+                    id=entry.id,
+                    section=section,
+                    line=before,
                 )
             first.setdefault(entry.id, index)
     by_name: dict[str, str] = {}
@@ -254,16 +249,22 @@ def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
         name = attribute(entry.id)
         other = by_name.setdefault(name, entry.id)
         if other != entry.id and name in words:
-            message = f"{other!r} and {entry.id!r} are both {name!r} in expressions"
-            yield error("K006", message, file.place("SimulatorOutputs", index, "id"))
+            yield problem(
+                "K006.one_name",
+                file.place("SimulatorOutputs", index, "id"),
+                first=other,
+                second=entry.id,
+                name=name,
+            )
     known = {entry.id for entry in config.SimulatorOutputs}
     near = SimilarNames(known)
     for index, item in enumerate(config.EDDIInputs):
         for position, required in enumerate(item.requires):
             if required not in known:
-                yield error(
+                yield problem(
                     "K007",
-                    f"input {item.id!r} requires {required!r}, which is not a simulator output",
                     file.place("EDDIInputs", index, "requires", position),
-                    near.hint(required) or (None if known else _NO_OUTPUTS),
+                    hint=near.hint(required) or (None if known else _NO_OUTPUTS),
+                    input=item.id,
+                    source=required,
                 )

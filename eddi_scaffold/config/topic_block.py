@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.yaml_text.nodes import quoted, read_document
 from eddi_scaffold.yaml_text.scalars import Map
 from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
 
-KEPT_ENTRY = "M026"
+KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
 _KEYS = ("id", "type", "topic")
 _WORDS = re.compile(r"\w+")
@@ -131,13 +131,10 @@ def read_block(source: Source) -> ConfigText:
         raise EddiError(*problems)
     text = source.data.decode("utf-8-sig")
     if not isinstance(node, Map):
-        message = "the top level must be a map with the sections of an eddi_config.yml"
-        raise EddiError(error("K001", message, node.place))
+        raise EddiError(problem("K001.map", node.place))
     root = spans(text, source.name)
     if root is None or root.is_flow:
-        message = "the file is one map in braces, in which no block can be replaced"
-        hint = "write each section on lines of its own"
-        raise EddiError(error("K037", message, node.place, hint))
+        raise EddiError(problem("K037.braces", node.place))
     found = [(key, value) for key, value in root.entries() if key.text in _NAMES]
     required, used = _required(root), _used(root)
     if not found:
@@ -146,8 +143,7 @@ def read_block(source: Source) -> ConfigText:
     if len(found) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
         place = Place(source.name, found[1][0].line, 1)
-        hint = "keep SimulatorOutputs, which is the name that is written"
-        raise EddiError(error("K035", f"there are both {lines}", place, hint))
+        raise EddiError(problem("K035.two_spellings", place, spellings=lines))
     ((key, value),) = found
     _refuse_anchors(source.name, root, value)
     start = key.start
@@ -220,18 +216,16 @@ def _notes(
         place = Place(document.name, one.line, 1)
         what = f"{one.id!r} ({one.topic}) {absent.why}"
         if one not in kept:
-            problems.append(warning("M027", f"{what}; it is dropped", place))
+            problems.append(problem("M027.dropped", place, subject=what))
         elif absent.stays:
-            problems.append(warning(KEPT_ENTRY, f"{what}; it stays as it is", place))
+            problems.append(problem("M026.stays", place, subject=what))
         else:
-            message = f"{what}; it stays, because an input needs it"
-            problems.append(warning(KEPT_ENTRY, message, place))
+            problems.append(problem("M026.needed", place, subject=what))
     dropped = (one.comment_lines for one, _ in foreign if one not in kept)
     lost = sorted({*document.comments, *(line for some in dropped for line in some)})
     if lost:
         lines = ", ".join(map(str, lost))
-        message = f"comments inside SimulatorOutputs are not kept (line {lines})"
-        problems.append(warning("M028", message, Place(document.name, lost[0], 1)))
+        problems.append(problem("M028.comments", Place(document.name, lost[0], 1), lines=lines))
     return problems
 
 
@@ -240,9 +234,8 @@ def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
     near = SimilarNames(ids)
     for name, line in (document.required or {}).items():
         if name not in known:
-            message = f"an input requires {name!r}, which is not a simulator output"
             place = Place(document.name, line, 1)
-            yield warning("M025", message, place, near.hint(name))
+            yield problem("M025.requires", place, hint=near.hint(name), name=name)
 
 
 def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
@@ -357,13 +350,10 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
             elsewhere |= other.aliases
     for anchor, line in value.anchors.items():
         if anchor in elsewhere:
-            message = (
-                f"the anchor &{anchor} of line {line} is inside SimulatorOutputs and is used "
-                f"in line {elsewhere[anchor]}"
-            )
             place = Place(name, line, 1)
-            hint = "replace the alias by its value"
-            raise EddiError(error("K036", message, place, hint))
+            raise EddiError(
+                problem("K036.anchor", place, anchor=anchor, line=line, use=elsewhere[anchor])
+            )
 
 
 def new_document(name: str) -> ConfigText:

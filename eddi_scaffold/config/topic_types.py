@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from difflib import get_close_matches
 
-from eddi_scaffold.common.problems import Problem, error, most_similar, warning
+from eddi_scaffold.common.problems import Problem, most_similar, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.installed import installed_message, installed_types
@@ -35,7 +35,7 @@ def check_types(config: ConfigFile, used: Collection[str]) -> Iterator[Problem]:
         if there:
             hint = _exists_elsewhere(source.type) or _nearest(source.type, there)
             place = config.place("SimulatorOutputs", index, "type")
-            yield error("K048", f"there is no message type {source.type}", place, hint)
+            yield problem("K048.type", place, hint=hint, type=source.type)
         elif source.id in used:
             unchecked.setdefault(package, []).append(index)
     for of_package in unchecked.values():
@@ -71,8 +71,13 @@ def _unchecked_fields(config: ConfigFile, sources: Sequence[int]) -> Iterator[Pr
     for index, entry in enumerate(config.config.EDDIInputs):
         type_ = next((types[name] for name in entry.requires if name in types), None)
         if entry.field is not None and type_ is not None:
-            message = f"the fields of {type_} are not known here, so {entry.field!r} is unchecked"
-            yield warning("K039", message, config.place("EDDIInputs", index, "field"), _WHAT_TO_DO)
+            yield problem(
+                "K039.fields",
+                config.place("EDDIInputs", index, "field"),
+                hint=_WHAT_TO_DO,
+                type=type_,
+                field=entry.field,
+            )
 
 
 def _unknown_package(config: ConfigFile, index: int) -> Problem:
@@ -81,10 +86,10 @@ def _unknown_package(config: ConfigFile, index: int) -> Problem:
     place = config.place("SimulatorOutputs", index, "type")
     declared = [name for name in config.config.MessageTypes if _package(name) == package]
     if declared:
-        message = f"{type_} is not declared like others of its package, so it is unchecked"
-        return warning("K049", message, place, _nearest(type_, declared) or _WHAT_TO_DO)
-    message = f"the package {package} is not known here, so its types are unchecked"
+        return problem(
+            "K049.undeclared", place, hint=_nearest(type_, declared) or _WHAT_TO_DO, type=type_
+        )
     packages = sorted({_package(name) for name in known_messages() if "/" in name})
     near = get_close_matches(package, packages, n=1, cutoff=_LIKE)
     hint = f"did you mean {near[0]!r}? Else {_WHAT_TO_DO}" if near else _WHAT_TO_DO
-    return warning("K049", message, place, hint)
+    return problem("K049.package", place, hint=hint, package=package)

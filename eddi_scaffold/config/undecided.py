@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from eddi_scaffold.common.problems import Place, Problem, error
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.kinds import TODO
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text
 
@@ -15,7 +15,7 @@ _OTHER = "write it in place of TODO; comments of `connect` say what fits"
 def undecided(root: Node) -> list[Problem]:
     """Return an error for each value that is still the word TODO, without quotes (K059)."""
     return [
-        error("K059", f"to be decided: {name}", place, _AGE if name.endswith("max_age") else _OTHER)
+        problem("K059", place, hint=_AGE if name.endswith("max_age") else _OTHER, name=name)
         for name, place in _open(root, "")
     ]
 

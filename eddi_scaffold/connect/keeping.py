@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.message_types import Fields, declared
 from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
@@ -163,8 +163,7 @@ class _Editor:
         new = [line for entry in entries if entry.id not in known for line in entry.lines()]
         if new and items and section.is_flow:
             place = Place(self.name, section.line, 1)
-            message = "EDDIInputs is a list in brackets, to which no entry can be added"
-            raise EddiError(error("K037", message, place, "write each entry on lines of its own"))
+            raise EddiError(problem("K037.brackets", place))
         if new and items:
             dash = self.text.rfind("-", 0, items[0].start)
             self.insert(self._line_end(section.end), new, dash - self._line_start(dash))
@@ -299,8 +298,7 @@ def _refuse_loss(document: ConfigText, before: str, after: str) -> None:
     lost = _lost(old, new) if old is not None and new is not None else None
     if problems or new is None or lost is not None:
         place = lost.place if lost is not None else Place(document.name)
-        message = "this is written so that nothing can be added without changing it"
-        raise EddiError(error("K037", message, place, "write each entry on lines of its own"))
+        raise EddiError(problem("K037.crowded", place))
 
 
 def _lost(old: Node, new: Node | None) -> Node | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
 from eddi_scaffold.config.message_types import declared
 from eddi_scaffold.config.reading import RobotAdditions, read_config
 from eddi_scaffold.connect.rossystem import Robot, read_robot
@@ -59,8 +59,7 @@ def additions(system: Path | None, folder: Path | None) -> tuple[RobotAdditions,
         EddiError: one of the two cannot be read, or the models of a system are missing (G017).
     """
     if folder is None:
-        hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
-        raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))
+        raise EddiError(problem("G017"))
     if system is None:
         models = load_models(folder)
         located = [replace(p, place=_inside(folder, p.place)) for p in models.problems]
@@ -134,13 +133,17 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
         assert config is not None
         topic = known.get(entry.topic)
         if topic is None:
-            message = f"no node of {system} has the topic {entry.topic}"
             hint = did_you_mean(entry.topic, known)
             place = config.place("SimulatorOutputs", index, "topic")
-            yield warning("K040", message, place, hint)
+            yield problem("K040.topic", place, hint=hint, system=system, topic=entry.topic)
         elif topic.type.replace(".", "/") != entry.type:
-            message = f"{entry.topic} is a {topic.type.replace('.', '/')} in {system}"
-            yield error("K041", message, config.place("SimulatorOutputs", index, "type"))
+            yield problem(
+                "K041.direction",
+                config.place("SimulatorOutputs", index, "type"),
+                topic=entry.topic,
+                actual=topic.type.replace(".", "/"),
+                system=system,
+            )
 
 
 def _inside(folder: Path, place: Place) -> Place:

@@ -15,9 +15,9 @@ from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
-    error,
     has_errors,
     in_order,
+    problem,
     with_excerpts,
 )
 from eddi_scaffold.config.topic_block import (
@@ -162,13 +162,13 @@ def read_robot(system: Path, folder: Path) -> Robot:
 def _as_given(problems: Sequence[Problem], system: Path, folder: Path) -> Iterable[Problem]:
     """Name the system as it was given; who can go no further sees an error in any case."""
     name = named(system, folder)
-    for problem in problems:
+    for reported in problems:
         place = (
-            replace(problem.place, file=str(system))
-            if problem.place.file == name
-            else problem.place
+            replace(reported.place, file=str(system))
+            if reported.place.file == name
+            else reported.place
         )
-        yield replace(problem, place=place, level="error")
+        yield replace(reported, place=place, level="error")
 
 
 def parse(
@@ -246,7 +246,7 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     wrong = list(unmatched(filters, topics, components))
     some = filters.topics or filters.components
     if some and not wrong and outputs.is_complete and not outputs.topics:
-        wrong = [error("M022", f"no topic is left by {filters}")]
+        wrong = [problem("M022.no_topic", filters=filters)]
     if wrong:
         found = [
             problem for problem in (*robot.problems, *outputs.problems) if problem.level == "error"
@@ -307,8 +307,9 @@ def save(path: Path, text: str, before: str | None) -> None:
                 Path(file.name).unlink(missing_ok=True)
                 raise
     except OSError as refused:
-        message = f"cannot write: {refused.strerror or refused}"
-        raise EddiError(error("F002", message, Place(str(path)))) from None
+        raise EddiError(
+            problem("F002.write", Place(str(path)), reason=refused.strerror or refused)
+        ) from None
 
 
 def _refuse_changed(path: Path, before: str | None) -> None:

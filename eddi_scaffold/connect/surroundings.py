@@ -11,11 +11,10 @@ from eddi_scaffold.common.identifiers import is_ros_name, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,
-    error,
     has_errors,
     most_similar,
+    problem,
     shortened_list,
-    warning,
 )
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
@@ -78,8 +77,7 @@ def with_robot(document: ConfigText, around: Around) -> OnRobot:
     """
     if around.models is None:
         if around.system is not None:
-            hint = "--models DIR: the directory of its .ros, .ros1 and .ros2 files"
-            raise EddiError(error("G017", "--system needs the models of its nodes", hint=hint))
+            raise EddiError(problem("G017"))
         return OnRobot(document)
     if around.system is None:
         return OnRobot(document, message_types(load_models(around.models)))
@@ -123,8 +121,7 @@ def chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
         ] or models
     if len(models) > 1:
         names = ", ".join(model.name for model in models)
-        message = f"the file contains several models: {names}"
-        raise EddiError(error("G005", message, hint="choose one with --name"))
+        raise EddiError(problem("G005.several", names=names))
     return models[0]
 
 
@@ -135,21 +132,18 @@ def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequenc
         EddiError: it is no configuration (K001), or that of another kind (K010) or model (K026).
     """
     if root.entries and not is_config(Source(document.name, document.text.encode())):
-        message = "this is not an eddi_config.yml, so nothing is added to it"
-        raise EddiError(error("K001", message, root.place, "choose another file for -o"))
+        raise EddiError(problem("K001.nothing_added", root.place))
     section = root.get("Model") or root
     kind, type_, id_ = kinds()[chosen.kind], text_of(section, "type"), model_id(root)
     if type_ not in (None, TODO) and str(type_).casefold() not in map(
         str.casefold, kind.config_types
     ):
-        message = f"the model is a {kind.title}, the configuration declares {type_!r}"
-        raise EddiError(error("K010", message, section.place))
+        raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
     owner = package_name(id_) if id_ is not None else None
     if owner != package_name(chosen.name) and owner in {
         package_name(model.name) for model in models
     }:
-        message = f"the configuration is that of {id_!r}, not of {chosen.name!r}"
-        raise EddiError(error("K026", message, section.place, "choose another file for -o"))
+        raise EddiError(problem("K026.other_model", section.place, id=id_, requested=chosen.name))
 
 
 def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
@@ -166,5 +160,4 @@ def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
             if near is not None
             else f"its inputs: {shortened_list(ids)}"
         )
-        message = f"the model has no input {id_!r}; its entry stays"
-        yield warning("K061", message, one.place, hint)
+        yield problem("K061.entry_stays", one.place, hint=hint, input=id_)

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, info, shortened_list
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem, shortened_list
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_config
@@ -29,7 +29,6 @@ from eddi_scaffold.monitors.loading import (
 )
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
 
-BY_HAND = "to be written by hand: "
 _OF_WHAT_LACKS = ("D006", "G001", "X037")
 """What is said of something that no file has: it may be in one that could not be read."""
 
@@ -200,9 +199,7 @@ def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Itera
     for model in models if bound else ():
         if model.observes and (model.source.name, model.place.path) not in bound:
             of = shortened_list({name: None for name, _ in model.observes})
-            message = f"{of}: observed by {model.name}, for which no configuration is given"
-            hint = f"`connect --name {model.name}` drafts one"
-            yield info("X037", message, model.place, hint)
+            yield problem("X037", model.place, event=of, model=model.name)
 
 
 def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
@@ -211,20 +208,19 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
         if monitor.config is None:
             continue
         if needed := monitor.needed_methods:
-            text = f"{BY_HAND}{shortened_list([method.name for method in needed])}"
-            place = monitor.config.place("Model")
-            hint = "without them these inputs have no effect; a `discretisation:` needs no code"
             regions = tuple(method.name for method in needed)
-            yield UnwrittenInput(
-                "warning", "K050", text, place, hint, None, monitor.package, regions
+            methods = problem(
+                "K050.methods", monitor.config.place("Model"), names=shortened_list(regions)
             )
+            yield UnwrittenInput(**vars(methods), package=monitor.package, regions=regions)
         index = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
                 place = monitor.config.place("EDDIInputs", index[binding.model.id])
-                hint = "its region in EDDIInput.py; a `field:` or an `expression:` needs no code"
-                text = f"{BY_HAND}{of}"
                 yield ByHand(
-                    "info", "K050", text, place, hint, None, monitor.package, binding.regions, of
+                    **vars(problem("K050.input", place, input=of)),
+                    package=monitor.package,
+                    regions=binding.regions,
+                    of=of,
                 )

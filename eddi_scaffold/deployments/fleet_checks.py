@@ -8,7 +8,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import OutputEntry, SimulatorOutput
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
@@ -149,13 +149,15 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
                 continue
             before = first.setdefault(source.topic, member) if source.topic[0] == "/" else member
             if before.namespace != member.namespace:
-                message = (
-                    f"{before.name} and {member.name} both read {source.topic}, one topic for all "
-                    "robots: the sensor of one would count for the other"
-                )
-                hint = f"write {source.topic[1:]}, relative to the namespace of each robot"
                 place = member.config.place("SimulatorOutputs", index, "topic")
-                yield warning("D014", message, place, hint)
+                yield problem(
+                    "D014",
+                    place,
+                    other=before.name,
+                    robot=member.name,
+                    topic=source.topic,
+                    relative=source.topic[1:],
+                )
 
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
@@ -167,14 +169,13 @@ def _check_names(fleet: Fleet) -> Iterator[Problem]:
             continue
         before = first.setdefault((seat.robot.name, seat.monitor.model.name), seat)
         if before is not seat:
-            message = (
-                f"{before.name} and {seat.name} are both monitors of {seat.monitor.model.name}: "
-                "others cannot tell their words apart, and count neither"
+            yield problem(
+                "D010.same_model" if relied & {before, seat} else "D010.same_model_unheard",
+                fleet.file.place("Robots", seat.robot.number, "monitors", seat.index),
+                first=before.name,
+                second=seat.name,
+                model=seat.monitor.model.name,
             )
-            hint = "copy the model for one of them, and give the ConSert there another id"
-            report = error if relied & {before, seat} else warning
-            place = fleet.file.place("Robots", seat.robot.number, "monitors", seat.index)
-            yield report("D010", message, place, hint)
 
 
 def _check_ages(fleet: Fleet) -> Iterator[Problem]:
@@ -188,10 +189,13 @@ def _check_ages(fleet: Fleet) -> Iterator[Problem]:
             for seat in dict.fromkeys(offer.seat for offer in bond.offers):
                 least = _OWN_PERIODS / bond.user.frequency + 1 / seat.frequency
                 if limit < least:
-                    message = (
-                        f"{bond.demand!r} is unknown after {limit:g} s, but the word of "
-                        f"{seat.name} may be {least:g} s old when {bond.user.name} uses it"
-                    )
-                    hint = f"max_age: {least:g} or more, or more steps per second"
                     place = config.place("EDDIInputs", index, "max_age")
-                    yield warning("D015", message, place, hint)
+                    yield problem(
+                        "D015",
+                        place,
+                        demand=bond.demand,
+                        limit=limit,
+                        source=seat.name,
+                        age=least,
+                        user=bond.user.name,
+                    )

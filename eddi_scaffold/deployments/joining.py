@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.identifiers import is_package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import Accepted, acceptances
@@ -113,9 +113,7 @@ def packages_of(
     packages: list[PackageAnswers] = []
     for monitor in monitors:
         if monitor.config is None and platform.needs_config:
-            message = f"the platform {platform.name} needs a configuration"
-            hint = "add `-c eddi_config.yml`, or use `--platform plain`"
-            return [], [*problems, error("G001", message, hint=hint)]
+            return [], [*problems, problem("G001.configuration", platform=platform.name)]
         package, found = platform.monitor(monitor)
         packages.append(package)
         problems += found
@@ -126,9 +124,7 @@ def packages_of(
 
 def _check_life_cycle(config: ConfigFile, platform: Platform) -> Iterable[Problem]:
     if config.config.Model.lifecycle:
-        message = f"the platform {platform.name} has no life cycle: the monitor is always active"
-        hint = "leave `lifecycle` out, or use `--platform ros2`"
-        yield warning("K084", message, config.place("Model", "lifecycle"), hint)
+        yield problem("K084", config.place("Model", "lifecycle"), platform=platform.name)
 
 
 def _place_of_id(monitor: BoundMonitor) -> Place:
@@ -142,9 +138,9 @@ def _check_packages(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
         other = first.setdefault(monitor.package, monitor)
         if other is not monitor:
             both = f"{other.model.name!r} and {monitor.model.name!r}"
-            message = f"{both} give the same package {monitor.package!r}"
-            hint = "choose another Model id in one configuration"
-            yield error("G004", message, _place_of_id(monitor), hint)
+            yield problem(
+                "G004.same_package", _place_of_id(monitor), both=both, package=monitor.package
+            )
 
 
 def _check_names(
@@ -156,14 +152,14 @@ def _check_names(
         shown = monitor.config.config.Model.id if monitor.config else own
         place = _place_of_id(monitor)
         if not is_package_name(monitor.package):
-            hint = "choose another Model id: a letter and one more letter or digit are needed"
-            yield error(
-                "G002", f"no package name can be derived from the id {shown!r}", place, hint
-            )
+            yield problem("G002.no_package_name", place, id=shown)
         if monitor.package in taken:
-            message = f"a package {monitor.package!r} cannot be used: {taken[monitor.package]}"
-            yield error(
-                "G003", message, place, f"choose another Model id, for instance {shown}_monitor"
+            yield problem(
+                "G003.unusable_package",
+                place,
+                package=monitor.package,
+                taken=taken[monitor.package],
+                id=shown,
             )
 
 

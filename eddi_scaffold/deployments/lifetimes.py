@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common.graphs import in_order
-from eddi_scaffold.common.problems import Problem, error, warning
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import WiredMonitor, supports, topics_read
 from eddi_scaffold.deployments.topics import Deployment
@@ -161,14 +161,17 @@ def _check(
     limit = source.limit if entry.max_age is None else entry.max_age
     if not isinstance(limit, float) or limit >= _PERIODS * period:
         return
-    message = (
-        f"input {entry.id!r} is unknown after {limit:g} s, but {provider.name} publishes only "
-        f"every {period:g} s"
-    )
     place = reader.config.place("EDDIInputs", index, "max_age")
     if entry.max_age is None and source.max_age is None:
-        hint = f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"
-        yield error("K029", message, place, hint)
+        case, hint = (
+            "K029.default_below_period",
+            (f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"),
+        )
     else:
-        hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"
-        yield warning("K029", message, place, hint)
+        case, hint = (
+            "K029.below_period",
+            (f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"),
+        )
+    yield problem(
+        case, place, hint=hint, input=entry.id, limit=limit, source=provider.name, period=period
+    )

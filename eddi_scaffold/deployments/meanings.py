@@ -8,7 +8,7 @@ from typing import Any
 
 from eddi_scaffold.common.claims import Holds, Meaning, Meanings, Use, ValidityField
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Place, Problem, error, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.config.field_paths import Attribute, FieldPath, Index, parse_field, pattern
 from eddi_scaffold.config.file import ConfigFile
@@ -169,19 +169,17 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
             yield _inverted(member, input_)
         seen: set[tuple[object, ...]] = set()
         for reading in found.fields:
-            for problem in _judge(deployment, member, reading):
-                key = (problem.code, problem.message, problem.place)
+            for reported in _judge(deployment, member, reading):
+                key = (reported.code, reported.message, reported.place)
                 if key not in seen:
-                    yield problem
+                    yield reported
                 seen.add(key)
 
 
 def _inverted(member: Member, input_: str) -> Problem:
     ids = [entry.id for entry in member.config.config.EDDIInputs]
     place = member.config.place("EDDIInputs", ids.index(input_), "polarity")
-    message = f"input {input_!r}: `polarity: HAZARD` makes UNKNOWN true, and true is good here"
-    hint = "leave `polarity: HAZARD` out: UNKNOWN then stays unknown"
-    return error("D002", message, place, hint)
+    return problem("D002.hazard", place, input=input_)
 
 
 def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Iterator[Problem]:
@@ -189,20 +187,30 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
     if found is None:
         return
     if any(isinstance(step, Index) for step in found.path):
-        text = f"{reading.text!r} takes an element by its place, which may hold another one"
-        yield warning("D007", text, reading.place, "take it by its name: [name]")
+        yield problem("D007.by_place", reading.place, reading=reading.text)
     meaning = _meaning(found)
     name = f"{attribute(reading.source.id)}{''.join(pattern(reading.path))}"
     if meaning.silent is not None and not any(reading.holds(value) for value in meaning.silent):
         if meaning.bad is not None and list(map(reading.holds, meaning.bad)) == [True, False]:
-            text = f"input {reading.input!r} is good while a hazard is there, by {reading.text!r}"
-            absent = f"`{name} == {meaning.bad[1]}`: it is known to be absent"
-            yield warning("D020", text, reading.place, absent)
+            yield problem(
+                "D020.good_while_hazard",
+                reading.place,
+                input=reading.input,
+                reading=reading.text,
+                name=name,
+                bad=meaning.bad[1],
+            )
         return
     hint = f"read {meaning.instead.format(field=name)}" if meaning.instead else None
     if not any(_is_given(deployment, member, reading, one, found) for one in meaning.given):
-        text = f"input {reading.input!r} gains from silence by {reading.text!r}: {meaning.refused}"
-        yield error("D001", text, reading.place, hint)
+        yield problem(
+            "D001.gains",
+            reading.place,
+            hint=hint,
+            input=reading.input,
+            reading=reading.text,
+            refused=meaning.refused,
+        )
 
 
 @dataclass(frozen=True)

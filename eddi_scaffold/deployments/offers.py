@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.config.deployment_file import Binding, FleetFile
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.robots import FleetRobot
@@ -129,15 +129,22 @@ class _Binder:
         if not users:
             known = list(dict.fromkeys(d for asker in self._askers(binding) for d in asker.demands))
             of = binding.robot or "any robot"
-            message = f"{binding.demand!r} is no demand of {of}"
             hint = SimilarNames(known, "the demands are").hint(binding.demand)
-            self.problems.append(error("D011", message, self._place(index, "demand"), hint))
+            self.problems.append(
+                problem(
+                    "D011.no_demand",
+                    self._place(index, "demand"),
+                    hint=hint,
+                    demand=binding.demand,
+                    type=of,
+                )
+            )
         for user in users:
             self._bind(index, binding, user)
             if self.offers > _MOST_OFFERS:
-                message = f"more than {_MOST_OFFERS:,} guarantees of others may fulfil demands"
-                hint = "name fewer robots in `from`, or make deployments of a part of them each"
-                self.problems.append(error("D018", message, self._place(index, "from"), hint))
+                self.problems.append(
+                    problem("D018.too_many", self._place(index, "from"), limit=_MOST_OFFERS)
+                )
                 return False
         return True
 
@@ -146,9 +153,9 @@ class _Binder:
         key = (user.robot.name, user.index, binding.demand)
         if key in self.bonds:
             line = self.bonds[key].place.line
-            message = f"{binding.demand!r} of {user.name} is bound already, in line {line}"
-            hint = "name all robots that may fulfil it in one list: `from: [FIRST, SECOND]`"
-            self.problems.append(error("D011", message, place, hint))
+            self.problems.append(
+                problem("D011.bound_twice", place, demand=binding.demand, user=user.name, line=line)
+            )
             return
         offers: list[Fulfilment] = []
         reasons: dict[str, None] = {}
@@ -168,10 +175,14 @@ class _Binder:
         """Yield the robots that may fulfil a demand and are heard by the one that has it (D013)."""
         names = binding.from_
         if user.robot.graph is None:
-            message = (
-                f"{user.robot.name} hears no other robot: it runs on {user.robot.platform.name}"
+            self.problems.append(
+                problem(
+                    "D013.alone",
+                    self._place(index, "demand"),
+                    robot=user.robot.name,
+                    platform=user.robot.platform.name,
+                )
             )
-            self.problems.append(error("D013", message, self._place(index, "demand")))
             return
         for robot in self._of:
             if robot is user.robot or (names != "any" and robot.name not in names):
@@ -179,47 +190,63 @@ class _Binder:
             if robot.graph == user.robot.graph:
                 yield robot
             elif names != "any":
-                message = (
-                    f"{user.robot.name} does not hear {robot.name}: {_apart(user.robot, robot)}"
+                self.problems.append(
+                    problem(
+                        "D013.unheard",
+                        self._place(index, "from"),
+                        robot=user.robot.name,
+                        other=robot.name,
+                        reason=_apart(user.robot, robot),
+                    )
                 )
-                hint = "let both meet in one place, or relay the topic of the guarantees there"
-                self.problems.append(error("D013", message, self._place(index, "from"), hint))
 
     def _refuse(
         self, index: int, binding: Binding, user: RobotMonitor, who: str, reasons: Sequence[str]
     ) -> None:
         shown = "; ".join(reasons[:_MOST_REASONS]) or "there is no other ConSert"
-        message = f"no guarantee of {who} fulfils {binding.demand!r} of {user.name}: {shown}"
         key = "demand" if binding.from_ == "any" else "from"
         hint = _COMPOSE if reasons else None
-        self.problems.append(error("D012", message, self._place(index, key), hint))
+        self.problems.append(
+            problem(
+                "D012.never",
+                self._place(index, key),
+                hint=hint,
+                who=who,
+                demand=binding.demand,
+                user=user.name,
+                shown=shown,
+            )
+        )
 
     def _unknown(self, index: int, binding: Binding) -> Iterator[Problem]:
         """Report names that nothing has (D011)."""
         robots = list(dict.fromkeys(seat.robot.name for seat in self.seats))
         near = SimilarNames(robots, "the robots are")
         if binding.robot is not None and binding.robot not in robots:
-            message = f"there is no robot {binding.robot!r}"
-            yield error("D011", message, self._place(index, "robot"), near.hint(binding.robot))
+            yield problem(
+                "D011.no_robot",
+                self._place(index, "robot"),
+                hint=near.hint(binding.robot),
+                robot=binding.robot,
+            )
             return
         for name in binding.from_ if binding.from_ != "any" else ():
             if name not in robots:
-                message = f"there is no robot {name!r}"
-                yield error("D011", message, self._place(index, "from"), near.hint(name))
+                yield problem(
+                    "D011.no_robot", self._place(index, "from"), hint=near.hint(name), robot=name
+                )
             elif name == binding.robot:
-                message = f"{name} cannot fulfil its own demand"
-                own = "wire it in the configuration: monitors of one robot share its topics"
-                yield error("D011", message, self._place(index, "from"), own)
+                yield problem("D011.own_demand", self._place(index, "from"), name=name)
         monitors = [seat.id for seat in self.seats if binding.robot in (None, seat.robot.name)]
         if binding.monitor is not None and binding.monitor not in monitors:
-            message = f"there is no monitor {binding.monitor!r}"
             place, near = self._place(index, "monitor"), SimilarNames(monitors, "the monitors are")
-            yield error("D011", message, place, near.hint(binding.monitor))
+            hint = near.hint(binding.monitor)
+            yield problem("D011.no_monitor", place, hint=hint, monitor=binding.monitor)
         known = [name for seat in self.seats for name in seat.guarantees]
         if binding.guarantee is not None and binding.guarantee not in known:
-            message = f"there is no guarantee {binding.guarantee!r}"
             place, near = self._place(index, "guarantee"), SimilarNames(known, "the guarantees are")
-            yield error("D011", message, place, near.hint(binding.guarantee))
+            hint = near.hint(binding.guarantee)
+            yield problem("D011.no_guarantee", place, hint=hint, guarantee=binding.guarantee)
 
     def _askers(self, binding: Binding) -> list[RobotMonitor]:
         return [

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import attribute, free_name, key_text, package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, StationSection
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.reading import read_config
@@ -116,10 +116,8 @@ class _Reader:
             if before != index:
                 of = self.file.form.Robots[robot].name
                 line = self.file.place(ROBOTS, robot, "monitors", before).line
-                message = f"a monitor of {of} in line {line} gives the same package {name!r}"
-                hint = "give one of them another `Model: id:`, by its `override`"
                 place = self.file.place(ROBOTS, robot, "monitors", index)
-                yield error("G004", message, place, hint)
+                yield problem("G004.same_package_monitors", place, kind=of, line=line, package=name)
 
     def _models(self, path: Path) -> ReadResult:
         if path not in self.known:
@@ -145,9 +143,10 @@ def misplaced(
     own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
     for key in ("master", "domain", "partition"):
         if key not in own and getattr(form, key) is not None:
-            message = f"the platform {platform.name} has no `{key}`"
             hint = f"name its `{own[0]}`" if own else "leave it out"
-            yield error("K005", message, file.place(*path, key), hint)
+            yield problem(
+                "K005.platform", file.place(*path, key), hint=hint, platform=platform.name, key=key
+            )
 
 
 def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
@@ -158,12 +157,14 @@ def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator
             continue
         before = first.setdefault((robot.graph, robot.form.prefix), robot)
         if before is not robot:
-            message = (
-                f"{before.name} and {robot.name} have the same namespace {robot.form.prefix or '/'}"
-            )
-            hint = "give each a namespace of its own; by default it is the name of the robot"
             keys = (ROBOTS, robot.number)
-            yield error("D010", message, file.place(*keys, "namespace"), hint)
+            yield problem(
+                "D010.same_namespace",
+                file.place(*keys, "namespace"),
+                other=before.name,
+                robot=robot.name,
+                prefix=robot.form.prefix or "/",
+            )
 
 
 def _at(failure: EddiError, place: Place) -> list[Problem]:

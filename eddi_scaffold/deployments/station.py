@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute, free_name
-from eddi_scaffold.common.problems import EddiError, Problem, error
+from eddi_scaffold.common.problems import EddiError, Problem, problem
 from eddi_scaffold.config.deployment_file import Robot
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.fleet import Fleet
@@ -61,9 +61,7 @@ def check_station(fleet: Fleet) -> Iterator[Problem]:
     """Report a station that hears nothing where it was put (D013)."""
     place = fleet.file.place(STATION)
     if place != fleet.file.place() and not _heard(fleet):
-        message = f"the station {fleet.file.form.Station.name} hears no guarantee"
-        hint = "let it meet the robots: the same `master`, or the same `domain`"
-        yield error("D013", message, place, hint)
+        yield problem("D013.station", place, station=fleet.file.form.Station.name)
 
 
 def _place(fleet: Fleet) -> tuple[Platform | None, MeetingPlace | None]:

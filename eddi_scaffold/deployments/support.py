@@ -18,7 +18,7 @@ from typing import Any
 from eddi_scaffold.common.claims import Acceptance, Claim, Meanings
 from eddi_scaffold.common.graphs import cycles, reached, reversed_graph
 from eddi_scaffold.common.identifiers import attribute, full_topic
-from eddi_scaffold.common.problems import Place, Problem, error, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
@@ -132,9 +132,9 @@ def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     for ring in cycles(supports(participants)):
         first, *others = ring  # in the direction of support
         chain = ", which needs ".join([*reversed(others), first])
-        hint = "they would keep each other active for ever: leave one of these inputs out"
-        message = f"a cycle of demands: {first} needs {chain}"
-        yield error("D003", message, owners[first].config.place("EDDIInputs"), hint)
+        yield problem(
+            "D003.cycle", owners[first].config.place("EDDIInputs"), first=first, chain=chain
+        )
 
 
 def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ...]]:
@@ -275,7 +275,7 @@ def acceptances(participants: Sequence[WiredMonitor]) -> list[Accepted]:
 def check_acceptances(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report each acceptance (D009)."""
     for acceptance in acceptances(participants):
-        yield warning("D009", acceptance.as_text(), acceptance.place)
+        yield problem("D009", acceptance.place, reason=acceptance.as_text())
 
 
 def _outputs(of: WiredMonitor, one: Acceptance) -> Sequence[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.common.problems import Place, Problem, error, most_similar, warning
+from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import (
@@ -152,10 +152,14 @@ def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
             for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
                 if topic in alone:
                     publisher, field = alone[topic]
-                    text = f"input {entry.id!r} gains from silence by {topic}: a value alone does"
-                    text += " not show whether anything is known"
-                    hint = f"read {field}, on the topic of the whole message of {publisher.name}"
-                    yield error("D001", text, reader.config.place("EDDIInputs", index), hint)
+                    yield problem(
+                        "D001.alone",
+                        reader.config.place("EDDIInputs", index),
+                        input=entry.id,
+                        topic=topic,
+                        field=field,
+                        monitor=publisher.name,
+                    )
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
@@ -171,10 +175,15 @@ def check_types(deployment: Deployment) -> Iterator[Problem]:
             topic = member.topic(source.topic)
             type_, name = first.setdefault(topic, (source.type, member.name))
             if source.type != type_ and topic not in several:
-                message = f"{topic} has the type {type_} for {name}, and {source.type} here"
-                hint = "a topic has one type; is one of the two names wrong?"
                 place = member.config.place("SimulatorOutputs", index, "topic")
-                yield warning("D019", message, place, hint)
+                yield problem(
+                    "D019.topic_type",
+                    place,
+                    topic=topic,
+                    type=type_,
+                    name=name,
+                    source_type=source.type,
+                )
 
 
 def check_spellings(deployment: Deployment) -> Iterator[Problem]:
@@ -216,13 +225,13 @@ def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
 
 def _shared(topic: str, first: Publisher, second: Publisher) -> Problem:
     one, two = first.member, second.member
-    message = f"{one.name} and {two.name} publish the same topic {topic}"
-    hint = "give each a topic of its own"
-    if one.namespace != two.namespace:
-        relative = second.publication.output.topic.removeprefix("/")
-        message = f"two robots share {topic}: {message}"
-        hint = f"write {relative}, relative to the namespace of each robot"
-    return error("D005", message, second.publication.place, hint)
+    place = second.publication.place
+    if one.namespace == two.namespace:
+        return problem("D005.shared", place, first=one.name, second=two.name, topic=topic)
+    relative = second.publication.output.topic.removeprefix("/")
+    return problem(
+        "D005.robots", place, first=one.name, second=two.name, topic=topic, relative=relative
+    )
 
 
 def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
@@ -242,10 +251,6 @@ def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
             one, place = first.setdefault(topic, (other, at))
             if place is at or one.name == other.name:  # the same monitor, whose folder was moved
                 continue
-            message = (
-                f"{one.name} and the package {other.package} that is there publish the same "
-                f"topic {topic}"
-            )
             hint = "give each a topic of its own"
             if one.package in new:
                 hint += (
@@ -253,7 +258,9 @@ def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
                 )
             hint += "; else remove the package that is of no use"
             # No error: nodes may be started in namespaces of their own, or not at all.
-            yield warning("D005", message, place, hint)
+            yield problem(
+                "D005.package", place, hint=hint, name=one.name, package=other.package, topic=topic
+            )
 
 
 def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
@@ -268,13 +275,12 @@ def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
             continue
         if not (deployment.publisher(member, source) or deployment.other(member, source)):
             of = "these files and packages" if deployment.others else "these files"
-            message = f"{topic} is published by none of {of}, so what it depends on is not checked"
             place = config.place("SimulatorOutputs", index, "topic")
             hint = "check it together with the configuration and the model of its publisher"
             alike = _alike(deployment, member, topic, source.type)
             if alike is not None:
                 hint = f"{alike} Else {hint}"
-            yield warning("D006", message, place, hint)
+            yield problem("D006", place, hint=hint, topic=topic, files=of)
 
 
 def _alike(deployment: Deployment, member: Member, topic: str, type_: str) -> str | None:

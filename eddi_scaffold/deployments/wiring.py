@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.graphs import reached
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import ByKey
 from eddi_scaffold.config.schema import InputQos, OutputEntry
 from eddi_scaffold.deployments.meanings import FieldReading, check_meanings, readings
@@ -48,9 +48,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
                 provider.model, output, user.model, reading.input
             )
             if reason is not None:
-                message = f"demand {reading.input!r} is not fulfilled: {reason}"
-                hint = "`eddi-scaffold compose` shows which guarantees would"
-                yield error("D004", message, reading.place, hint)
+                yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
 
 def _output(publisher: Publisher, reading: FieldReading) -> str | None:
@@ -87,15 +85,9 @@ def _tells(one: WiredMonitor) -> bool:
 
 
 def _hidden(one: WiredMonitor, claim: str, hidden: str) -> Problem:
-    message = (
-        f"{claim} is told to other robots and rests on a topic of {hidden}, which rests on the word"
-        " of another robot: if that one relies on this robot, no word shows the circle"
+    return problem(
+        "D017.hidden_circle", one.config.place("Fleet"), claim=claim, monitor=hidden, name=one.name
     )
-    hint = (
-        "let one monitor have both, or name each robot in a deployment file; where no robot relies"
-        f" on {one.name}, it needs no `Fleet`"
-    )
-    return error("D017", message, one.config.place("Fleet"), hint)
 
 
 _LESS_THAN = {
@@ -122,8 +114,15 @@ def check_qualities(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
                     given = f"{writer.name} publishes {getattr(output.qos, name)}"
                     place = reader.config.place("SimulatorOutputs", index, "qos")
                     nothing = f"on ROS 2 it would get nothing: without `{name}`"
-                    hint = f"{nothing} {writer.name} publishes {asked}"
-                    yield error("D016", f"{message} {given}", place, hint)
+                    yield problem(
+                        "D016",
+                        place,
+                        message=message,
+                        actual=given,
+                        nothing=nothing,
+                        writer=writer.name,
+                        asked=asked,
+                    )
 
 
 def _topics(one: WiredMonitor, output: OutputEntry) -> Iterator[str]:

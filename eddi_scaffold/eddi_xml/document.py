@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from eddi_scaffold.common.problems import Place, Problem, error
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import (
     XSI_TYPE,
     Element,
@@ -118,8 +118,19 @@ class EddiDocument:
         texts = [(feature, text) for feature, text in given if text]
         limit = self.limits.reference_tokens
         if len(texts) > limit:
-            message = f"{spelling.name} has {len(texts)} references, more than the limit of {limit}"
-            return [], [error("X003", message, self.place(element), "split the model")], True
+            return (
+                [],
+                [
+                    problem(
+                        "X003.references",
+                        self.place(element),
+                        feature=spelling.name,
+                        number=len(texts),
+                        limit=limit,
+                    )
+                ],
+                True,
+            )
         found: list[Element] = []
         problems: list[Problem] = []
         for feature, text in texts:
@@ -134,9 +145,13 @@ class EddiDocument:
         """Resolve one reference of a feature of an element."""
         token = parse_token(text)
         if token.resource:
-            message = f'{feature} "{token.text}" points into another file, {token.resource}'
-            hint = "models in several files are not read; merge them into one"
-            return error("X012", message, self.place(element), hint)
+            return problem(
+                "X012.resource",
+                self.place(element),
+                feature=feature,
+                token=token.text,
+                file=token.resource,
+            )
         if token.fragment is not None:
             target = self.references.resolve(token.fragment)
             why = "" if target is not None else self.references.explain(token.fragment)
@@ -145,13 +160,11 @@ class EddiDocument:
             target = same[0] if len(same) == 1 else None
             why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token.id}"'
         else:
-            message = f'{feature} "{token.text}" is not a reference'
-            return error(
-                "X007", message, self.place(element), "expected a path such as //@a.0/@b.3"
-            )
+            return problem("X007.token", self.place(element), feature=feature, token=token.text)
         if target is None:
-            message = f'{feature} "{token.text}" points at nothing: {why}'
-            return error("X008", message, self.place(element))
+            return problem(
+                "X008.nothing", self.place(element), feature=feature, token=token.text, reason=why
+            )
         return target
 
     def is_package(self, element: Element) -> bool:

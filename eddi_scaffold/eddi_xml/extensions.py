@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 
@@ -91,14 +91,15 @@ def check_maps(document: EddiDocument) -> list[Problem]:
         if extension_map.key not in KEYS:
             hint = did_you_mean(extension_map.key, KEYS) or f"keys: {', '.join(KEYS)}"
             problems.append(
-                error(
-                    "X031", f"the key {extension_map.key!r} is not known", extension_map.place, hint
-                )
+                problem("X031.key", extension_map.place, hint=hint, key=extension_map.key)
             )
             continue
         if len(extension_map.values) > _MOST_VALUES:
-            message = f"{extension_map.key} has more than {_MOST_VALUES} values"
-            problems.append(error("X003", message, extension_map.place, "split it"))
+            problems.append(
+                problem(
+                    "X003.values", extension_map.place, key=extension_map.key, limit=_MOST_VALUES
+                )
+            )
         if extension_map.key != MONITORED_BY:
             problems += _check_name(extension_map, first)
     return problems
@@ -107,14 +108,11 @@ def check_maps(document: EddiDocument) -> list[Problem]:
 def _check_name(one: ExtensionMap, first: dict[str, Place]) -> Iterator[Problem]:
     named = one.of(MODEL)
     if one.model is None:
-        message = f"{one.key} needs one `model`, a name of letters, digits, '_', '-' and '.'"
         place = named[-1].place if named else one.place
-        hint = 'add <values tag="model" value="motor_watch"/>: it names the monitor'
-        yield error("X030", message, place, hint)
+        yield problem("X030.model", place, key=one.key)
     elif one.model in first:
         before = first[one.model].line
-        message = f"there are two models {one.model!r}, the first in line {before}"
-        yield error("X030", message, named[0].place, "give each a name of its own")
+        yield problem("X030.same_name", named[0].place, model=one.model, before=before)
     else:
         first[one.model] = named[0].place
 
@@ -131,8 +129,7 @@ def unknown_tags(one: ExtensionMap, known: Sequence[str], once: Sequence[str]) -
     for value in one.values:
         if value.tag not in known:
             hint = did_you_mean(value.tag, known) or f"tags: {', '.join(known)}"
-            message = f"{one.key} has no tag {value.tag!r}"
-            yield error("X031", message, value.place, hint)
+            yield problem("X031.no_tag", value.place, hint=hint, key=one.key, tag=value.tag)
         elif value.tag in once and value.tag in seen and value.tag != MODEL:
-            yield error("X031", f"{value.tag!r} stands twice", value.place, "remove one of them")
+            yield problem("X031.twice", value.place, tag=value.tag)
         seen.add(value.tag)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.problems import Level, Place, Problem
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import only
 
 if TYPE_CHECKING:
@@ -21,34 +22,29 @@ class EddiFindings:
         self.errors = 0
         """Number of errors found so far, so that a caller knows whether its part has one."""
         self._problems: list[Problem] = []
-        self._counted: dict[tuple[Level, str, str], tuple[Place, int]] = {}
+        self._counted: dict[Problem, tuple[Place, int]] = {}
 
     def add(self, *problems: Problem) -> None:
         """Take over problems."""
         self._problems += problems
         self.errors += sum(p.level == "error" for p in problems)
 
-    def error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
-        """Report an error at an element."""
-        self.add(Problem("error", code, message, self.document.place(element), hint))
-
-    def warning(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
-        """Report a warning at an element."""
-        self.add(Problem("warning", code, message, self.document.place(element), hint))
-
-    def count(
-        self, level: Level, code: str, message: str, element: Element, times: int = 1
+    def report(
+        self, case: str, element: Element, /, *, hint: str | None = None, **fields: object
     ) -> None:
+        """Report a problem at an element."""
+        self.add(problem(case, self.document.place(element), hint=hint, **fields))
+
+    def count(self, case: str, element: Element, times: int = 1, /, **fields: Any) -> None:
         """Report a remark once per file, at its first place, with how often it applies."""
-        place, before = self._counted.get((level, code, message), (None, 0))
-        if place is None:
-            place = self.document.place(element)
-        self._counted[level, code, message] = (place, before + times)
+        remark = problem(case, **fields)
+        place, before = self._counted.get(remark) or (self.document.place(element), 0)
+        self._counted[remark] = (place, before + times)
 
     def only(self, parent: Element, spelling: Spelling) -> Element | None:
         """Return the child in a feature that may hold one; report others (X011)."""
         children = self.document.children(parent, spelling)
-        first, problems = only(children, "X011", self.document.place)
+        first, problems = only(children, "X011.twice", self.document.place)
         self.add(*problems)
         return first
 
@@ -59,14 +55,19 @@ class EddiFindings:
         for target in found:
             if not wanted.accepts(self.document.feature(target)):
                 shown = self.document.describe(target)
-                message = f"{link.name} points at {shown}, expected one of {wanted.name}"
-                self.error("X009", message, element)
+                self.report(
+                    "X009.expected", element, link=link.name, actual=shown, expected=wanted.name
+                )
         return [one for one in found if wanted.accepts(self.document.feature(one))]
 
     def problems(self) -> list[Problem]:
         """Return everything that was found."""
         counted = [
-            Problem(level, code, message + (f" ({times} times)" if times > 1 else ""), place)
-            for (level, code, message), (place, times) in self._counted.items()
+            replace(
+                remark,
+                message=remark.message + (f" ({times} times)" if times > 1 else ""),
+                place=place,
+            )
+            for remark, (place, times) in self._counted.items()
         ]
         return [*dict.fromkeys(self._problems), *counted]

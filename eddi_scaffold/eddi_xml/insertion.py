@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.eddi_xml.extensions import extension_maps
 from eddi_scaffold.eddi_xml.parsing import encoding_of
 
@@ -66,8 +66,7 @@ def with_map(
     elements = list(document.document.iter())
     spans = _spans(text) if is_same else []
     if len(spans) != len(elements):
-        message = f"a file in {encoding} with such markup is not changed"
-        raise EddiError(error("X036", message, Place(document.name), "save it as UTF-8"))
+        raise EddiError(problem("X036.encoding", Place(document.name), encoding=encoding))
     span = dict(zip(elements, spans, strict=True))
     model = values[0][1]
     own = [

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.extensions import (
     EVENTS,
@@ -143,15 +143,11 @@ def _observe_event(
         found.problems.append(_unknown(value, value.text, known))
         return
     if event.is_hazard and word.EVIDENCE.accepts(feature_of(owner)):
-        message = f"{value.text!r} is a HAZARD: true is bad, and evidence is good when it is true"
-        hint = "name an EVIDENCE event, such as one with NOT"
-        found.problems.append(error("X033", message, value.place, hint))
+        found.problems.append(problem("X033.hazard", value.place, event=value.text))
         return
     kind = document.class_of(owner).name or fold(feature_of(owner))
     if not event.is_hazard and kind in {"hazard", "hazards"}:
-        message = f"{value.text!r} is an EVIDENCE: it does not tell that the hazard is there"
-        hint = "name a HAZARD event"
-        found.problems.append(warning("X033", message, value.place, hint))
+        found.problems.append(problem("X033.evidence", value.place, event=value.text))
     found.by.append((owner, event.path, name))
 
 
@@ -180,4 +176,4 @@ def _unknown(value: Value, name: str, known: object) -> Problem:
     names = [str(one) for one in known] if isinstance(known, list | dict) else []
     shown = f"there are: {', '.join(names)}" if names else "there are none in this file"
     hint = did_you_mean(name, names) or shown
-    return error("X033", f"{value.tag}: there is no {name!r}", value.place, hint)
+    return problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)

@@ -13,7 +13,7 @@ from typing import Any, BinaryIO, TypeAlias
 
 from lxml import etree
 
-from eddi_scaffold.common.problems import Place, Problem, error, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.vocabulary import local_name
 from eddi_scaffold.eddi_xml.xml_text import (
     HEAD_BYTES,
@@ -91,9 +91,9 @@ def load(
     line = doctype_line(head)
     if line is not None:
         return None, [_doctype(Place(name, line))]
-    document, undeclared, problem = _parse(stream, head, name)
+    document, undeclared, fault = _parse(stream, head, name)
     if document is None:
-        return None, [problem] if problem else []
+        return None, [fault] if fault else []
     if _docinfo(document).doctype:
         return None, [_doctype(Place(name, 1))]
     crowded = _crowded(document, stream, limits.attributes)
@@ -102,12 +102,7 @@ def load(
         count = len(crowded.attrib)
         return None, [_limit("the number of attributes", count, limits.attributes, place)]
     return XmlDocument(document, _roots(document)), [
-        warning(
-            "X005",
-            f'the prefix "{prefix}" is not declared; it is read as if it were',
-            Place(name, line_of(document)),
-            hint=f'declare it: xmlns:{prefix}="..."',
-        )
+        problem("X005.prefix", Place(name, line_of(document)), prefix=prefix)
         for prefix in undeclared
     ]
 
@@ -147,22 +142,17 @@ def feature_of(element: Element) -> str:
 
 
 def only(
-    elements: Sequence[Element], code: str, place: Callable[[Element], Place]
+    elements: Sequence[Element], case: str, place: Callable[[Element], Place]
 ) -> tuple[Element | None, list[Problem]]:
     """Return the one element that may be there, and an error at each further one.
 
     Args:
         elements: all that give the same value.
-        code: of the errors.
+        case: of the errors.
         place: of an element.
     """
     return next(iter(elements), None), [
-        error(
-            code,
-            f"`{feature_of(again)}` is given twice, first in line {line_of(elements[0])}",
-            place(again),
-            "remove one of them",
-        )
+        problem(case, place(again), feature=feature_of(again), line=line_of(elements[0]))
         for again in elements[1:]
     ]
 
@@ -234,13 +224,13 @@ def _parse(
         parser = _parser()
         try:
             return etree.parse(content, parser).getroot(), undeclared, None
-        except (etree.XMLSyntaxError, LookupError, ValueError) as problem:
+        except (etree.XMLSyntaxError, LookupError, ValueError) as failure:
             missing = _missing_prefixes(parser)
             new = [prefix for prefix in missing if prefix not in undeclared]
             if not new or at is None:
-                return None, [], _syntax_error(problem, parser, head, name, repaired=bool(declared))
+                return None, [], _syntax_error(failure, parser, head, name, repaired=bool(declared))
             undeclared += new
-    return None, [], error("X001", "too many undeclared prefixes", Place(name, 1))
+    return None, [], problem("X001.prefixes", Place(name, 1))
 
 
 def _errors(parser: etree.XMLParser) -> list[Any]:
@@ -260,11 +250,11 @@ def _missing_prefixes(parser: etree.XMLParser) -> list[str]:
 
 
 def _syntax_error(
-    problem: Exception, parser: etree.XMLParser, head: Head, name: str, *, repaired: bool
+    failure: Exception, parser: etree.XMLParser, head: Head, name: str, *, repaired: bool
 ) -> Problem:
     entries = [e for e in _errors(parser) if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
-    message = " ".join((entries[0].message if entries else str(problem)).split()).rstrip(".")
-    line = entries[0].line if entries else getattr(problem, "lineno", None) or 1
+    message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
+    line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
     shifted = repaired and line == head.line_of(root_name_end(head) or 0)
     column = None if shifted or not entries else entries[0].column
     place = Place(name, max(line, 1), column or None)
@@ -272,11 +262,10 @@ def _syntax_error(
         starts = [int(m[1]) for e in entries if (m := _START_TAG.search(e.message))]
         if starts and starts[0] < line:
             place = Place(name, starts[0])
-        message = f"not well-formed: {message}"
-        return error("X001", message, place, "close the quote; a `<` in a value is `&lt;`")
+        return problem("X001.quote", place, reason=message)
     if "XML_PARSE_HUGE" in message or "too long" in message or "Resource limit" in message:
-        return error("X003", f"a limit of the XML parser is exceeded: {message}", place, _FIXED)
-    return error("X001", f"not well-formed: {message}", place, syntax_hint(head, message))
+        return problem("X003.parser", place, hint=_FIXED, reason=message)
+    return problem("X001.syntax", place, hint=syntax_hint(head, message), reason=message)
 
 
 _FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the model"
@@ -312,12 +301,8 @@ def _has_gap(stream: BinaryIO) -> bool:
 
 
 def _doctype(place: Place) -> Problem:
-    message = "the file has a document type declaration, which is refused"
-    return error("X002", message, place, "remove the <!DOCTYPE ...> declaration; EMF writes none")
+    return problem("X002.declaration", place)
 
 
 def _limit(what: str, value: int, limit: int, place: Place) -> Problem:
-    message = f"{what} is {value}, more than the limit of {limit}"
-    return error(
-        "X003", message, place, "split the model, or raise the limit (eddi_xml.parsing.Limits)"
-    )
+    return problem("X003.size", place, subject=what, value=value, limit=limit)

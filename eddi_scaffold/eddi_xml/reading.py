@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import BinaryIO
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Problem, warning
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import DEFAULT_LIMITS, Limits, load
 from eddi_scaffold.eddi_xml.unread import unknown_classes
@@ -48,11 +48,7 @@ def read_stream(
 
 def _root_misprints(document: EddiDocument) -> list[Problem]:
     return [
-        warning(
-            "X006",
-            f'the root class "{name}" is read as "DDIPackage"',
-            document.place(root),
-        )
+        problem("X006.root", document.place(root), name=name)
         for root in document.roots
         if fold(name := local_name(document.class_of(root).printed)) == "ddipackage"
         and is_misprint(name)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, error, info, plural, warning
+from eddi_scaffold.common.problems import Place, Problem, plural, problem
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, feature_of, select
 from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model
@@ -108,8 +108,9 @@ class Unread:
         read = f"{verb} not read: no monitor is made of {them}"
         if fold(name) == "statemachine":
             read = f"{verb} listed by `show`: no monitor is made of {them} yet"
-        message = f"{self.count} {name} ({what}) {read}"
-        return warning("X021", message, self.place)
+        return problem(
+            "X021.ignored", self.place, number=self.count, name=name, listed=what, read=read
+        )
 
 
 def unread(document: EddiDocument) -> list[Unread]:
@@ -127,9 +128,12 @@ def event_monitors(document: EddiDocument) -> Iterator[Problem]:
     if found:
         names = [str(one.get("variableName")) for one in found]
         shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-        message = f"{plural(len(found), 'EventMonitor')} ({shown}) not used by itself"
-        hint = "name topic and field in the configuration"
-        yield info("X021", message, document.place(found[0]), hint)
+        yield problem(
+            "X021.variables",
+            document.place(found[0]),
+            number=plural(len(found), "EventMonitor"),
+            listed=shown,
+        )
 
 
 def unused_design(document: EddiDocument) -> Iterator[Problem]:
@@ -150,8 +154,11 @@ def unused_design(document: EddiDocument) -> Iterator[Problem]:
     if found:
         counts = Counter(map(feature_of, found))
         shown = ", ".join(f"{count} {feature}" for feature, count in counts.items())
-        message = f"the design holds {shown}: used by no monitor"
-        yield info("X021", message, min(map(document.place, found), key=lambda one: one.line or 0))
+        yield problem(
+            "X021.unused",
+            min(map(document.place, found), key=lambda one: one.line or 0),
+            elements=shown,
+        )
 
 
 def foreign(document: EddiDocument) -> Problem | None:
@@ -161,10 +168,8 @@ def foreign(document: EddiDocument) -> Problem | None:
     root = document.roots[0] if document.roots else document.document
     name = feature_of(root)
     looks = _LOOKS_LIKE.get(local_name(name))
-    message = f"this XML is not an EDDI: its root is <{name}>"
-    message += f", so it looks like {looks}" if looks else ""
-    hint = "the root of an EDDI is a DDIPackage, or one of its packages or models"
-    return error("F010", message, document.place(root), hint)
+    case = "F010.foreign" if looks else "F010.root"
+    return problem(case, document.place(root), name=name, **({"format": looks} if looks else {}))
 
 
 def _may_be_ours(document: EddiDocument, root: Element) -> bool:
@@ -253,11 +258,14 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
                 continue
             name = element.get("name")
             what = feature_of(element) + (f' "{name}"' if name else "")
-            message = f'{what} is of the unknown class "{kind.printed}"'
-            if not any(kind_of_model(document, one) in MONITORED for one in element.iter()):
-                message += ", so that nothing is read from it"
-            hint = f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}"
-            yield warning("X015", message, document.place(element), hint)
+            unread = not any(kind_of_model(document, one) in MONITORED for one in element.iter())
+            yield problem(
+                "X015.unread_class" if unread else "X015.unknown_class",
+                document.place(element),
+                hint=f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}",
+                subject=what,
+                class_name=kind.printed,
+            )
 
 
 def _nearest(name: str) -> str | None:
@@ -287,8 +295,7 @@ def _said_twice(document: EddiDocument, part: Element) -> Iterator[Problem]:
     for name in map(str, part.attrib):
         other = first.setdefault(word.ONE_THING.get(fold(name), name), name)
         if other != name:
-            message = f'"{other}" and "{name}" say the same thing; write one of them'
-            yield error("X011", message, document.place(part))
+            yield problem("X011.two_spellings", document.place(part), first=other, second=name)
 
 
 def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
@@ -306,5 +313,5 @@ def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
         if isinstance(found, Problem):
             # what a monitor needs not be there: a requirement in a file of its own, for example
             if found.code == "X012" and fold(name) in word.LINKS:
-                found = warning("X012", found.message, found.place, found.hint)
+                found = replace(found, level="warning")
             yield found

@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, Generic, Literal, NoReturn, TypeAlias, TypeVar
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.claims import Claim
@@ -179,7 +179,7 @@ def _nowhere(*_: str | int) -> Place:
 
 
 def _no_files(name: str) -> Source:
-    raise EddiError(error("K033", f"{name!r} cannot be read: there is no configuration next to it"))
+    raise EddiError(problem("K033.no_folder", name=name))
 
 
 @dataclass(frozen=True)

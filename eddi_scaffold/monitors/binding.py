@@ -19,9 +19,8 @@ from eddi_scaffold.common.problems import (
     Place,
     Problem,
     SimilarNames,
-    error,
     has_errors,
-    warning,
+    problem,
 )
 from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.config import field_paths
@@ -260,14 +259,19 @@ def _bound_input(binding: InputBinding) -> BoundInput:
 def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
-        message = f"the model is a {kind.title}, the configuration declares {section.type!r}"
-        yield error("K010", message, config.place("Model", "type"))
+        yield problem(
+            "K010.kind", config.place("Model", "type"), kind=kind.title, declared=section.type
+        )
     if section.id != model.name and package_name(section.id) == package_name(model.name):
-        message = f"Model id {section.id!r} is spelt {model.name!r} in {model.source.name}"
-        yield warning("K012", message, config.place("Model", "id"))
+        yield problem(
+            "K012.spelling",
+            config.place("Model", "id"),
+            id=section.id,
+            original=model.name,
+            source=model.source.name,
+        )
     elif package_name(section.id) != package_name(model.name):
-        message = f"Model id {section.id!r} names the package, the model is called {model.name!r}"
-        yield warning("K012", message, config.place("Model", "id"))
+        yield problem("K012.package", config.place("Model", "id"), id=section.id, model=model.name)
 
 
 def bind_inputs(
@@ -293,19 +297,22 @@ def bind_inputs(
         item = left.pop(entry.id, None)
         if item is None:
             place = config.place("EDDIInputs", index, "id")
-            message = f"the model has no input {entry.id!r}"
-            problems.append(error("K013", message, place, near.hint(entry.id)))
+            problems.append(
+                problem("K013.no_input", place, hint=near.hint(entry.id), input=entry.id)
+            )
             continue
         binding, found = _InputBinder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
         problems += found
     for item in left.values():
-        message = (
-            f"no entry of EDDIInputs provides {item.id!r}: it stays unknown, and "
-            f"{kind.without_input}"
+        problems.append(
+            problem(
+                "K014.no_entry",
+                config.place("EDDIInputs"),
+                input=item.id,
+                without_input=kind.without_input,
+            )
         )
-        hint = f"add `- id: {item.id}` with `requires:`"
-        problems.append(warning("K014", message, config.place("EDDIInputs"), hint))
         bindings.append(InputBinding(item, _attribute(item), unit=item.unit))
     return bindings, problems
 
@@ -339,11 +346,9 @@ def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
     for binding in bindings:
         other = first.setdefault(binding.attribute, binding.model.id)
         if other != binding.model.id:
-            message = (
-                f"the inputs {other!r} and {binding.model.id!r} give the same name "
-                f"{binding.attribute!r}"
+            yield problem(
+                "K025.inputs", first=other, second=binding.model.id, name=binding.attribute
             )
-            yield error("K025", message, hint="rename one of them in the model")
 
 
 class _InputBinder:
@@ -401,18 +406,15 @@ class _InputBinder:
         """Check ``expression:`` and its like; what it reads becomes what the input requires."""
         entry = self.entry
         if entry.event is not None and entry.expression_file is None:
-            message = f"{entry.id!r} has `event:`, but no `expression_file:` that it is of"
-            self._error("K043", message, "event")
+            self._report("K043.event_without_file", "event", input=entry.id)
         if not entry.is_computed:
             if entry.polarity == "HAZARD":
-                message = f"{entry.id!r} has `polarity: HAZARD`, but no expression"
-                hint = "it has no effect; without a message the input is unknown: leave it out"
                 place = self._place("polarity")
-                self.problems.append(warning("K043", message, place, hint))
+                self.problems.append(problem("K043.useless_polarity", place, input=entry.id))
             return None
         if entry.field is not None:
             key = "expression" if entry.expression_file is None else "expression_file"
-            self._error("K043", f"{entry.id!r} has `field:` and `{key}:`", "field")
+            self._report("K043.field_and_expression", "field", input=entry.id, key=key)
         found, problems = bind_expression(
             self.item, self.index, self.config, self._fields_of, self.types
         )
@@ -426,34 +428,26 @@ class _InputBinder:
     def _place(self, *key: str) -> Place:
         return self.config.place("EDDIInputs", self.index, *key)
 
-    def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
-        self.problems.append(error(code, message, self._place(key), hint))
+    def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:
+        self.problems.append(problem(case, self._place(key), hint=hint, **fields))
 
     def _check_arguments(self) -> None:
         if len(set(self.arguments)) != len(self.arguments):
             names = ", ".join(self.arguments)
-            message = f"the ids that {self.entry.id!r} requires give the same Python name: {names}"
-            self._error("K015", message, "requires", "rename one")
+            self._report("K015.sources", "requires", input=self.entry.id, names=names)
 
     def _check_type(self) -> None:
         given, wanted = self.entry.type, self.item.type
         if given is not None and given != wanted and not {given, wanted} <= {"int", "float"}:
-            message = f"input {self.entry.id!r} is a {wanted} in the model, not a {given}"
-            self._error("K016", message, "type")
+            self._report("K016.type", "type", input=self.entry.id, expected=wanted, actual=given)
 
     def _max_age(self) -> float | str | None:
         max_age = self.entry.max_age if self.entry.max_age is not None else self._of_sources()
         if max_age is None and self.item.safety and self.requires:
             topics = ", ".join(source.topic for source in self.requires)
-            message = (
-                f"input {self.entry.id!r} (from {topics}) has no max_age: it stays as it was if "
-                "its publisher dies"
+            self.problems.append(
+                problem("K017.entry", self._place(), input=self.entry.id, topics=topics)
             )
-            hint = (
-                "write `max_age:` in seconds, about 2.5 periods of the publisher, "
-                "or `max_age: none`"
-            )
-            self.problems.append(warning("K017", message, self._place(), hint))
         return max_age
 
     def _of_sources(self) -> float | str | None:
@@ -486,12 +480,7 @@ class _InputBinder:
             return self._numbers()
         if len(self.requires) != 1:
             if entry.field is not None:
-                message = (
-                    f"`field:` of {entry.id!r} needs exactly one message in `requires`, "
-                    f"not {len(self.requires)}"
-                )
-                hint = "write the region in EDDIInput.py by hand instead"
-                self._error("K018", message, "field", hint)
+                self._report("K018.one_message", "field", input=entry.id, number=len(self.requires))
             return None
         argument = self.arguments[0]
         of_type = self.fields.get(argument)
@@ -507,13 +496,16 @@ class _InputBinder:
     def _warn_unfit(self, message: str) -> None:
         """Warn of a message without any value of the type of the input."""
         if holds(message, self.item.type, self._fields_of) is False:
-            text = f"{self.item.id!r} is of type {self.item.type}, and no field of {message} is"
-            hint = "is it the right topic? An `expression:` or code in EDDIInput.py can convert it"
             own = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
             package = package_name(self.config.config.Model.id)
-            place = self._place("requires")
-            found = UnwrittenInput("warning", "K062", text, place, hint, None, package, own)
-            self.problems.append(found)
+            unfit = problem(
+                "K062.no_field",
+                self._place("requires"),
+                input=self.item.id,
+                type=self.item.type,
+                message=message,
+            )
+            self.problems.append(UnwrittenInput(**vars(unfit), package=package, regions=own))
 
     def _numbers(self) -> str | None:
         """Return the expression for a list of numbers, joined where several messages hold it.
@@ -539,8 +531,8 @@ class _InputBinder:
         """Return the expression that takes a field from a message."""
         try:
             path = field_paths.parse_field(field)
-        except field_paths.FieldPathError as problem:
-            self._error("K019", str(problem), "field", problem.hint)
+        except field_paths.FieldPathError as failure:
+            self._report("K019", "field", hint=failure.hint, reason=failure)
             return None
         return taken(argument, self._checked(path, message), message)
 
@@ -548,16 +540,16 @@ class _InputBinder:
         """Check a path with what is known of the message, also by the ROS of this machine."""
         try:
             found = resolve(path, message, self._fields_of)
-        except field_paths.FieldPathError as problem:
+        except field_paths.FieldPathError as failure:
             first, *rest = path
-            hint = problem.hint
+            hint = failure.hint
             if (
                 rest
                 and isinstance(first, field_paths.Attribute)
                 and first.name in self.entry.requires
             ):
                 hint = f"leave out `{first.name}.`: the path begins in the message"
-            self._error("K020", str(problem), "field", hint)
+            self._report("K020.path", "field", hint=hint, reason=failure)
             return path
         self._check_end(found.type, message)
         documented = documented_at(found.path, message, self._fields_of)
@@ -575,15 +567,33 @@ class _InputBinder:
             return
         factors = [units.factor(unit, wanted) for unit in given]
         shown = " or ".join(unit for unit in given)
-        message = f"{what} is in {shown}, {self.entry.id!r} in {wanted or 'a ratio'}"
+        expected = wanted or "a ratio"
         key = "unit" if self.entry.unit is not None else self._given_by
         if not any(factors):
             reason = units.apart(given[0], wanted)
-            self._error("K052", f"{message}: {reason}", key, _shifted(given[0], wanted))
+            self._report(
+                "K052.apart",
+                key,
+                hint=_shifted(given[0], wanted),
+                subject=what,
+                actual=shown,
+                input=self.entry.id,
+                expected=expected,
+                reason=reason,
+            )
             return
         unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
         times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
-        self._error("K052", message, key, f"write `unit: {unit}`, which is converted: {times}")
+        self._report(
+            "K052.unit",
+            key,
+            subject=what,
+            actual=shown,
+            input=self.entry.id,
+            expected=expected,
+            unit=unit,
+            conversion=times,
+        )
 
     def _check_reach(self, given: Sequence[str], what: str) -> None:
         """Warn of a fraction of which nothing is accepted: the range is meant in percent."""
@@ -592,9 +602,14 @@ class _InputBinder:
             return
         # a range with a number between two ends has the lower end, or begins in between
         if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= one):
-            message = f"{what} is from 0 to 1, and nothing of that is in {self.item.covered}"
-            hint = "is the range of the model in percent? Write `uom: percent` there"
-            self.problems.append(warning("K052", message, self._place(self._given_by), hint))
+            self.problems.append(
+                problem(
+                    "K052.percent",
+                    self._place(self._given_by),
+                    subject=what,
+                    covered=self.item.covered,
+                )
+            )
 
     @property
     def _given_by(self) -> str:
@@ -602,10 +617,15 @@ class _InputBinder:
 
     def _check_end(self, of: str | None, message: str) -> None:
         if of is not None and not fits(of, self.item.type):
-            text = (
-                f"{self.entry.field!r} of {message} is a {of}, {self.item.id!r} a {self.item.type}"
+            self._report(
+                "K038.type",
+                "field",
+                field=self.entry.field,
+                message=message,
+                type=of,
+                input=self.item.id,
+                expected=self.item.type,
             )
-            self._error("K038", text, "field")
 
     def _fields_of(self, message: str) -> Fields | None:
         return self.known[message] if message in self.known else installed_message(message)
@@ -615,14 +635,19 @@ class _InputBinder:
         if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
             return None
         if self.item.type not in {"float", "int"}:
-            self._error("K021", f"input {self.entry.id!r} is not a number and has no unit", "unit")
+            self._report("K021.unit_of_other", "unit", input=self.entry.id)
             return None
         factor = (self.item.units or {}).get(given)
         if factor is None:
             fitting = [unit or '""' for unit in self.item.units or {}]
-            message = f"the unit {given!r} cannot be converted to {wanted or 'a ratio'!r}"
             near = SimilarNames(fitting, "units that can be").hint(given)
-            self._error("K022", message, "unit", _shifted(given, wanted) or near)
+            self._report(
+                "K022.conversion",
+                "unit",
+                hint=_shifted(given, wanted) or near,
+                actual=given,
+                expected=wanted or "a ratio",
+            )
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -633,19 +658,13 @@ class _InputBinder:
         finite = not isinstance(value, float) or math.isfinite(value)
         fits = finite and isinstance(value, _PYTHON_TYPES.get(item.type, ()))
         if not fits or (item.type != "bool" and isinstance(value, bool)):
-            message = f"the default of {item.id!r} is {value!r}, a {item.type} is expected"
-            self._error("K023", message, "default")
+            self._report("K023.default", "default", input=item.id, value=value, type=item.type)
             return
         if factor is not None and isinstance(value, int | float):
             value = value * factor[0] / factor[1]
         if item.is_good is None or not item.is_good(value) or self.entry.allow_unsafe_default:
             return
-        message = (
-            f"the default {self.entry.default!r} of {item.id!r} counts as good evidence before "
-            "any message has arrived"
-        )
-        hint = "leave it out, or write `allow_unsafe_default: true` next to it"
-        self._error("K024", message, "default", hint)
+        self._report("K024", "default", default=self.entry.default, input=item.id)
 
 
 def _shifted(given: str, wanted: str | None) -> str | None:

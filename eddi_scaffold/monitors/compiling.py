@@ -11,7 +11,7 @@ from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.common.claims import Acceptance, Claim
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.expressions.emission import expression_lines
@@ -73,7 +73,7 @@ def compile_monitor(
     try:
         EDDIInputBase().bind(module.monitor(model.name).inputs)
     except NotRunning as refused:  # what will run it has the last word
-        raise EddiError(error("K028", refused.reason, place)) from None
+        raise EddiError(problem("K028.refused", place, reason=refused.reason)) from None
     of_model = functions.acceptances(model, inputs, frequency)
     timeouts = functions.input_timeouts(model)
     facts = MonitorFacts(

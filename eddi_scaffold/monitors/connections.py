@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from eddi_scaffold.common.identifiers import full_topic, package_name
-from eddi_scaffold.common.problems import Problem, warning
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
@@ -23,13 +23,8 @@ def check_limits(config: ConfigFile) -> Iterable[Problem]:
         for index, item in enumerate(getattr(config.config, section)):
             limit = item.max_age
             if isinstance(limit, float) and limit >= _LONG:
-                message = (
-                    f"{item.id!r} counts as known for {limit:g} s after its source has died: "
-                    "`max_age` is in seconds"
-                )
                 place = config.place(section, index, "max_age")
-                hint = f"write {limit / 1000:g} if {limit:g} ms are meant"
-                yield warning("K029", message, place, hint)
+                yield problem("K029.long", place, input=item.id, limit=limit, seconds=limit / 1000)
 
 
 def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import free_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.eddi_xml.insertion import with_map
 from eddi_scaffold.eddi_xml.reading import read_document
@@ -36,17 +36,13 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
         in_map = kinds()[model.kind].functions.in_map
         if in_map is None:
             title = kinds()[model.kind].title
-            message = f"a model of this kind ({title}) is not written into an EDDI"
-            hint = "events and SafeML settings are; a ConSert has elements of its own"
-            raise EddiError(error("X036", message, model.place, hint))
+            raise EddiError(problem("X036.kind", model.place, kind=title))
         document, problems = read_document(Source(source.name, data))
         if document is None:
             raise EddiError(*problems)
         element = document.at(at)
         if element is None:
-            message = f"--at {at!r} points at nothing"
-            hint = "`show --json` has the paths of packages and models"
-            raise EddiError(error("X008", message, Place(source.name), hint))
+            raise EddiError(problem("X008.at", Place(source.name), path=at))
         key, values = in_map(model)
         data = with_map(data, document, element, key, values)
     reading = read_models(Source(source.name, data))
@@ -69,9 +65,9 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
     model, kind = monitor.model, monitor.kind
     program = monitor.compiled.program if target == "c" else None
     if program is None:
-        message = f"there is no standalone monitor in {target} of the {kind.title} {model.name!r}"
-        hint = "--target c takes ConSerts and files of events; generate makes packages of all kinds"
-        raise EddiError(error("E026", message, model.place, hint))
+        raise EddiError(
+            problem("E026.kind", model.place, target=target, title=kind.title, model=model.name)
+        )
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
     return printed(named(program, name, source, kind=kind.name), target)
 
@@ -81,9 +77,7 @@ def without_limits(monitor: BoundMonitor) -> list[Problem]:
     names = [binding.model.id for binding in monitor.inputs if binding.max_age is None]
     if monitor.config is not None or not names:
         return []
-    message = f"{', '.join(names)}: no max_age, so a value stays as it was if its source dies"
-    hint = "give the configuration with the `max_age` of each input: -c CONFIG"
-    return [warning("K017", message, monitor.model.place, hint)]
+    return [problem("K017.remembered", monitor.model.place, inputs=", ".join(names))]
 
 
 def pictures(
@@ -114,11 +108,8 @@ def pictures(
             found[f"{stem}.svg"] = drawn(draw(model))
     if not found:
         names = ", ".join(kinds()[model.kind].title for model in models)
-        message = f"there is no picture of this kind of model ({names})"
-        raise EddiError(error("G018", message, Place(str(path))))
+        raise EddiError(problem("G018", Place(str(path)), kinds=names))
     if single and len(found) > 1:
         names = ", ".join(model.name for model in models)
-        hint = "choose one with --name, or name a folder: -o FOLDER"
-        message = f"there are several models in the file: {names}"
-        raise EddiError(error("G019", message, Place(str(path)), hint))
+        raise EddiError(problem("G019.several_files", Place(str(path)), names=names))
     return found, unfit(models)

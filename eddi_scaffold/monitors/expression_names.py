@@ -6,7 +6,7 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.problems import Problem, did_you_mean, error
+from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.conditions.findings import Locate
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
@@ -75,9 +75,17 @@ class ExpressionNames:
         found = self._resolve(name, source, locate, at)
         documented = found and documented_at(found.path, source.type, self._fields_of)
         if documented and unit is not None and units.contradict(documented.units, unit.name):
-            message = f"{name} is in {' or '.join(documented.units)}, its VAR declares {unit.name}"
             words = " or ".join(units.word(one) for one in documented.units)
-            self.problems.append(error("E009", message, locate(at), f"write UNIT {words}"))
+            self.problems.append(
+                problem(
+                    "E009.variable",
+                    locate(at),
+                    name=name,
+                    actual=" or ".join(documented.units),
+                    unit=unit.name,
+                    words=words,
+                )
+            )
 
     def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
         """Return what a name is by the types of the messages, ``None`` after an error."""
@@ -92,8 +100,11 @@ class ExpressionNames:
         timeout = _nanoseconds(self._entry.max_age, source.limit)
         of = "float" if found.type in ("time", "duration") else found.type
         if of is not None and of not in _TYPES:
-            message = f"{name} is a {of}; an expression needs a number or a boolean"
-            self.problems.append(error("K020", message, locate(at), self._inside(name, of)))
+            self.problems.append(
+                problem(
+                    "K020.no_number", locate(at), hint=self._inside(name, of), name=name, type=of
+                )
+            )
             return None
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
@@ -136,11 +147,10 @@ class ExpressionNames:
             ]
             hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
             hint = hint or f"there are: {', '.join(names) or 'none'}"
-            message = f"there is no simulator output {head!r}"
             if head == name and head in self._below:
-                message = f"the input {head!r} stands below"
-                hint = "inputs are computed in their order: move it above"
-            self.problems.append(error("E008", message, locate(at), hint))
+                self.problems.append(problem("E008.below", locate(at), input=head))
+            else:
+                self.problems.append(problem("E008.no_source", locate(at), hint=hint, source=head))
         return self._sources.get(head)
 
     def _has(self, source: SimulatorOutput, field: str) -> bool:
@@ -153,8 +163,10 @@ class ExpressionNames:
         try:
             path = path_behind(name)
             found = resolve(path, source.type, self._fields_of)
-        except FieldPathError as problem:
-            self.problems.append(error("K020", str(problem), locate(at), problem.hint))
+        except FieldPathError as failure:
+            self.problems.append(
+                problem("K020.path", locate(at), hint=failure.hint, reason=failure)
+            )
             return None
         known = check(found.path, source.type)
         if known and name not in self._resolved:

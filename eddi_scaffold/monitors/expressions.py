@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.conditions.findings import Locate, TextFindings, in_text
 from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
@@ -83,7 +83,7 @@ class _ExpressionBinder:
 
     def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):
-            self._error("K044", f"an expression cannot give a {self.item.type}", "expression")
+            self._report("K044.result_type", "expression", type=self.item.type)
             return None, self.problems
         texts = self._texts()
         if not texts:
@@ -129,11 +129,7 @@ class _ExpressionBinder:
         entry = self.entry
         given = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
         if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
-            message = (
-                "give `expression:` or `expression_file:`, or for a state `states:` with one "
-                "expression for each"
-            )
-            self._error("K043", message, given[-1])
+            self._report("K043.no_expression", given[-1])
             return []
         if entry.states is not None:
             return [
@@ -141,7 +137,7 @@ class _ExpressionBinder:
                 for state, text in entry.states.items()
             ]
         if self.item.type == "state":
-            self._error("K043", f"a state needs `states:`, not `{given[0]}:`", given[0])
+            self._report("K043.states", given[0], key=given[0])
             return []
         if entry.expression is not None:
             return [ExpressionText(entry.expression, self._locate("expression"))]
@@ -152,7 +148,7 @@ class _ExpressionBinder:
         """Return the text of a file of events, and which event of it is meant."""
         text = self.config.event_files.get(name)
         if text is None:
-            self._error("K033", f"the text of {name!r} is not remembered", "expression_file")
+            self._report("K033.no_text", "expression_file", name=name)
             return []
         findings = TextFindings(text, in_text(text, self.config.path(name)))
         events = {event.name: event for event in parse(text, findings).events}
@@ -163,12 +159,11 @@ class _ExpressionBinder:
         wanted = self.entry.event or only
         if wanted is None or wanted not in events:
             there = ", ".join(events) or "none"
-            message, key = f"{name} has no event {wanted!r}", "event"
+            hint = did_you_mean(wanted or "", events) or f"events: {there}"
             if wanted is None:
-                message, key = f"`event:` must name an event of {name}", "expression_file"
-            self._error(
-                "K046", message, key, did_you_mean(wanted or "", events) or f"events: {there}"
-            )
+                self._report("K046.no_event", "expression_file", hint=hint, file=name)
+            else:
+                self._report("K046.unknown_event", "event", hint=hint, file=name, event=wanted)
             return []
         self._take_polarity(events[wanted].polarity, name)
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
@@ -182,8 +177,13 @@ class _ExpressionBinder:
         if polarity is None:
             return
         if self._has_polarity and self.entry.polarity != polarity:
-            message = f"{name} declares {polarity}, `polarity:` {self.entry.polarity}"
-            self._error("K043", message, "polarity", "leave `polarity:` out")
+            self._report(
+                "K043.polarity",
+                "polarity",
+                name=name,
+                polarity=polarity,
+                actual=self.entry.polarity,
+            )
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 
     def _locate(self, *path: str) -> Locate:
@@ -225,8 +225,7 @@ class _ExpressionBinder:
         given = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
         for one in used:
             if self.entry.requires and one.id not in self.entry.requires:
-                message = f"the expression uses {one.id!r}, which `requires` does not name"
-                self._error("K042", message, "requires", "add it, or leave `requires` out")
+                self._report("K042.unknown_name", "requires", name=one.id)
         listed = [given[name] for name in self.entry.requires if name in given]
         return tuple(dict.fromkeys([*listed, *used]))
 
@@ -237,6 +236,7 @@ class _ExpressionBinder:
             for name in compiled.requires
         }
 
-    def _error(self, code: str, message: str, key: str, hint: str | None = None) -> None:
+    def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:
         place = self.config.place("EDDIInputs", self.index, key)
-        self.problems.append(error(code, f"input {self.entry.id!r}: {message}", place, hint))
+        fault = problem(case, place, hint=hint, **fields)
+        self.problems.append(fault.about(f"input {self.entry.id!r}"))

@@ -15,9 +15,9 @@ from eddi_scaffold.common.problems import (
     Place,
     Problem,
     did_you_mean,
-    error,
     has_errors,
     most_similar,
+    problem,
     shortened_list,
 )
 from eddi_scaffold.config.deployment_file import is_fleet
@@ -82,7 +82,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     with source.open() as stream:
         head = stream.read(_HEAD)
     if len(head) < _HEAD and not head.strip():
-        return ReadResult((), (error("F003", "this file is empty", Place(source.name)),))
+        return ReadResult((), (problem("F003.empty", Place(source.name)),))
     if is_xml(source):
         return _read_eddi(source, default_guarantees)
     if is_config(source):
@@ -91,16 +91,11 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
             config, _ = read_config(source)
             named = named_model_path(config) if config is not None else None
             hint = f"name its model: {named}" if named is not None else hint
-        message = "this is an eddi_config.yml, not a model"
-        return ReadResult((), (error("F008", message, Place(source.name), hint),))
+        return ReadResult((), (problem("F008.configuration", Place(source.name), hint=hint),))
     if is_fleet(source):
-        hint = "`check`, `generate` and `diagram` read it"
-        message = "this is a deployment file, not a model"
-        return ReadResult((), (error("F008", message, Place(source.name), hint),))
+        return ReadResult((), (problem("F008.deployment", Place(source.name)),))
     if is_mros(source):
-        message = "this describes the robot's nodes, it is not a model of its dependability"
-        hint = "parse-rossystem, or generate --system with --models, reads it"
-        return ReadResult((), (error("F003", message, Place(source.name), hint),))
+        return ReadResult((), (problem("F003.nodes", Place(source.name)),))
     if source.name.lower().endswith(YAML_SUFFIXES):
         stranger = _of_no_kind(source)
         if stranger is not None:
@@ -108,15 +103,11 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].functions.read_file(source, default_guarantees)
     if source.name.lower().endswith(".csv"):
-        message = "this is a recording, not a model"
-        hint = "`run` takes it with --inputs, beside a model or a configuration"
-        return ReadResult((), (error("F003", message, Place(source.name), hint),))
+        return ReadResult((), (problem("F003.recording", Place(source.name)),))
     known = ", ".join(kind.title for kind in kinds().values())
     if b"\0" in head or not _is_utf8(source.data):
-        message = f"this is not text, so it is not a model ({known})"
-        return ReadResult((), (error("F003", message, Place(source.name)),))
-    message = f"this is neither an EDDI XML file nor a model of a known kind ({known})"
-    return ReadResult((), (error("F003", message, Place(source.name)),))
+        return ReadResult((), (problem("F003.binary", Place(source.name), known=known),))
+    return ReadResult((), (problem("F003.unknown", Place(source.name), known=known),))
 
 
 def _of_no_kind(source: Source) -> Problem | None:
@@ -130,13 +121,11 @@ def _of_no_kind(source: Source) -> Problem | None:
     meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
     key, near = next((one for one in meant if one[1]), meant[0])
     if near is not None:
-        text = f"there is no section {key.text!r}, and no other key tells what this file is"
-        return error("F003", text, key.place, f"did you mean {near!r}, of {known[near]}?")
-    text = (
-        f"this is no file of ours: it has the keys {shortened_list([one.text for one, _ in meant])}"
-    )
+        return problem("F003.no_section", key.place, key=key.text, near=near, known=known[near])
     hint = ", ".join(f"{of} has `{keys[0]}`" for of, keys in _YAML_KEYS.items())
-    return error("F003", text, key.place, hint)
+    return problem(
+        "F003.keys", key.place, hint=hint, keys=shortened_list([one.text for one, _ in meant])
+    )
 
 
 def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
@@ -208,8 +197,7 @@ def complete_reading(source: Source, reading: ReadResult) -> ReadResult:
 
 def no_model(source: Source) -> Problem:
     """Return F004: the file is sound, but of no use for a monitor."""
-    message = "this file contains no model that a monitor can be generated from"
-    return error("F004", message, Place(source.name))
+    return problem("F004.no_model", Place(source.name))
 
 
 def unfit(models: Sequence[Model]) -> list[Problem]:
@@ -244,7 +232,7 @@ def select_models(
             f"there are: {', '.join(names) or 'none that a monitor can be made of'}"
         )
         place = Place(models[0].source.name) if models else Place()
-        raise EddiError(error("F005", f"there is {wanted} in this file", place, hint))
+        raise EddiError(problem("F005", place, hint=hint, kind=wanted))
     return left
 
 
@@ -258,9 +246,10 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     of_type = {kind.name for kind in _kinds_of(config)}
     if not of_type:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
-        message = f"there is no monitor kind {section.type!r}"
         raise EddiError(
-            error("K027", message, config.place("Model", "type"), f"known types: {known}")
+            problem(
+                "K027.unknown_kind", config.place("Model", "type"), type=section.type, known=known
+            )
         )
     fitting = [model for model in models if model.kind in of_type]
     wanted = package_name(section.id)
@@ -274,12 +263,13 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
             fitting  # one model, one configuration: the id of the configuration names the package
         )
     if not found:
-        message = f"there is no {section.type} called {section.id!r}"
         hint = f"there are: {', '.join(model.name for model in fitting) or 'none'}"
         place = config.place("Model", "id")
         if models and not fitting:
             hint, place = _of_other_type(models), config.place("Model", "type")
-        raise EddiError(error("K026", message, place, hint))
+        raise EddiError(
+            problem("K026.no_model", place, hint=hint, kind=section.type, id=section.id)
+        )
     return found[0]
 
 
@@ -317,6 +307,4 @@ def candidates(
 
 def without_model(config: ConfigFile) -> Problem:
     """Return G015: no model is given, and the configuration names none."""
-    hint = "add the model, or name it: `parameters: [{model: FILE}]`"
-    message = "the configuration does not name its model"
-    return error("G015", message, config.place("Model"), hint)
+    return problem("G015.unnamed", config.place("Model"))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from eddi_scaffold.common.escaping import markdown_code, python_literal
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import FieldPath, Step, plain_step
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputQos, SimulatorOutput
@@ -184,9 +184,7 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
     """
     monitor, config = node.monitor, node.config
     if not config.config.EDDIOutputs:
-        message = "EDDIOutputs names no topic: the result would not be published"
-        hint = "add `- id: ...` with `topic: ...`; for plain Python: --platform plain"
-        yield error("K030", message, config.place("EDDIOutputs"), hint)
+        yield problem("K030", config.place("EDDIOutputs"))
     yield from check_fleet(monitor, config)
     heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
@@ -194,12 +192,23 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         written = one.output.topic
         topic = monitor.topic(written)
         if topic in heard:
-            message = f"the monitor would listen to its own output {written}"
-            yield error("K031", message, one.place)
+            yield problem("K031.own_output", one.place, written=written)
         other = first.setdefault(topic, one)
         if other.type != one.type:
-            message = f"the topic {written} would carry {other.type} and {one.type}"
-            yield error("K031", message, one.place, _OF_ITS_OWN)
+            yield problem(
+                "K031.two_types",
+                one.place,
+                hint=_OF_ITS_OWN,
+                written=written,
+                type=other.type,
+                other=one.type,
+            )
         elif other is not one and _is_mixed(other, one):
-            message = f"the outputs {other.output.id} and {one.output.id} have one topic, {written}"
-            yield error("K031", message, one.place, _OF_ITS_OWN)
+            yield problem(
+                "K031.two_outputs",
+                one.place,
+                hint=_OF_ITS_OWN,
+                first=other.output.id,
+                second=one.output.id,
+                written=written,
+            )

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.config.field_paths import (
     Attribute,
     ByKey,
@@ -62,15 +62,18 @@ def publications(
         places = partial(config.place, "EDDIOutputs", index)
         deadline, rate = output.qos.deadline, config.config.Model.frequency
         if deadline is not None and deadline * rate < 1:
-            message = (
-                f"a message each {deadline:g} s is promised, but there are {rate:g} steps a second"
+            problems.append(
+                problem(
+                    "K085.deadline",
+                    places("qos", "deadline"),
+                    deadline=deadline,
+                    rate=rate,
+                    period=1 / rate,
+                )
             )
-            hint = f"a deadline above {1 / rate:g} s, or more steps"
-            problems.append(warning("K085", message, places("qos", "deadline"), hint))
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
-            message = f"the monitor publishes no separate message for {output.event!r}"
-            problems.append(error("K045", message, places("event"), hint))
+            problems.append(problem("K045.event", places("event"), hint=hint, event=output.event))
             continue
         if output.field is None:
             found += _publish_messages(output, messages, places("topic"))
@@ -79,8 +82,10 @@ def publications(
             path = parse_field(output.field)
             of = _holder(path, messages)
             end = _value_at(path, messages[of])
-        except FieldPathError as problem:
-            problems.append(error("K034", str(problem), places("field"), problem.hint))
+        except FieldPathError as failure:
+            problems.append(
+                problem("K034.field", places("field"), hint=failure.hint, reason=failure)
+            )
             continue
         plain = [plain_step(step) for step in path]
         problems += check_path(output.field, plain, monitor, places("field"))
@@ -110,9 +115,15 @@ def check_path(
         wanted = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
         known = ids.get(before)
         if known is not None and isinstance(wanted, str) and wanted not in known:
-            message = f"{text!r}: {provider.model.name} publishes no {wanted!r}"
             hint = did_you_mean(wanted, known) or f"it gives: {', '.join(known) or 'none'}"
-            yield error("K047", message, place, hint)
+            yield problem(
+                "K047.part",
+                place,
+                hint=hint,
+                reference=text,
+                model=provider.model.name,
+                expected=wanted,
+            )
             return
         before += f"[{wanted}]"
 
@@ -166,6 +177,4 @@ def _std_msgs(end: ResolvedPath) -> str:
 
 def read_respelt(message: str, place: Place) -> Problem:
     """Return the error of a monitor that reads a message of ours by the usual names (G026)."""
-    text = f"it reads {message}, whose fields get other names for another monitor"
-    hint = "let it read the status message of that monitor, on `<topic>/status`"
-    return error("G026", text, place, hint)
+    return problem("G026", place, message=message)

@@ -7,7 +7,7 @@ from typing import Any
 
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import attribute, full_topic
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
 from eddi_scaffold.config.field_paths import Attribute, ByKey, parse_field
 from eddi_scaffold.config.file import ConfigFile
@@ -45,23 +45,31 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
         place = config.place("SimulatorOutputs", index, "peers")
         if source.peers is None:
             if source.type == MESSAGE:
-                text = f"{source.id!r} is the word of another robot, and nothing says of which"
-                hint = "write `peers:` with `robots`, `model`, `digest` and `guarantee`"
-                yield error("K081", text, config.place("SimulatorOutputs", index, "type"), hint)
+                yield problem(
+                    "K081.no_peers",
+                    config.place("SimulatorOutputs", index, "type"),
+                    source=source.id,
+                )
             continue
         if fleet is None:
-            text = f"{source.id!r} is the word of another robot, and this one has no name"
-            yield error("K080", text, place, "write a section `Fleet:` with `robot: NAME`")
+            yield problem("K080.no_name", place, source=source.id)
             continue
         if source.type != MESSAGE:
-            text = f"{source.id!r} has `peers:`, which only messages of type {MESSAGE} have"
-            yield error("K081", text, config.place("SimulatorOutputs", index, "type"))
+            yield problem(
+                "K081.peers_of_other",
+                config.place("SimulatorOutputs", index, "type"),
+                source=source.id,
+                message=MESSAGE,
+            )
         if full_topic(source.topic, "", "") != full_topic(fleet.topic, "", ""):
-            text = f"{source.topic} is not the topic of the fleet, {fleet.topic}"
-            yield error("K081", text, config.place("SimulatorOutputs", index, "topic"))
+            yield problem(
+                "K081.topic",
+                config.place("SimulatorOutputs", index, "topic"),
+                topic=source.topic,
+                fleet_topic=fleet.topic,
+            )
         if fleet.robot in source.peers.robots and source.peers.robots != "any":
-            text = f"the robot {fleet.robot!r} would rely on its own word"
-            yield error("K080", text, place, "read the topic of that monitor, or name other robots")
+            yield problem("K080.own_word", place, robot=fleet.robot)
     yield from _check_guarantees(monitor, config)
 
 
@@ -83,27 +91,26 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
             if path[:1] == (Attribute("guarantees"),) and not (
                 len(path) > 1 and isinstance(path[1], ByKey) and path[1].wanted == guarantee
             ):
-                text = (
-                    f"the word is chosen by its guarantee {guarantee!r}, and {entry.id!r} reads "
-                    "another one of it"
+                yield problem(
+                    "K081.other_guarantee",
+                    config.place("EDDIInputs", index, key),
+                    guarantee=guarantee,
+                    input=entry.id,
                 )
-                hint = f"write guarantees[{guarantee}].active, or another `guarantee` in `peers:`"
-                yield error("K081", text, config.place("EDDIInputs", index, key), hint)
 
 
 def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -> Iterator[Problem]:
     if fleet_message(kind) is None:
-        text = f"a {kind.title} guarantees nothing that other robots could rely on"
-        yield error(
-            "K080", text, config.place("Fleet"), "give the section to a ConSert of the robot"
-        )
+        yield problem("K080.guarantees_nothing", config.place("Fleet"), kind=kind.title)
     least = _PERIODS / config.config.Model.frequency
     if fleet.lease < least:
-        text = (
-            f"a lease of {fleet.lease:g} s ends before an answer comes: at"
-            f" {config.config.Model.frequency:g} steps per second it takes up to {least:g} s"
+        yield problem(
+            "K082.lease",
+            config.place("Fleet", "lease"),
+            lease=fleet.lease,
+            frequency=config.config.Model.frequency,
+            longest=least,
         )
-        yield error("K082", text, config.place("Fleet", "lease"), "a longer lease, or more steps")
 
 
 def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
@@ -112,21 +119,19 @@ def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem
     if not fed:
         return
     if any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
-        text = "a filter by majority lets words of other robots count after their lease"
-        hint = "`filter: {kind: debounce, regain_after: n}` is late only where something is gained"
-        yield error("K083", text, config.place("Model", "filter"), hint)
+        yield problem("K083.filter", config.place("Model", "filter"))
     sources = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
     words = {attribute(one) for one in (*sources, *fed)}
     index = {entry.id: k for k, entry in enumerate(config.config.EDDIInputs)}
     for input_ in monitor.inputs:
         remembering = _remembering(input_.computed or {}, words)
         if remembering is not None:
-            text = (
-                f"{remembering.upper()} lets {input_.model.id!r} rest on the word of another robot "
-                "after its lease"
+            yield problem(
+                "K083.remembering",
+                config.place("EDDIInputs", index[input_.model.id]),
+                remembering=remembering.upper(),
+                model=input_.model.id,
             )
-            hint = "read the word as it is now; `TIME` is late only where something is gained"
-            yield error("K083", text, config.place("EDDIInputs", index[input_.model.id]), hint)
 
 
 def _remembering(computed: Mapping[str, Any], words: Container[str]) -> str | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import read_config
@@ -147,8 +147,7 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
         if path.is_file() and not path.name.startswith("."):
             (ours if _is_ours(path) else others).append(path)
     if not ours:
-        message = "no file in this folder is a model, a configuration or a model of a robot"
-        raise EddiError(error("F003", message, Place(str(folder))))
+        raise EddiError(problem("F003.folder", Place(str(folder))))
     return ours, others
 
 

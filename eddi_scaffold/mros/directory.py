@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from typing import TypeVar
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.mros.interface_definitions import Models, NodeModelFile, SystemFile, noticed
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
-from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
+from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
 _Read = TypeVar("_Read")
 
@@ -37,12 +38,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, lis
     except MrosSyntaxError as failed:
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
-        message = (
-            "this is a .rossystem of 2018: its components are references to .componentinterface "
-            "files"
-        )
-        hint = "open it with Eclipse tools of 2019 and save it, so that it contains its components"
-        raise EddiError(error(FOREIGN_FORMAT, message, Place(name, 1, 1), hint))
+        raise EddiError(problem("M003.references", Place(name, 1, 1)))
     return SystemFile(name, system), list(noticed(system.notices, name))
 
 
@@ -59,7 +55,7 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
     """
     if not folder.is_dir():
         reason = "it is not a directory" if folder.exists() else "there is no such directory"
-        raise EddiError(error("F001", f"cannot read the models: {reason}", Place(str(folder))))
+        raise EddiError(problem("F001.models", Place(str(folder)), reason=reason))
     files, found, skipped = [], [], []
     problems: list[Problem] = []
     for name in _files(folder):
@@ -92,9 +88,8 @@ def named(path: Path, folder: Path | None) -> str:
 def problem_of(failed: MrosSyntaxError) -> Problem:
     """Return an error of the readers as a problem; nothing but comments is a warning."""
     place = Place(failed.file, failed.line, failed.col)
-    if failed.code == EMPTY_FILE:
-        return warning(failed.code, failed.message, place)
-    return Problem("error", failed.code, failed.message, place, excerpt=failed.source_line)
+    fault = problem(failed.case, place, reason=failed.message)
+    return fault if failed.case == EMPTY_FILE else replace(fault, excerpt=failed.source_line)
 
 
 def _files(folder: Path) -> list[str]:

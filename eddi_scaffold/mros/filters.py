@@ -10,7 +10,7 @@ from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Literal
 
 from eddi_scaffold.common.identifiers import RESERVED, free_name, is_identifier
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.mros.topics import Topic
@@ -80,8 +80,13 @@ def unmatched(
     ):
         for glob in globs:
             if not matches(names, glob):
-                message = f"no {what} matches {option} {glob!r}"
-                yield error("M022", message, hint=_there_are(glob, names))
+                yield problem(
+                    "M022.no_match",
+                    hint=_there_are(glob, names),
+                    kind=what,
+                    option=option,
+                    pattern=glob,
+                )
 
 
 def _there_are(glob: str, names: Collection[str]) -> str | None:
@@ -143,12 +148,16 @@ def give_ids(
     for topic, name in found.items():
         before = by_id.get(name)
         if before is not None and before.topic != topic and before.topic not in current:
-            message = f"the id {name!r} was that of {before.topic} and is now that of {topic}"
-            problems.append(warning("M020", message, before.place))
-    changed = [entry for entry in old if entry.topic in found and found[entry.topic] != entry.id]
-    for entry in changed:
-        message = f"the id {entry.id!r} of {entry.topic} becomes {found[entry.topic]!r}"
-        problems.append(warning("M021", message, entry.place))
+            problems.append(
+                problem(
+                    "M020.used_before", before.place, name=name, former=before.topic, topic=topic
+                )
+            )
+    problems += [
+        problem("M021.changed", entry.place, id=entry.id, topic=entry.topic, new=found[entry.topic])
+        for entry in old
+        if entry.topic in found and found[entry.topic] != entry.id
+    ]
     return [kept.get(wish.topic) or found[wish.topic] for wish in wishes], problems
 
 

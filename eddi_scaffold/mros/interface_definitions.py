@@ -7,9 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.mros.model import (
-    MISSPELT_KEY,
     Interface,
     InterfaceKind,
     Notice,
@@ -206,5 +205,4 @@ class Definitions:
 def noticed(notices: tuple[Notice, ...], file: str) -> Iterator[Problem]:
     """Return the notices of a readable file as problems."""
     for notice in notices:
-        level = error if notice.code == MISSPELT_KEY else warning
-        yield level(notice.code, notice.message, Place(file, notice.line, notice.col))
+        yield problem(notice.case, Place(file, notice.line, notice.col), **notice.fields)

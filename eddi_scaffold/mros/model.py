@@ -6,8 +6,9 @@ written (``pkg.Type``, ``pkg/msg/Type``).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Literal
 
 Dialect = Literal["brace", "indent"]
 InterfaceKind = Literal[
@@ -15,22 +16,19 @@ InterfaceKind = Literal[
 ]
 
 
-MISSPELT_KEY: Final = "M006"
-
-
 @dataclass(frozen=True, slots=True)
 class Notice:
     """Something in a readable file that a person should know.
 
     Attributes:
-        code: ``M004`` (a surplus brace), ``M005`` (an unknown key), or
-            ``MISSPELT_KEY`` (an error: what is below the key is not read).
+        case: of the catalogue: a surplus brace, or a key whose content is not read.
+        fields: of its text.
     """
 
-    code: str
-    message: str
+    case: str
     line: int
     col: int
+    fields: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)

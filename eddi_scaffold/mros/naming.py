@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Literal
 
-from eddi_scaffold.common.problems import Place, Problem, warning
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.mros.interface_definitions import SystemFile
 from eddi_scaffold.mros.model import Connection, InterfaceKind
 from eddi_scaffold.mros.resolving import ResolvedInterface
@@ -54,17 +54,14 @@ class Naming:
             given = (self._renamed.get(one.end) if is_topic else None) or one.name
         found = topic_name(given, one.namespace, one.component.name)
         if found.is_empty:
-            message = f"nothing is left of the name {given!r}: it is left out"
-            return None, [warning("M015", message, one.place)]
+            return None, [problem("M015.empty", one.place, name=given)]
         problems = []
         if found.glued:
-            message = (
-                f"{given!r} begins with its namespace without a '/' between: read as {found.text}"
-            )
-            problems.append(warning("M016", message, one.place))
+            problems.append(problem("M016.namespace", one.place, name=given, corrected=found.text))
         if found.illegal:
-            message = f"{found.text} is not a legal ROS name (it contains {found.illegal})"
-            problems.append(warning("M017", message, one.place))
+            problems.append(
+                problem("M017.illegal", one.place, name=found.text, illegal=found.illegal)
+            )
         return found.text, problems
 
     def _connect(
@@ -99,9 +96,8 @@ class Naming:
         for labels, known in ((connection.sources, gives), (connection.targets, takes)):
             for label in labels:
                 if known[label] > 1:
-                    message = f"the label {label!r} is used {known[label]} times: the first is used"
                     place = Place(file, connection.line, connection.col)
-                    self.problems.append(warning("M018", message, place))
+                    self.problems.append(problem("M018", place, label=label, count=known[label]))
 
 
 def _labels(systems: Sequence[SystemFile], kinds: tuple[InterfaceKind, ...]) -> Counter[str]:

@@ -6,14 +6,13 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from eddi_scaffold.common.problems import Problem, error, in_order, warning
+from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.mros.filters import Criterion, Existing, Filters, Wish, give_ids
 from eddi_scaffold.mros.interface_definitions import Models, SystemFile, noticed
 from eddi_scaffold.mros.model import InterfaceKind
 from eddi_scaffold.mros.naming import Naming
 from eddi_scaffold.mros.resolving import (
-    NO_NODE_MODEL,
-    SUBSYSTEM_MISSING,
+    LOST_TOPICS,
     ResolvedInterface,
     flattened,
     resolve,
@@ -160,8 +159,7 @@ class _Collected:
     def action(self, one: ResolvedInterface) -> None:
         """Add the topics of an action server of ROS 1 (actionlib)."""
         if one.definition.of.file.endswith(".ros2"):
-            message = f"the topics of the ROS 2 action {one.name!r} cannot be listened to by ROS 1"
-            self.problems.append(warning("M019", message, one.place))
+            self.problems.append(problem("M019", one.place, name=one.name))
             return
         topic = self.naming.topic(one)
         if topic is None:
@@ -188,12 +186,16 @@ class _Collected:
             self.topics[topic] = _Entry(one, name, type_, kind, [provider], [deadline])
             return
         if known.type != type_:
-            message = (
-                f"{topic} has two types: {known.type} ({known.first.component.name}) and {type_} "
-                f"({provider}); the first is used"
+            fault = problem(
+                "M014.subscribed_types" if kind == "subscribed" else "M014.two_types",
+                one.place,
+                topic=topic,
+                type=known.type,
+                component=known.first.component.name,
+                other=type_,
+                other_component=provider,
             )
-            level = warning if kind == "subscribed" else error
-            self.problems.append(level("M014", message, one.place))
+            self.problems.append(fault)
         if known.kind == kind and provider not in known.components:
             known.components.append(provider)
             known.deadlines.append(deadline)
@@ -201,7 +203,7 @@ class _Collected:
 
 def _loses_topics(problem: Problem) -> bool:
     """Return whether a system may have topics that are not found because of a problem."""
-    return problem.level == "error" or problem.code in (NO_NODE_MODEL, SUBSYSTEM_MISSING)
+    return problem.level == "error" or problem.case in LOST_TOPICS
 
 
 def _with_ids(

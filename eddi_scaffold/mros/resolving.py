@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.mros.interface_definitions import (
     Definition,
     Definitions,
@@ -17,7 +17,8 @@ from eddi_scaffold.mros.interface_definitions import (
 from eddi_scaffold.mros.model import Component, Dialect, InterfaceKind, SystemInterface
 from eddi_scaffold.mros.topics import type_of
 
-NO_NODE_MODEL = "M007"
+LOST_TOPICS = ("M007.listed_only", "M024.missing")
+"""After which a system may have topics that are not found."""
 
 
 @dataclass(frozen=True)
@@ -115,11 +116,11 @@ class _Join:
         model = models[0]
         if any(_interfaces(other) != _interfaces(model) for other in models[1:]):
             files = ", ".join(dict.fromkeys(other.file for other in models))
-            message = (
-                f"the node {self.component.from_node!r} has several models with different "
-                f"interfaces ({files}): the first one is used"
+            self.problems.append(
+                problem(
+                    "M008.several_models", self.here, node=self.component.from_node, files=files
+                )
             )
-            self.problems.append(warning("M008", message, self.here))
         for interface in model.node.interfaces:
             if (interface.kind, interface.name) not in renamed and interface.kind in self.kinds:
                 self._take(None, None, [Definition(model, interface)], self.here)
@@ -132,17 +133,12 @@ class _Join:
         if models:
             return models
         name = self.component.name
+        reason = f"there is no model of the node {name!r}, from: {named!r}"
         if not named:
-            message = f"the node {name!r} has no 'from:', so its model is not known"
-        else:
-            message = f"there is no model of the node {name!r}, from: {named!r}"
+            reason = f"the node {name!r} has no 'from:', so its model is not known"
         hint = self.definitions.hint_for_node(named or "")
-        if self.component.interfaces:
-            message += ": only the listed interfaces are used"
-            self.problems.append(warning(NO_NODE_MODEL, message, self.here, hint))
-        else:
-            message += ", and it lists no interfaces"
-            self.problems.append(error(NO_NODE_MODEL, message, self.here, hint))
+        case = "M007.listed_only" if self.component.interfaces else "M007.nothing_listed"
+        self.problems.append(problem(case, self.here, hint=hint, reason=reason))
         return ()
 
     def listed(self, models: Sequence[NodeModel]) -> set[tuple[InterfaceKind, str]]:
@@ -167,24 +163,21 @@ class _Join:
             self._unresolved_name(interface.name, place)
             return
         if reference is None:
-            message = f"the reference {interface.ref!r} is too short"
-            hint = "expected package.artifact.node.interface, or artifact::interface"
-            self.problems.append(error("M009", message, place, hint))
+            self.problems.append(problem("M009.short", place, ref=interface.ref))
             return
         found = self.definitions.find(reference, interface.kind)
         own = {(model.package, model.node.name) for model in models}
         nearer = [one for one in found if (one.of.package, one.of.node.name) in own]
         found = nearer or found
         if not found:
-            message, other = self.definitions.reason(reference, interface.kind)
-            self.problems.append(error("M010", message, place, other))
+            reason, hint = self.definitions.reason(reference, interface.kind)
+            self.problems.append(problem("M010.undefined", place, hint=hint, reason=reason))
             return
         if self._are_different(found):
             types = ", ".join(dict.fromkeys(one.interface.type for one in found))
-            several = (
-                f"{interface.ref!r} is defined with several types ({types}): the first is used"
+            self.problems.append(
+                problem("M012.several_types", place, reference=interface.ref, types=types)
             )
-            self.problems.append(warning("M012", several, place))
         self._take(interface.name, interface.ns, found, place)
 
     @staticmethod
@@ -193,8 +186,7 @@ class _Join:
         return len(types) > 1
 
     def _unresolved_name(self, name: str, place: Place) -> None:
-        message = f"{name!r} contains a '?': its extractor did not know the name; it is left out"
-        self.problems.append(warning("M011", message, place))
+        self.problems.append(problem("M011.question_mark", place, name=name))
 
     def _take(
         self, label: str | None, ns: str | None, found: Sequence[Definition], place: Place
@@ -206,10 +198,10 @@ class _Join:
             return
         of = type_of(interface.type)
         if of is None:
-            message = f"{interface.type!r} of {interface.name!r} is not a type"
             there = Place(first.of.file, interface.type_line, interface.type_col)
-            hint = "expected package/Type, such as std_msgs/Bool"
-            self.problems.append(error("M013", message, there, hint))
+            self.problems.append(
+                problem("M013.type", there, type=interface.type, interface=interface.name)
+            )
             return
         self.found.append(
             ResolvedInterface(
@@ -227,9 +219,6 @@ class _Join:
 
 def _interfaces(model: NodeModel) -> set[tuple[str, str, str]]:
     return {(interface.kind, interface.name, interface.type) for interface in model.node.interfaces}
-
-
-SUBSYSTEM_MISSING = "M024"
 
 
 @dataclass
@@ -259,12 +248,12 @@ def _add(system: SystemFile, known: dict[str, SystemFile], path: tuple[str, ...]
         place = Place(system.file, part.line, part.col)
         if part.name in path:
             circle = " -> ".join((*path[path.index(part.name) :], part.name))
-            message = f"the system {part.name!r} is part of itself: {circle}"
-            to.problems.append(error("M023", message, place))
+            to.problems.append(
+                problem("M023.part_of_itself", place, system=part.name, circle=circle)
+            )
         elif part.name not in known:
-            message = f"there is no system {part.name!r} in the directory of models"
             hint = did_you_mean(part.name, known)
-            to.problems.append(warning(SUBSYSTEM_MISSING, message, place, hint))
+            to.problems.append(problem("M024.missing", place, hint=hint, system=part.name))
         elif known[part.name] not in to.systems:
             found = known[part.name]
             to.problems += noticed(found.system.notices, found.file)

@@ -54,16 +54,16 @@ def model_json(model: RosModel) -> dict[str, Json]:
 def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
     """Return why a file cannot be read, without the problem itself."""
     dialect = {"dialect": failed.dialect} if failed.dialect else {}
-    if failed.code == FOREIGN_FORMAT:
+    if failed.case == FOREIGN_FORMAT:
         return {"result": "refuse", **dialect, "why": failed.format}
-    if failed.code == EMPTY_FILE:
+    if failed.case == EMPTY_FILE:
         return {"result": "refuse", **dialect, "why": "empty"}
     found = {"result": "error", **dialect, "line": failed.line, "col": failed.col}
     return {**found, "msg": failed.message}
 
 
 def _notices(notices: tuple[Notice, ...]) -> dict[str, Json]:
-    rows = [[notice.line, notice.col, notice.code] for notice in notices]
+    rows = [[notice.line, notice.col, notice.case.partition(".")[0]] for notice in notices]
     return {"warnings": rows} if rows else {}
 
 

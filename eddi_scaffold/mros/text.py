@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Final, Literal
 
-Code = Literal["M001", "M002", "M003"]
-SYNTAX: Final = "M001"
-EMPTY_FILE: Final = "M002"
-FOREIGN_FORMAT: Final = "M003"
+Case = Literal["M001.syntax", "M002.empty", "M003.foreign"]
+SYNTAX: Final = "M001.syntax"
+EMPTY_FILE: Final = "M002.empty"
+FOREIGN_FORMAT: Final = "M003.foreign"
 
 
 class MrosSyntaxError(ValueError):
@@ -22,7 +22,7 @@ class MrosSyntaxError(ValueError):
         col: character in the line, counted from 1.
         message: what is wrong, and what was expected.
         source_line: text of the line.
-        code: ``SYNTAX``, ``FOREIGN_FORMAT`` (another language of the family) or ``EMPTY_FILE``.
+        case: ``SYNTAX``, ``FOREIGN_FORMAT`` (another language of the family) or ``EMPTY_FILE``.
         format: of a foreign format, ``xmi`` or ``rossdl``; else ``""``.
         dialect: ``brace`` or ``indent`` where that was known already.
     """
@@ -34,7 +34,7 @@ class MrosSyntaxError(ValueError):
         col: int,
         message: str,
         source_line: str = "",
-        code: Code = SYNTAX,
+        case: Case = SYNTAX,
         format: str = "",  # noqa: A002 - the word of the field
     ) -> None:
         super().__init__(f"{file}:{line}:{col}: {message}")
@@ -43,7 +43,7 @@ class MrosSyntaxError(ValueError):
         self.col = col
         self.message = message
         self.source_line = source_line
-        self.code = code
+        self.case = case
         self.format = format
         self.dialect: str | None = None
 
@@ -85,12 +85,12 @@ class Text:
         self,
         offset: int,
         message: str,
-        code: Code = SYNTAX,
+        case: Case = SYNTAX,
         format: str = "",  # noqa: A002 - the word of the field
     ) -> MrosSyntaxError:
         """Return the error at a character."""
         line, col = self.place(offset)
-        return MrosSyntaxError(self.file, line, col, message, self.line(line), code, format)
+        return MrosSyntaxError(self.file, line, col, message, self.line(line), case, format)
 
 
 def decoded(data: bytes, file: str) -> Text:

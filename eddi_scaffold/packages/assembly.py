@@ -10,7 +10,7 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
@@ -83,8 +83,7 @@ def monitors_of(
         EddiError: a file cannot be used, or none is given (G015).
     """
     if not model_file and not config_files:
-        message = "give a model, or a configuration that names its model"
-        raise EddiError(error("G015", message))
+        raise EddiError(problem("G015.none"))
     models: Sequence[Model] = ()
     problems: list[Problem] = []
     for path in [model_file] if isinstance(model_file, Path) else model_file or ():
@@ -145,8 +144,7 @@ def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
     """
     if len(monitors) != 1:
         names = ", ".join(monitor.model.name for monitor in monitors)
-        message = f"the file contains several models: {names}"
-        raise EddiError(error("G005", message, hint="choose one with --name, or give a -c"))
+        raise EddiError(problem("G005.several_or_configuration", names=names))
     return monitors[0]
 
 
@@ -186,8 +184,7 @@ def assemble(
         named = (name for name in before if name in renewed or name in gone)
         found += _drops_config(root, {name: before[name] for name in named})
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
-        message = f"the platform {platform.name} does not have `--single-process`"
-        found.append(error("G014", message, hint="leave it out"))
+        found.append(problem("G014.single_process", platform=platform.name))
     if has_errors(found):
         raise EddiError(*found)
     new = [package.folder for package in packages]
@@ -215,9 +212,7 @@ def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterat
     """Report packages that were generated with a configuration, and would lose it (G001)."""
     for name, answers in before.items():
         if answers.get("config_json"):
-            message = "it was generated with a configuration, and would lose its topics and ages"
-            hint = "add `-c eddi_config.yml`; or `upgrade` with -m: it uses the one of the package"
-            yield error("G001", message, Place(str(root / name)), hint)
+            yield problem("G001.had_configuration", Place(str(root / name)))
 
 
 def _sharing(
@@ -312,9 +307,9 @@ def _refuse_other_platform(
     for folder in shared:
         owner = owner_of(present[folder]["template"]) if folder in present else platform
         if owner is not platform:
-            message = f"this is a package of {owner.name}, and one of {platform.name} has its name"
-            hint = f"give {platform.name} a workspace of its own: -w OTHER"
-            raise EddiError(error("G027", message, Place(str(root / folder)), hint))
+            raise EddiError(
+                problem("G027", Place(str(root / folder)), owner=owner.name, platform=platform.name)
+            )
 
 
 def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:

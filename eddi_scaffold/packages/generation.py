@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.handwritten import lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
@@ -209,7 +209,8 @@ def _refuse(plans: Iterable[Plan]) -> None:
         for refusal in plan.refusals:
             file = plan.root / refusal.file
             hint = ADOPT if is_of_d72(file) else None
-            problems.append(error("H010", refusal.text, Place(str(file), refusal.line), hint))
+            place = Place(str(file), refusal.line)
+            problems.append(problem("H010", place, hint=hint, reason=refusal.text))
     if problems:
         last = problems[-1]
         hint = last.hint or "Nothing was changed; mend this, and run the command again"
@@ -233,8 +234,7 @@ def _refuse_foreign(target: Path) -> None:
         EddiError: that is so (H012).
     """
     if target.is_symlink():
-        message = f"{target.name} is a link; nothing is written through it"
-        raise EddiError(error("H012", message, Place(str(target)), "name the folder behind it"))
+        raise EddiError(problem("H012.link", Place(str(target)), target=target.name))
     mine = {EDDI, ANSWERS_FILE}
     if not target.is_dir() or (
         not (target / MANIFEST).exists() and not ({path.name for path in target.iterdir()} - mine)
@@ -244,9 +244,7 @@ def _refuse_foreign(target: Path) -> None:
         return
     if (target / EDDI).is_dir():
         raise lacks_answers(target)
-    hint = f"move it away, or choose another Model id (a generated one has {ANSWERS_FILE})"
-    message = "the folder exists and was not generated"
-    raise EddiError(error("H012", message, Place(str(target)), hint))
+    raise EddiError(problem("H012.foreign", Place(str(target)), answers=ANSWERS_FILE))
 
 
 def _is_current(

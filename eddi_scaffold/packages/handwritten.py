@@ -11,7 +11,7 @@ from typing import Any
 
 from eddi_scaffold.common.files import saved_meanwhile
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.message_types import TIMES, known_messages
 from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
@@ -178,10 +178,7 @@ def packages_below(folder: Path) -> list[Path]:
         skipped = {".git", "build", "devel", "install", EDDI}
         folders[:] = sorted(name for name in folders if name not in skipped)
     if not found:
-        hint = "name a workspace, or the folder of a package"
-        raise EddiError(
-            error("U001", "there are no generated packages here", Place(str(folder)), hint)
-        )
+        raise EddiError(problem("U001.nothing_here", Place(str(folder))))
     return found
 
 
@@ -241,10 +238,11 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
             write_plans([plan])
             accepted |= {*found}
     for missing in sorted(wanted - accepted):
-        message = f"there is nothing {missing!r} to accept below {folder}"
         known = [region.id for package in packages for region in list_regions(package) if region.id]
         hint = did_you_mean(missing, known) if missing not in known else None
-        raise EddiError(error("U004", message, Place(str(folder)), hint))
+        raise EddiError(
+            problem("U004", Place(str(folder)), hint=hint, missing=missing, folder=folder)
+        )
     return sorted(accepted)
 
 
@@ -261,7 +259,7 @@ def write_plans(plans: Sequence[Plan]) -> None:
             plan.finish()
     except SavedError as saved:
         raise saved_meanwhile(Path(str(saved))) from None
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        place = Place(str(problem.filename or plans[0].root))
-        raise EddiError(error("F002", f"cannot write: {reason}", place)) from None
+    except OSError as failure:
+        reason = failure.strerror or str(failure)
+        place = Place(str(failure.filename or plans[0].root))
+        raise EddiError(problem("F002.write", place, reason=reason)) from None

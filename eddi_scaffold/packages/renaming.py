@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 from eddi_scaffold.packages.workspace import existing
 from eddi_scaffold.regions.check import list_regions
@@ -175,7 +175,7 @@ def _check_room(package: Path) -> None:
 
 def _refused(message: str, hint: str, place: Path | None = None) -> EddiError:
     where = Place(str(place) if place is not None else "")
-    return EddiError(error("G025", f"--rename: {message}", where, hint))
+    return EddiError(problem("G025.rename", where, hint=hint, message=message))
 
 
 def _check_movable(package: Path) -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.packages.unpacking import Unpacked
 from eddi_scaffold.regions.marked_file import sides_of
 from eddi_scaffold.yaml_text.nodes import dump_11, read_document, value_11
@@ -61,10 +61,10 @@ class Template:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 _replace(target, self.bundle.read_bytes())
                 _replace(version, __version__.encode())
-        except OSError as problem:
-            message = f"cannot put the templates at {target}: {problem.strerror}"
-            hint = "set XDG_DATA_HOME to a folder you can write"
-            raise EddiError(error("T002", message, hint=hint)) from None
+        except OSError as failure:
+            raise EddiError(
+                problem("T002.not_written", target=target, reason=failure.strerror)
+            ) from None
 
 
 def own_template() -> Template:
@@ -83,8 +83,7 @@ def own_template() -> Template:
             return Template(_shelved(), f"v{__version__}", bundle)
     if in_sources:
         return Template(str(root), None)
-    hint = "install eddi-scaffold again, or run it from a git checkout"
-    raise EddiError(error("T001", "the templates of eddi-scaffold are missing", hint=hint))
+    raise EddiError(problem("T001.missing"))
 
 
 def _shelved() -> str:
@@ -175,8 +174,8 @@ class Renderer:
             warnings.simplefilter("always")
             try:
                 self._run(dict(answers), folder)
-            except (CopierError, ValueError) as problem:
-                raise EddiError(error("T004", f"Copier refused: {problem}")) from problem
+            except (CopierError, ValueError) as failure:
+                raise EddiError(problem("T004.copier", reason=failure)) from failure
         _record_origin(folder / ANSWERS_FILE, self._template, self._source)
         return sorted(
             {

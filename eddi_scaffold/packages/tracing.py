@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.common.claims import Element
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.eddi_xml.links import Linked
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.facts import MonitorFacts
@@ -182,10 +182,8 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
     try:
         return _trace_of(answers)
     except (AttributeError, KeyError, TypeError, ValueError) as damage:
-        message = f"the answers of the package are damaged: {damage!r}"
-        hint = "restore the file from git, or generate the package again"
         place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
-        raise EddiError(error("T005", message, place, hint)) from None
+        raise EddiError(problem("T005.damaged", place, answer=damage)) from None
 
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from eddi_scaffold.common.files import refuse_input, saved_meanwhile
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.package import Step, kind_of, put_aside
 
 NEW, NEW_PROGRAM = 0o644, 0o755
@@ -55,11 +55,11 @@ def write(
         for number, step in enumerate(steps):
             (root / step.path).parent.mkdir(parents=True, exist_ok=True)
             (staging / str(number)).replace(root / step.path)
-    except OSError as problem:
-        reason = problem.strerror or str(problem)
-        named = problem.filename is not None and str(staging) not in str(problem.filename)
-        place = Place(str(problem.filename if named else root))
-        raise EddiError(error("F002", f"cannot write: {reason}", place)) from None
+    except OSError as failure:
+        reason = failure.strerror or str(failure)
+        named = failure.filename is not None and str(staging) not in str(failure.filename)
+        place = Place(str(failure.filename if named else root))
+        raise EddiError(problem("F002.write", place, reason=reason)) from None
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.regions.git import GitError, git
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
@@ -142,9 +142,7 @@ def _git(templates: Path | None, *words: str, **environment: str) -> bytes:
     try:
         return git(*words, repository=templates, work_tree=work_tree, environment=environment)
     except FileNotFoundError:
-        message = "git is not installed, the templates cannot be read"
-        raise EddiError(error("T003", message, hint="apt-get install git")) from None
+        raise EddiError(problem("T003.git")) from None
     except GitError as refused:
         where = f" at {work_tree}" if work_tree else ""
-        message = f"git cannot read the templates{where}: {refused}"
-        raise EddiError(error("T004", message)) from None
+        raise EddiError(problem("T004.git", where=where, reason=refused)) from None

@@ -12,7 +12,7 @@ from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.deployments.joining import unanswered
@@ -132,9 +132,7 @@ def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
         hint = "name a workspace with -w, or the folder of a package"
         if above is not None:
             hint = f"name the workspace above: -w {above}"
-        raise EddiError(
-            error("U001", "there are no generated packages here", Place(str(place)), hint)
-        )
+        raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
     return found
 
 
@@ -162,10 +160,8 @@ def refuse_for_several(
     """
     if found[0].robot and (model is not None or configs):
         names = ", ".join(dict.fromkeys(one.robot for one in found))
-        message = f"these are the workspaces of several robots: {names}"
-        hint = "`generate deployment.yml -o FOLDER` renews all; or name one: -w FOLDER/ROBOT"
         place = Place(str(model if model is not None else configs[0]))
-        raise EddiError(error("U009", message, place, hint))
+        raise EddiError(problem("U009", place, names=names))
 
 
 def targets(
@@ -189,9 +185,7 @@ def targets(
     given, _ = read_configs(config_files, robot)
     configs = {package_name(one.config.Model.id): one for one in given}
     for name in sorted(configs.keys() - group.present.keys()):
-        message = f"no package here is called {name!r}"
-        hint = "`generate` creates new packages, `upgrade` changes existing ones"
-        raise EddiError(error("U005", message, configs[name].place("Model", "id"), hint))
+        raise EddiError(problem("U005.no_package", configs[name].place("Model", "id"), name=name))
     models: dict[str, Model] = {}
     problems: list[Problem] = []
     for path in [model_file] if model_file is not None else _named_models(given):
@@ -251,8 +245,7 @@ def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:
     for config in configs:
         path = named_model_path(config)
         if path is None:
-            message = "this configuration does not name its model"
-            raise EddiError(error("U002", message, Place(config.name), hint="add `-m MODEL`"))
+            raise EddiError(problem("U002.no_model", Place(config.name)))
         found[path] = None
     return list(found)
 
@@ -273,10 +266,8 @@ def _newer_models(
         if has_errors(first.problems):
             raise EddiError(*first.problems)
         known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
-        message = "no package here was generated from a model in this file"
         here = ", ".join(sorted(name for _, name in names)) or "none"
-        hint = f"its models are: {here}; the packages here were generated from: {known}"
-        raise EddiError(error("U006", message, Place(source.name), hint))
+        raise EddiError(problem("U006.of_other_models", Place(source.name), here=here, known=known))
     marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
     reading = checked_models(model_file, tuple(marks))
     found = {(model.kind, model.name): model for model in reading.models}
@@ -285,9 +276,7 @@ def _newer_models(
         if folder not in folders and group.present[folder]["model_file"] == markdown_code(
             source.file_name
         ):
-            message = f"there is no model {made[1]!r} any more: the package {folder} stays as it is"
-            hint = f"remove the folder {folder} if the monitor is not wanted any more"
-            problems.append(warning("U007", message, Place(source.name), hint))
+            problems.append(problem("U007", Place(source.name), model=made[1], folder=folder))
     return {folder: found[made_of[folder]] for folder in folders}, problems
 
 
@@ -307,18 +296,18 @@ def _made_of_unnamed(
     }
     chosen = {folder: made for folder, made in found.items() if folder in set(configs)} or found
     if len(chosen) > 1:
-        message = f"several packages here were made of a file {file!r}: {', '.join(chosen)}"
-        hint = "name the folder of the one that is meant, or add its configuration with -c"
-        raise EddiError(error("U006", message, Place(models[0].source.name), hint))
+        raise EddiError(
+            problem(
+                "U006.several", Place(models[0].source.name), file=file, packages=", ".join(chosen)
+            )
+        )
     return chosen
 
 
 def _answers(package: Path) -> dict[str, Any]:
     answers = read_answers(package)
     if answers is None:
-        message = "this folder is not a generated package"
-        hint = "`-w` names a folder with packages"
-        raise EddiError(error("U003", message, Place(str(package)), hint))
+        raise EddiError(problem("U003.not_a_package", Place(str(package))))
     check_answers(package, answers)
     return answers
 

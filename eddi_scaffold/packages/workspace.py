@@ -10,7 +10,7 @@ from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.files import stays
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
@@ -69,10 +69,8 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
             )  # all are texts
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
-        message = f"the answers of the package are damaged: {reason}"
-        hint = "restore the file from git, or generate the package again"
         place = Place(str(package / ANSWERS_FILE))
-        raise EddiError(error("T005", message, place, hint)) from None
+        raise EddiError(problem("T005.reason", place, reason=reason)) from None
 
 
 def model_id(answers: Mapping[str, Any]) -> str:
@@ -96,15 +94,14 @@ def alone(folders: Iterable[Path]) -> Iterator[None]:
                 stack.enter_context(locked(folder))
             yield
     except BusyError as busy:
-        hint = "run the command again when that one has ended"
-        raise EddiError(error("F012", str(busy), hint=hint)) from None
+        raise EddiError(problem("F012", reason=busy)) from None
 
 
 def lacks_answers(package: Path) -> EddiError:
     """Return what to say of a package that does not know what it was made of."""
-    message = f"this package lacks its {ANSWERS_FILE}, which says what it was made of"
-    hint = f"`git -C {package} checkout -- {ANSWERS_FILE}` brings it back; or move the folder away"
-    return EddiError(error("H012", message, Place(str(package)), hint))
+    return EddiError(
+        problem("H012.no_answers", Place(str(package)), answers=ANSWERS_FILE, package=package)
+    )
 
 
 def refuse_newer(packages: Iterable[Path]) -> None:
@@ -120,14 +117,14 @@ def refuse_newer(packages: Iterable[Path]) -> None:
     }
     newer = {package: version for package, version in made.items() if is_newer(version)}
     if newer:
-        hint = f"install eddi-scaffold {max(newer.values(), key=release)} or later, or add --force"
         raise EddiError(
             *(
-                error(
+                problem(
                     "T006",
-                    f"eddi-scaffold {version} made this package, and this one is {__version__}",
                     Place(str(package / ANSWERS_FILE)),
-                    hint,
+                    maker=version,
+                    present=__version__,
+                    newer=max(newer.values(), key=release),
                 )
                 for package, version in newer.items()
             )
@@ -146,15 +143,21 @@ def packages_root(platform: Platform, place: Path) -> Path:
     """
     expected = platform.workspace
     if expected is not None and not place.is_dir():
-        message = f"there is no such {expected.title}"
-        hint = f"mkdir -p {place}/{expected.sources}"
-        raise EddiError(error("G007", message, Place(str(place)), hint))
+        raise EddiError(
+            problem(
+                "G007.missing",
+                Place(str(place)),
+                kind=expected.title,
+                folder=place,
+                source=expected.sources,
+            )
+        )
     inside = expected is not None and place.resolve().name == expected.sources
     if expected is not None and inside and not (place / expected.sources).exists():
-        message = f"this is the `{expected.sources}` of a workspace"
         above = ".." if place == Path() else place.parent  # `.` has no parent
-        hint = f"name the folder above: -w {above}"
-        raise EddiError(error("G007", message, Place(str(place)), hint))
+        raise EddiError(
+            problem("G007.sources", Place(str(place)), sources=expected.sources, above=above)
+        )
     return root_below(place, platform.root)
 
 
@@ -170,9 +173,7 @@ def root_below(place: Path, name: str) -> Path:
     """
     root = place / name
     if not stays(place, root):
-        message = f"it leads out of the workspace {place}"
-        hint = "make it a folder, or name the workspace that it leads to"
-        raise EddiError(error("F011", message, Place(str(root)), hint))
+        raise EddiError(problem("F011.link", Place(str(root)), folder=place))
     return root
 
 

@@ -16,7 +16,7 @@ from pathlib import Path, PurePosixPath
 from shlex import quote
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Problem
@@ -211,6 +211,5 @@ def chosen(name: str) -> Platform:
     """
     if name not in platforms():
         known = ", ".join(platforms())
-        message = f"there is no platform {name!r}"
-        raise EddiError(error("G008", message, hint=f"platforms: {known}"))
+        raise EddiError(problem("G008.platform", name=name, known=known))
     return platforms()[name]

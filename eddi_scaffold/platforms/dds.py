@@ -11,7 +11,7 @@ from shlex import quote
 
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.common.problems import Place, Problem, error
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.compiling.parts import PEERS, runtime_parts_of
 from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
@@ -105,11 +105,11 @@ def definitions_of(
             if name in known:
                 found.setdefault(name, known[name])
                 continue
-            message = f"{name} is not known in ROS 2"
-            if name != type_:
-                message += f", and {type_} is made of it"
-            hint = "write its fields under MessageTypes, as the graph has them"
-            problems.append(error("K070", message, places.get(type_, Place()), hint))
+            place = places.get(type_, Place())
+            if name == type_:
+                problems.append(problem("K070.type", place, type=type_))
+            else:
+                problems.append(problem("K070.part", place, part=name, type=type_))
     written = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
         for name, fields in found.items()

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from eddi_scaffold import platforms
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.message_types import packages_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
@@ -82,8 +82,9 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     used = [*(one.output.topic for one in node.found), *(one.topic for one in node.heard)]
     for topic in dict.fromkeys([*used, *node.between_robots]):
         if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
-            message = f"{topic}: on ROS 2 no part of a name may begin with a digit"
-            yield error("K005", message, places.get(topic, node.config.place("Model")))
+            yield problem(
+                "K005.ros2_name", places.get(topic, node.config.place("Model")), key=topic
+            )
 
 
 def support_answers(monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:

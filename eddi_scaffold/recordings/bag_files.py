@@ -21,7 +21,7 @@ from rosbags.rosbag2.storage_mcap import McapReader, Schema
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import (
     FieldPath,
     FieldPathError,
@@ -208,12 +208,12 @@ def check_fields(
             shown = f"{source.type} in the bag"
             try:
                 of = resolve(path, source.type, known.get).type
-            except FieldPathError as problem:
-                yield error("I017", f"{shown}: {problem}", place, problem.hint)
+            except FieldPathError as failure:
+                yield problem("I017.value", place, hint=failure.hint, shown=shown, problem=failure)
                 continue
             if is_value and of is not None and not fits(of, binding.model.type):
                 message = f"{shown}: {path_text(path)!r} is a {of}"
-                yield error("I017", f"{message}, the input a {binding.model.type}", place)
+                yield problem("I017.value_type", place, message=message, type=binding.model.type)
 
 
 def _place(config: ConfigFile, index: int) -> Any:

@@ -20,11 +20,9 @@ from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
-    error,
     has_errors,
-    info,
     most_similar,
-    warning,
+    problem,
 )
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.message_types.ros2 import ros2_fields
@@ -124,8 +122,7 @@ def _start(bag: Any) -> int:
 def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> Iterator[Problem]:
     """Warn of a first message without a time, and of topics whose stamps jump back."""
     if is_cut:
-        message = "the first message has the time stamp 0, and is left out"
-        yield warning("I011", message, place, "it was recorded before the clock was set")
+        yield problem("I011.first_stamp", place)
     latest: dict[str, int] = {}
     back: dict[str, None] = {}
     for sample in samples:
@@ -135,9 +132,7 @@ def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> 
                 back[sample.topic] = None
             latest[sample.topic] = made
     if back:
-        message = f"the time in the messages of {', '.join(back)} jumps back"
-        hint = "was a simulation reset? Record each run by itself: a node forgets all at a jump"
-        yield warning("I011", message, place, hint)
+        yield problem("I011.jump", place, topic=", ".join(back))
 
 
 def _stamp(message: Any) -> int:
@@ -213,8 +208,7 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
     try:
         from eddi_scaffold.recordings.bag_files import Bag  # noqa: PLC0415 - an extra
     except ImportError:
-        hint = "`pipx inject eddi-scaffold rosbags`, or pip in its environment"
-        raise EddiError(error("I010", "rosbags is not installed", hint=hint)) from None
+        raise EddiError(problem("I010.rosbags")) from None
     place = Place(str(path))
     _refuse_special(path, place)
     advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
@@ -228,7 +222,7 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
         reason = " ".join(str(failed).split()) or type(failed).__name__
         if isinstance(failed, UnicodeDecodeError):
             reason = "it is damaged, or something else under the name of one"
-        raise EddiError(error("I011", f"cannot read the bag: {reason}", place, advice)) from None
+        raise EddiError(problem("I011.content", place, hint=advice, reason=reason)) from None
 
 
 def _repair(path: Path) -> str:
@@ -271,7 +265,7 @@ def _refuse_special(path: Path, place: Place) -> None:
             with open_regular(one) as stream:
                 note_input(stream.fileno())
     except (NotRegularError, FileNotFoundError) as special:
-        raise EddiError(error("I011", f"cannot read the bag: {special.strerror}", place)) from None
+        raise EddiError(problem("I011.system", place, reason=special.strerror)) from None
     except OSError:
         pass
 
@@ -302,22 +296,27 @@ def _absent(
     """
     lacking = {topic: of[0].source for topic, of in wanted.items() if topic not in topics}
     if not lacking:
-        return [info("I013", "every topic is there", place)]
+        return [problem("I013.all_topics", place)]
     hints = []
     for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
         alike = [name for name, of in topics.items() if of == source.type]
         near = most_similar(topic, alike) or most_similar(topic, topics)
         hints += [f"the bag has {near} ({topics[near]})"] if near else []
-    message = f"no message of {', '.join(one.topic for one in lacking.values())} in the bag"
-    return [warning("I013", message, place, ", ".join(dict.fromkeys(hints)) or None)]
+    return [
+        problem(
+            "I013.no_message",
+            place,
+            hint=", ".join(dict.fromkeys(hints)) or None,
+            lacking=", ".join(one.topic for one in lacking.values()),
+        )
+    ]
 
 
 def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
     """Report which topics are not taken from the bag (I018)."""
     if not topics:
         return []
-    message = f"{', '.join(sorted(topics))} is published by a monitor here, not taken from the bag"
-    return [info("I018", message, place)]
+    return [problem("I018.published", place, topics=", ".join(sorted(topics)))]
 
 
 def _wrong_types(
@@ -328,12 +327,9 @@ def _wrong_types(
         for one in wanted[_absolute(connection.topic)]:
             source, config = one.source, one.monitor.config
             if of != source.type and config is not None:
-                message = (
-                    f"{source.topic} is a {of} in the bag, the configuration declares {source.type}"
-                )
                 index = config.config.SimulatorOutputs.index(source)
                 place = config.place("SimulatorOutputs", index, "type")
-                yield error("I012", message, place, f"write `type: {of}` if the bag is right")
+                yield problem("I012.type", place, topic=source.topic, type=of, declared=source.type)
 
 
 def written_by_hand(monitor: BoundMonitor) -> list[str]:

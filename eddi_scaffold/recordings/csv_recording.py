@@ -18,9 +18,8 @@ from eddi_scaffold.common.problems import (
     Place,
     Problem,
     did_you_mean,
-    error,
     has_errors,
-    warning,
+    problem,
     with_excerpts,
 )
 
@@ -197,7 +196,7 @@ class _Reader:
     def read(self, lines: Sequence[str]) -> Recording:
         filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
         if not filled:
-            self._error("I001", "the file is empty: a header line with a column t is missing", 1, 1)
+            self._report("I001.empty", 1, 1)
             return Recording((), ())
         header, *rest = filled
         columns = self._columns(*header)
@@ -209,19 +208,24 @@ class _Reader:
                 rows.append(row)
                 last = row.t
         if not rest and not self._errors:
-            message = "there are no rows below the header: nothing can be played"
-            self._error("I015", message, header[0], 1)
+            self._report("I015.no_rows", header[0], 1)
         if self._errors > MAX_PROBLEMS:
-            message = f"... and {self._errors - MAX_PROBLEMS} more problems from here on"
-            self.problems.append(error("I009", message, Place(self._file, self._cut)))
+            self.problems.append(
+                problem(
+                    "I009.more", Place(self._file, self._cut), number=self._errors - MAX_PROBLEMS
+                )
+            )
         time_at = columns.index(TIME) if TIME in columns else -1
         inputs = tuple(name for k, name in enumerate(columns) if k != time_at)
         return Recording(inputs, tuple(rows))
 
-    def _error(self, code: str, message: str, line: int, col: int, hint: str | None = None) -> None:
+    def _report(
+        self, case: str, line: int, col: int, /, *, hint: str | None = None, **fields: object
+    ) -> None:
         self._errors += 1
         if self._errors <= MAX_PROBLEMS:
-            self.problems.append(error(code, message, Place(self._file, line, col), hint))
+            place = Place(self._file, line, col)
+            self.problems.append(problem(case, place, hint=hint, **fields))
         else:
             self._cut = self._cut or line
 
@@ -231,8 +235,13 @@ class _Reader:
         names = tuple(cell.text for cell in cells)
         other = next((mark for mark in _OTHER_MARKS if mark in line), None)
         if len(names) == 1 and other is not None:
-            message = f"cells are separated by {_OTHER_MARKS[other]}, commas are expected"
-            self._error("I001", message, number, line.index(other) + 1, _POINT)
+            self._report(
+                "I001.separator",
+                number,
+                line.index(other) + 1,
+                hint=_POINT,
+                actual=_OTHER_MARKS[other],
+            )
             return ()
         times = (
             one for one in cells if one.text.casefold() in _TIMES and one.text not in self._types
@@ -241,7 +250,7 @@ class _Reader:
         if TIME not in names:
             at = meant.col if meant is not None else 1
             hint = f"write t in place of {meant.text}" if meant is not None else None
-            self._error("I001", "the header has no column t (time in seconds)", number, at, hint)
+            self._report("I001.no_time", number, at, hint=hint)
         time_at = names.index(TIME) if TIME in names else -1
         seen: set[str] = set()
         others: Mapping[str, str] | None = None
@@ -249,17 +258,18 @@ class _Reader:
             if k == time_at or cell is meant:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
-                self._error("I002", f"the column {cell.text!r} is repeated", number, cell.col)
+                self._report("I002.duplicate_column", number, cell.col, column=cell.text)
             elif cell.text not in self._types:
                 others = self._others() if others is None else others
                 hint = others.get(cell.text) or did_you_mean(cell.text, self._types)
                 hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
-                self._error("I003", f"no input has the id {cell.text!r}", number, cell.col, hint)
+                self._report("I003.unknown_column", number, cell.col, hint=hint, column=cell.text)
             seen.add(cell.text)
         for name in self._types:
             if name not in seen:
-                message = f"there is no column for the input {name!r}: it never gets a sample"
-                self.problems.append(warning("I004", message, Place(self._file, number, 1)))
+                self.problems.append(
+                    problem("I004.no_column", Place(self._file, number, 1), name=name)
+                )
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
@@ -267,9 +277,10 @@ class _Reader:
         cells = self._cells(number, line)
         if len(cells) != len(columns):
             if self._errors == before:
-                message = f"{len(cells)} cells, but the header has {len(columns)} columns"
                 hint = _POINT if len(cells) > len(columns) else None
-                self._error("I005", message, number, 1, hint)
+                self._report(
+                    "I005.cells", number, 1, hint=hint, actual=len(cells), expected=len(columns)
+                )
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)
@@ -283,25 +294,27 @@ class _Reader:
     def _time(self, cell: _Cell, number: int, last: float) -> float | None:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
-            message = f"the time {cell.text!r} is not a number of seconds"
-            self._error("I007", message, number, cell.col, _hint(cell))
+            self._report("I007.time", number, cell.col, hint=_hint(cell), cell=cell.text)
             return None
         if abs(t) > MAX_TIME:
-            message = f"the time {cell.text} is out of range: at most 9e9 seconds"
-            hint = "t is in seconds, not in milliseconds or nanoseconds"
-            self._error("I007", message, number, cell.col, hint)
+            self._report("I007.time_range", number, cell.col, cell=cell.text)
             return None
         if t <= last:
-            message = f"the time {cell.text} is not after the previous one, {last:g}"
-            self._error("I008", message, number, cell.col)
+            self._report("I008.time_order", number, cell.col, cell=cell.text, last=last)
             return None
         return t
 
     def _value(self, cell: _Cell, number: int, wanted: InputType) -> JsonValue:
         value = _converted(cell.text, wanted)
         if value is None:
-            message = f"cannot read {cell.text!r}: expected {_EXPECTED[wanted]}"
-            self._error("I006", message, number, cell.col, _hint(cell))
+            self._report(
+                "I006.cell",
+                number,
+                cell.col,
+                hint=_hint(cell),
+                cell=cell.text,
+                expected=_EXPECTED[wanted],
+            )
         return value
 
     def _cells(self, number: int, line: str) -> list[_Cell]:
@@ -320,9 +333,7 @@ class _Reader:
         while True:
             match = pattern.match(line, position)
             if match is None:
-                hint = 'a quote inside is written twice (""), a cell ends on its line'
-                message = "this quoted cell is not closed properly"
-                self._error("I009", message, number, position + 1, hint)
+                self._report("I009.quote", number, position + 1)
                 return []
             quoted, plain, end = match.groups()
             if quoted is None:

@@ -19,7 +19,7 @@ from eddi_runtime.plain_values import one_line
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import is_package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.message_types import known_messages, python_type
 from eddi_scaffold.config.schema import SimulatorOutput
@@ -94,8 +94,7 @@ class Packaged:
         if not left:
             return []
         message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
-        hint = "use --bag, or test them: docs/how-to/test-a-body.md"
-        return [warning("I021", f"{message}: they are not used", hint=hint)]
+        return [problem("I021.bodies", message=message)]
 
     def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
         """Warn of the first exception of each hand-written method when it was raised (I023)."""
@@ -114,8 +113,7 @@ class Packaged:
         if own:
             path, line = own[-1]
             place = Place(str(self.folder / path.relative_to(root)), line)
-        message = f"the hand-written lines of {name} raise, first at {t:.3f} s: {reason}"
-        return warning("I023", message, place, "the input is unknown then, on the robot as well")
+        return problem("I023.raises", place, name=name, time=t, reason=reason)
 
     def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
         name = binding.attribute
@@ -170,17 +168,14 @@ def load(folder: Path) -> Packaged:
         by_hand = frozenset(i.id for i in facts.inputs if f"process_{i.attribute}" in edited)
         monitor = _remembered(folder, answers, config, facts, by_hand)
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
-        hint = f"name a folder with EDDIMonitor.py below it; {ANSWERS_FILE} must be whole"
-        message = "this is not a package of a monitor"
-        raise EddiError(error("I020", message, place, hint)) from None
+        raise EddiError(problem("I020.package", place, answers=ANSWERS_FILE)) from None
     if not isinstance(name, str) or not is_package_name(name):
-        raise EddiError(error("I020", f"{name!r} cannot be the name of a package", place))
+        raise EddiError(problem("I020.name", place, name=name))
     try:
         new = _loaded(folder.resolve(), name)
         new()
-    except Exception as problem:  # noqa: BLE001 - whatever hand-written code raises
-        message = f"its code cannot be loaded: {one_line(problem)}"
-        raise EddiError(error("I020", message, place)) from None
+    except Exception as failure:  # noqa: BLE001 - whatever hand-written code raises
+        raise EddiError(problem("I020.code", place, reason=one_line(failure))) from None
     return Packaged(monitor, by_hand, new, folder)
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
 from eddi_scaffold.recordings.csv_recording import Tape
 from eddi_scaffold.recordings.messages import Publications
@@ -70,9 +70,7 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
             )
             first, same = owners.setdefault(id_, (monitor.id, meaning))
             if same != meaning:
-                message = f"{id_!r} of {first} and of {monitor.id} would be one column"
-                hint = "run one configuration alone, or use --bag, which knows topics"
-                raise EddiError(error("G020", message, hint=hint))
+                raise EddiError(problem("G020.one_column", id=id_, first=first, monitor=monitor.id))
             found[id_] = input_.model.type
     return found
 
@@ -93,8 +91,7 @@ def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Ite
         if sample.message > most:
             told.add(sample.topic)
             message = f"{sample.topic!r} is {sample.message:g} {unit} at {sample.t / SECOND:.3f} s"
-            hint = f"all is {most:g} {unit}: is the recording in another unit?"
-            yield warning("I024", f"{message}, which is more than all", Place(file), hint)
+            yield problem("I024.more_than_all", Place(file), message=message, most=most, unit=unit)
 
 
 def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:

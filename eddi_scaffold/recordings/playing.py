@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.recordings.csv_recording import Tape
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
@@ -131,8 +131,7 @@ def play(parts: Sequence[PlayedMonitor], tape: Tape) -> Playback:
     most = max(_count(part.rhythm, tape) for part in parts)
     if most > MAX_STEPS:
         seconds = (tape.end - tape.start) / 1e9
-        message = f"the recording is {seconds:,.0f} s long, which is {most:,.0f} steps"
-        raise EddiError(error("I019", message, hint="see column t, or use --steps rows"))
+        raise EddiError(problem("I019", length=seconds, most=most))
     for part in parts:
         part.running.reset()
     return _Player(parts, tape).steps()

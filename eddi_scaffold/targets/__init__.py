@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.targets.c import c_files
 from eddi_scaffold.targets.monitor_model import StandaloneMonitor
 from eddi_scaffold.targets.python import python_module
@@ -28,7 +28,5 @@ def printed(model: StandaloneMonitor, target: Target) -> dict[str, str]:
     inputs = [model.sampling.inputs[one] for one in sorted(used)]
     lists = [input_.name for input_ in inputs if input_.list or input_.type == "text"]
     if target == "c" and lists:
-        message = f"the target c takes neither lists nor texts yet: {', '.join(lists)}"
-        hint = "--target python, or give the reduced value as a variable: VAR nearest : NUMBER"
-        raise EddiError(error("E026", message, hint=hint))
+        raise EddiError(problem("E026.lists", lists=", ".join(lists)))
     return _PRINTERS[target](model)

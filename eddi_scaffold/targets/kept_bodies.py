@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.common.files import inputs_noted, read_source
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.marked_file import MarkedFile, parse
 from eddi_scaffold.regions.markers import Style, begin_marker, end_marker
 
@@ -57,8 +57,7 @@ def keep_regions(new: str, old: str, name: str) -> Kept:
         EddiError: the file is not ours (E020), or its markers are broken (E021).
     """
     if HEADER not in "\n".join(old.split("\n")[:5]):
-        message = "the file was not made by this command: it is not overwritten"
-        raise EddiError(error("E020", message, Place(name), "choose another --output or --name"))
+        raise EddiError(problem("E020.exists", Place(name)))
     before, after = _parsed(old, name), _parsed(new, name)
     parts = []
     for part in after.parts:
@@ -80,7 +79,10 @@ def _parsed(text: str, name: str) -> MarkedFile:
     document, faults = parse(_C_MARKER.sub(r"\1#  ", text))
     if faults:
         message = "the markers of its editable regions are broken"
-        problems = [error("E021", f"{message}: {f.reason}", Place(name, f.line)) for f in faults]
+        problems = [
+            problem("E021.unreadable", Place(name, f.line), file=message, reason=f.reason)
+            for f in faults
+        ]
         raise EddiError(*problems)
     return document
 
@@ -120,4 +122,4 @@ def _text(path: Path) -> str:
         with inputs_noted():  # an output of the run before, and of this one
             return read_source(path).data.decode("utf-8")
     except UnicodeDecodeError:
-        raise EddiError(error("E021", "the file is not UTF-8 text", Place(str(path)))) from None
+        raise EddiError(problem("E021.encoding", Place(str(path)))) from None

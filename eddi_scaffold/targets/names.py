@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Iterable
 
 from eddi_scaffold.common.identifiers import RESERVED
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 
 _C_WORDS = frozenset(
     re.findall(
@@ -64,8 +64,7 @@ def check_module_name(name: str) -> None:
         if name == _plain_word(name)
         else "lower-case ASCII letters, digits and single underscores are expected"
     )
-    message = f"files and functions cannot begin with {name!r}: {why}"
-    raise EddiError(error("E025", message, hint=f"--name {usable}"))
+    raise EddiError(problem("E025.unusable_name", name=name, reason=why, usable=usable))
 
 
 def _plain_word(name: str) -> str:

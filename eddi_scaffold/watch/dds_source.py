@@ -26,7 +26,7 @@ from eddi_runtime.transports.dds.graph import discovery_types, reading
 from eddi_runtime.transports.dds.messages import message_classes
 from eddi_runtime.transports.dds.node import ros_type
 
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.message_types.ros2 import ros2_fields, ros2_messages
 from eddi_scaffold.platforms.dds import with_parts
@@ -94,8 +94,8 @@ class DdsGraphs:
         try:
             found = [message for domain in self._domains for message in domain.receive(wait)]
             self._notes = tuple(note for domain in self._domains for note in domain.notes())
-        except Exception as problem:  # noqa: BLE001 - whatever a driver raises
-            self._trouble = (f"dds: {type(problem).__name__}: {problem}",)
+        except Exception as failure:  # noqa: BLE001 - whatever a driver raises
+            self._trouble = (f"dds: {type(failure).__name__}: {failure}",)
             time.sleep(_WAIT_S)
             return
         if found:
@@ -126,9 +126,8 @@ class _Domain:
     def __init__(self, domain: int, prefix: str) -> None:
         try:
             self._participant: Any = DomainParticipant(domain)
-        except DDSException as problem:
-            text = f"no participant in domain {domain}: {problem}"
-            raise EddiError(error("V004", text, hint="see --domain and CYCLONEDDS_URI")) from None
+        except DDSException as failure:
+            raise EddiError(problem("V004.domain", domain=domain, reason=failure)) from None
         self._shown = prefix
         self._known: Any = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
         self._gone = ReadCondition(

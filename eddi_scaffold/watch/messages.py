@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from eddi_scaffold.common.claims import Listen
 from eddi_scaffold.common.escaping import one_line
-from eddi_scaffold.common.problems import EddiError, error
+from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 
@@ -123,9 +123,7 @@ def wanted_robots(words: Sequence[str]) -> dict[str, str]:
         name, equals, namespace = word.partition("=")
         namespace = (namespace if equals else f"/{name.strip('/')}").rstrip("/") or "/"
         if not name or not namespace.startswith("/"):
-            hint = "such as `--robot robot1`, or `--robot arm=/cell/arm`"
-            message = f"--robot {word}: NAME or NAME=/namespace is expected"
-            raise EddiError(error("V001", message, hint=hint))
+            raise EddiError(problem("V001.robot", value=word))
         found[namespace] = name if equals else namespace
     return found
 

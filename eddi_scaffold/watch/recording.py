@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.identifiers import full_topic
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.recordings.bags import opened
 from eddi_scaffold.watch.messages import Message, is_watched
 
@@ -48,9 +48,7 @@ class Recording:
         types = {one.id: one.msgtype.replace("/msg/", "/") for one in _all(reader)}
         found = [one for one in _all(reader) if is_watched(names[one.id], types[one.id])]
         if not any(not names[one.id].startswith("/diagnostics") for one in found):
-            hint = "record the topics `<topic>/status` too, or compute verdicts: run --bag"
-            message = "no monitor's verdicts are in the bag"
-            raise EddiError(error("V002", message, self._place, hint))
+            raise EddiError(problem("V002", self._place))
         return self._each(reader, found, names, types)
 
     def _each(self, reader: Any, found: Any, names: Any, types: Any) -> Iterator[Message]:

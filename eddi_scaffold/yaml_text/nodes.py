@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, info
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.yaml_text.scalars import (
     MAX_DIGITS,
     Items,
@@ -91,16 +91,15 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         understood at all, and present when only keys are repeated (which is an error too).
     """
     if len(source.data) > MAX_BYTES:
-        message = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
-        return None, [error(code, message, Place(source.name))]
+        reason = f"the file has {len(source.data)} bytes, more than the limit of {MAX_BYTES}"
+        return None, [problem(f"{code}.yaml", Place(source.name), reason=reason)]
     try:
         text = source.text(code)
     except EddiError as refused:
         return None, list(refused.problems)
     node, problems = _Composer(source.name, code, text).compose()
     if _IS_SLOW and len(source.data) > _LARGE:
-        message = "PyYAML has no C loader on this machine: reading takes ten times as long"
-        problems.append(info(code, message, Place(source.name)))
+        problems.append(problem("F003.slow_yaml", Place(source.name)))
     return node, problems
 
 
@@ -108,8 +107,8 @@ def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
     """Read the one document of a YAML file whose top level must be a map."""
     node, problems = read_document(source, code)
     if node is not None and not isinstance(node, Map):
-        message = f"the top level must be a map, not {describe(node)}"
-        return None, [*problems, error(code, message, node.place)]
+        reason = f"the top level must be a map, not {describe(node)}"
+        return None, [*problems, problem(f"{code}.yaml", node.place, reason=reason)]
     return node, problems
 
 
@@ -262,16 +261,16 @@ class _Composer:
             return None, self.problems
         return self.roots[0], self.problems
 
-    def _report(self, message: str, place: Place, hint: str | None = None) -> None:
-        self.problems.append(error(self.code, message, place, hint))
+    def _report(self, reason: str, place: Place, hint: str | None = None) -> None:
+        self.problems.append(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
 
     def _events(self) -> Iterator[Any]:
         try:
             yield from yaml.parse(self.text, Loader=_FAST_LOADER)
-        except yaml.MarkedYAMLError as problem:
-            mark = problem.problem_mark or problem.context_mark
+        except yaml.MarkedYAMLError as failure:
+            mark = failure.problem_mark or failure.context_mark
             place = Place(self.name) if mark is None else self._place(mark)
-            if "maximum nesting depth" in (problem.problem or ""):  # the parser's own, 1000
+            if "maximum nesting depth" in (failure.problem or ""):  # the parser's own, 1000
                 raise _Stop(_TOO_DEEP, place) from None
             conflict = self._conflict(mark.line) if mark is not None else None
             if conflict is not None:
@@ -280,14 +279,14 @@ class _Composer:
             if mark is not None and self._has_tab(mark.line):
                 message = "this is not YAML: a tab indents this line"
                 raise _Stop(message, place, "indent with spaces") from None
-            parts = [part for part in (problem.context, problem.problem) if part]
-            hint = None if mark is None else self._quotes(problem.context or "", mark.line)
-            if problem.problem == _NO_COLON and problem.context_mark:
-                place = self._place(problem.context_mark)  # of the key; the other is below it
-            hint = hint or _hint(problem.problem or "")
+            parts = [part for part in (failure.context, failure.problem) if part]
+            hint = None if mark is None else self._quotes(failure.context or "", mark.line)
+            if failure.problem == _NO_COLON and failure.context_mark:
+                place = self._place(failure.context_mark)  # of the key; the other is below it
+            hint = hint or _hint(failure.problem or "")
             raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
-        except yaml.reader.ReaderError as problem:
-            raise _Stop(*self._unreadable(problem)) from None
+        except yaml.reader.ReaderError as failure:
+            raise _Stop(*self._unreadable(failure)) from None
 
     def _has_tab(self, line: int) -> bool:
         """Return whether a line, counted from 0, is indented with a tab."""

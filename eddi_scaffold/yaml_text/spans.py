@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 
 _COMMENT = re.compile(r"(?:^|(?<=\s))#")
 
@@ -68,16 +68,16 @@ def spans(text: str, name: str) -> Span | None:
     """
     try:
         return _root(text)
-    except yaml.MarkedYAMLError as problem:
-        mark = problem.problem_mark or problem.context_mark
+    except yaml.MarkedYAMLError as failure:
+        mark = failure.problem_mark or failure.context_mark
         place = Place(name) if mark is None else Place(name, mark.line + 1, mark.column + 1)
-        message = f"not every reader of YAML accepts this: {problem.problem}"
-        raise EddiError(error("K001", message, place, "put the text in quotes")) from None
-    except yaml.reader.ReaderError as problem:
-        before = text[: problem.position].split("\n")
+        raise EddiError(problem("K001.readers", place, reason=failure.problem)) from None
+    except yaml.reader.ReaderError as failure:
+        before = text[: failure.position].split("\n")
         place = Place(name, len(before), len(before[-1]) + 1)
-        message = f"the character {chr(problem.character)!r} cannot stand in YAML"
-        raise EddiError(error("K001", message, place, "remove it")) from None
+        raise EddiError(
+            problem("K001.character", place, character=chr(failure.character))
+        ) from None
 
 
 def _root(text: str) -> Span | None:

@@ -18,7 +18,7 @@ from eddi_scaffold.cli import exit_status
 from eddi_scaffold.packages.examples import names
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import ROOT, Result, example, files_below, run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 pytestmark = pytest.mark.slow
 
@@ -468,7 +468,7 @@ def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
     with Path("/dev/full").open("wb") as full:
         result = finished("show", MODEL, cwd=folder, stdout=full)
     assert result.status == 2
-    assert_example("F007", result.err)
+    assert_reported("F007", result.err)
 
 
 @pytest.mark.parametrize(
@@ -547,7 +547,7 @@ def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", refuse)
     result = run("check", MODEL, cwd=folder)
     assert result.status == 2
-    assert_example("F006", result.err)
+    assert_reported("F006", result.err)
 
 
 def test_a_bug_is_one_line_unless_more_is_asked(

@@ -11,25 +11,34 @@ from eddi_scaffold.common.catalogue import find
 from tests.cli.command import Result, run
 
 
-@pytest.mark.parametrize("code", ["D002", "d002"])
+@pytest.mark.parametrize("code", ["D004", "d004"])
 def test_a_code_in_words(code: str, tmp_path: Path) -> None:
     result = run("explain", code, cwd=tmp_path)
-    found = find("D002")
-    assert found is not None
+    diagnostic = find("D004")
+    assert diagnostic is not None
     assert (result.status, result.err) == (0, "")
-    head, why, what_to_do, title, example = result.out.rstrip("\n").split("\n\n")
-    assert head == "D002: a hazard where true is good (error)"
-    assert why.replace("\n", " ") == found.why
-    assert what_to_do.replace("\n", " ") == f"What to do: {found.what_to_do}"
-    assert title == "Example:"
-    assert "\n".join(line[4:] for line in example.split("\n")) == found.example
+    head, why, fix, title, texts = result.out.rstrip("\n").split("\n\n")
+    assert head == f"D004: {diagnostic.title} (error)"
+    assert why.replace("\n", " ") == diagnostic.why
+    assert fix.replace("\n", " ") == f"What to do: {diagnostic.fix}"
+    assert title == "Printed as:"
+    assert texts.split("\n")[:2] == [
+        "  error: demand INPUT is not fulfilled: REASON",
+        "    hint: `eddi-scaffold compose` shows which guarantees would",
+    ]
 
 
 def test_a_code_for_programs(tmp_path: Path) -> None:
     result = run("explain", "K006", "--json", cwd=tmp_path)
-    found = json.loads(result.out)
-    assert list(found) == ["code", "title", "levels", "why", "what_to_do", "example"]
-    assert (found["code"], found["levels"]) == ("K006", ["error", "warning"])
+    shown = json.loads(result.out)
+    assert list(shown) == ["code", "title", "levels", "why", "fix", "absorbed", "cases"]
+    assert (shown["code"], shown["levels"]) == ("K006", ["error", "warning"])
+    assert shown["cases"][0] == {
+        "case": "one_name",
+        "level": "error",
+        "text": "{first!r} and {second!r} are both {name!r} in expressions",
+        "hint": None,
+    }
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.yaml_text.writer import dump_plain
 from tests.cli.command import EXAMPLE
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 
 def read(text: str) -> ConfigFile:
@@ -194,4 +194,4 @@ def test_a_remembered_configuration_names_no_files_any_more() -> None:
         assert [problem.code for problem in refused.value.problems] == ["K033"]
     with pytest.raises(EddiError) as refused:
         again.read("safeml_config.yml")
-    assert_example("K033", refused.value.problems)
+    assert_reported("K033", refused.value.problems)

@@ -22,7 +22,7 @@ from eddi_scaffold.watch.dds_source import DdsGraphs
 from eddi_scaffold.watch.fleet import FleetState
 from tests.cli.command import ROOT, run
 from tests.contract.stages import DdsStage, environment, free_domain
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 BOOL = "std_msgs/Bool"
 
@@ -97,7 +97,7 @@ def test_without_the_wheel_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "eddi_scaffold.watch.dds_source", None)
     result = run("watch", "--text", "--domain", "3", cwd=tmp_path)
     assert result.status == 2
-    assert_example("V004", result.err)
+    assert_reported("V004", result.err)
 
 
 def named(participant, writer, node, size):

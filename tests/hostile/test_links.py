@@ -14,7 +14,7 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.transaction import FileState, write
 from eddi_scaffold.regions.__main__ import main as regions_tool
 from tests.cli.command import Result, example, run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 from tests.hostile import special
 from tests.hostile.watch import look
 
@@ -233,7 +233,7 @@ def test_a_workspace_whose_folders_lie_elsewhere(tmp_path: Path, outside: Path, 
     for command in (CATKIN, ("upgrade", "-w", "ws"), ("status", "-w", "ws")):
         result = run(*command, cwd=folder)
         assert result.status == 2
-        assert_example("F011", result.err)
+        assert_reported("F011", result.err)
     assert look(outside) == before
 
 

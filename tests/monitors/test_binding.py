@@ -15,7 +15,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import EXAMPLE
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 KIND = kinds()["consert"]
 SPEED = """---
@@ -150,7 +150,7 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     kind = dataclasses.replace(KIND, load=lambda: functions)
     monitor, problems = monitor_of(model, kind, None)
     assert monitor is None
-    assert_example("K025", problems)
+    assert_reported("K025", problems)
 
 
 def test_the_example_needs_no_hand_written_line() -> None:

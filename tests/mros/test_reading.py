@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
+from eddi_scaffold.mros.interface_definitions import noticed
 from eddi_scaffold.mros.show import failure_json, model_json, system_json
 from tests.data_files import data_file
 from tests.mros.words import as_word
@@ -46,7 +47,8 @@ def test_the_errors_of_damaged_texts() -> None:
         read = read_rossystem if case["file"] == "rossystem" else read_ros_models
         try:
             notices = read(case["text"], "damaged").notices
-            place, message = (notices[0].line, notices[0].col), notices[0].message
+            problem = next(noticed(notices, "damaged"))
+            place, message = (problem.place.line, problem.place.col), problem.message
         except MrosSyntaxError as failed:
             place, message = (failed.line, failed.col), failed.message
             lines = [*case["text"].split("\n"), ""]
@@ -152,11 +154,11 @@ def test_unknown_keys_are_warnings_and_misspelt_ones_errors() -> None:
     text = "demo:\n  colour: red\n  node:\n    a:\n      from: 'p.n'\n"
     system = read_rossystem(text)
     assert system.components == ()
-    assert [(one.code, one.line) for one in system.notices] == [
+    assert [(one.case[:4], one.line) for one in system.notices] == [
         ("M005", 2),
         ("M006", 3),
     ]
-    assert "did you mean 'nodes'" in system.notices[1].message
+    assert system.notices[1].fields["meant"] == "nodes"
 
 
 MODEL = """PackageSet { CatkinPackage p {
@@ -186,21 +188,21 @@ def test_brace_model() -> None:
         ("publisher", "message", "p.T"),
         ("actionserver", "action", "p.Go"),
     ]
-    assert [(one.code, one.line, one.col) for one in model.notices] == [("M004", 6, 74)]
+    assert [(one.case, one.line, one.col) for one in model.notices] == [("M004.brace", 6, 74)]
 
 
 @pytest.mark.parametrize(
-    ("text", "code", "why"),
+    ("text", "case", "why"),
     [
-        ('<?xml version="1.0"?><x/>', "M003", "xmi"),
-        ("---\nmy:\n  systems:\n    a:\n", "M003", "rossdl"),
-        ("  // nothing\n/* at all */ # here\n", "M002", ""),
+        ('<?xml version="1.0"?><x/>', "M003.foreign", "xmi"),
+        ("---\nmy:\n  systems:\n    a:\n", "M003.foreign", "rossdl"),
+        ("  // nothing\n/* at all */ # here\n", "M002.empty", ""),
     ],
 )
-def test_what_is_something_else_is_said_by_name(text: str, code: str, why: str) -> None:
+def test_what_is_something_else_is_said_by_name(text: str, case: str, why: str) -> None:
     with pytest.raises(MrosSyntaxError) as refused:
         read_rossystem(text)
-    assert (refused.value.code, refused.value.format) == (code, why)
+    assert (refused.value.case, refused.value.format) == (case, why)
 
 
 def test_bytes_that_are_no_text() -> None:

@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.renaming import read_renames
 from tests.cli.command import example, files_below, run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 from tests.updates.inputs import inputs_of, write_inputs
 from tests.updates.templates import git
 
@@ -168,7 +168,7 @@ def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
     result = run(*RENAME, cwd=folder)
     assert result.status == 2
     assert "something in it was written by hand" in result.err
-    assert_example("G025", result.err)
+    assert_reported("G025", result.err)
 
 
 def test_what_is_written_meanwhile_into_the_folder_that_makes_room_stays(folder: Path) -> None:

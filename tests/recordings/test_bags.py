@@ -16,7 +16,7 @@ import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from tests.cli.command import ROOT, example, run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
 
@@ -159,7 +159,7 @@ def test_a_topic_without_messages_is_said(folder: Path) -> None:
         cwd=folder,
     )
     assert result.status == 0
-    assert_example("I013", result.err)
+    assert_reported("I013", result.err)
     assert result.out.splitlines()[-1] == "0.2,true,false"
 
 
@@ -183,7 +183,7 @@ def test_a_topic_of_another_type(folder: Path) -> None:
         *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
     )
     assert result.status == 2
-    assert_example("I012", result.err)
+    assert_reported("I012", result.err)
 
 
 def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
@@ -196,7 +196,7 @@ def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
         *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--csv"),
         cwd=folder,
     )
-    assert_example("I014", result.err)
+    assert_reported("I014", result.err)
     assert result.out.splitlines()[-1] == "0.2,true,false"
 
 
@@ -210,7 +210,7 @@ def test_without_the_extra_it_says_what_to_install(
         *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
     )
     assert result.status == 2
-    assert_example("I010", result.err)
+    assert_reported("I010", result.err)
 
 
 OLDER = {"robot_msgs/msg/Battery": "float32 volts\nbool charging\nfloat32[] cells\n"}
@@ -279,7 +279,7 @@ def test_the_definitions_of_the_bag_are_the_ones_that_count(
 
 def test_the_definitions_of_the_bag_are_told(tmp_path: Path) -> None:
     text = "requires: [battery], field: charged"
-    assert_example("I017", battery(tmp_path, "voltage: float32, charged: bool", text).err)
+    assert_reported("I017", battery(tmp_path, "voltage: float32, charged: bool", text).err)
 
 
 @pytest.mark.parametrize(
@@ -355,7 +355,7 @@ def test_what_a_monitor_here_publishes_is_not_taken_from_the_bag(folder: Path) -
     rows = [healthy(0, True), evidence_b(0, False), demand(0, True), healthy(0.2, True)]
     written(folder / "a.bag", rows)
     result = run("run", *BOTH, "--bag", "a.bag", "--json", "-v", cwd=folder)
-    assert_example("I018", result.err)
+    assert_reported("I018", result.err)
     steps = [json.loads(line) for line in result.out.splitlines()]
     assert [(step["t"], step["monitor"]) for step in steps] == [
         (t, name) for t in (0.0, 0.1, 0.2) for name in ("ConSertB", "ConSertA")

@@ -1,37 +1,44 @@
-"""What each diagnostic means, why it matters and what to do: the registry behind ``explain``.
+"""What each diagnostic says and means: the only place of these texts.
 
-The texts are in ``areas/*.md``, one file for the codes of one letter, edited by hand::
+A file for the codes of each letter, ``K.toml``. A code has a table with its ``title``, ``why`` it
+matters and what helps (``fix``); what is printed stands in a table for each case, or in that of
+the code where it has one case only::
 
-    # K: Configurations
+    [K029]
+    title = "an age limit that cannot work"
+    why = "The value counts as known long after its source died."
+    fix = "write the limit in seconds"
+    absorbed = ["K082"]        # codes of before that mean this one
 
-    What the codes of this letter are about.
+    [K029.long]
+    level = "warning"
+    text = "{source!r} counts as known for {limit:g} s after its source has died"
+    hint = "write {seconds:g} if {limit:g} ms are meant"
 
-    ## K002 unknown key
-
-    *warning*
-
-    Why it matters.
-
-    What to do: what helps.
-
-        what is printed, word for word (`script/diagnostics.py` fills it in)
+A call names the case, and gives the fields of its text and its hint:
+``problem("K029.long", place, source=..., limit=..., seconds=...)``.
 """
 
 from __future__ import annotations
 
 import difflib
 import re
+import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import cast
+from typing import Any, Literal, NamedTuple, get_args
 
-from eddi_scaffold.common.problems import Level
+Level = Literal["error", "warning", "info"]
+FOLDER = Path(__file__).parent
 
-AREAS = Path(__file__).with_name("areas")
-_SECTION = re.compile(
-    r"([A-Z]\d{3}) (.+)\n\n\*(.+)\*\n\n((?:.+\n)+)\nWhat to do: ((?:.+\n)+)((?: {4}.+\n|\n)*)"
-)
+
+class Case(NamedTuple):
+    """What is printed: a level, and templates of a text and of a hint."""
+
+    level: Level
+    text: str
+    hint: str | None
 
 
 @dataclass(frozen=True)
@@ -41,87 +48,115 @@ class Diagnostic:
     Attributes:
         code: the letter of its area, and three digits.
         title: a few words.
-        levels: with which it can come.
         why: why it matters.
-        what_to_do: what helps.
-        example: lines as they are printed, from a test.
+        fix: what helps.
+        cases: name -> what is printed; the name is empty where there is one case only.
+        absorbed: codes of before that mean this one.
     """
 
     code: str
     title: str
-    levels: tuple[Level, ...]
     why: str
-    what_to_do: str
-    example: str
+    fix: str
+    cases: dict[str, Case]
+    absorbed: tuple[str, ...]
+
+    @property
+    def levels(self) -> list[Level]:
+        """With which it can come, the worst first."""
+        levels = {case.level for case in self.cases.values()}
+        return [level for level in get_args(Level) if level in levels]
+
+    def as_json(self) -> dict[str, object]:
+        """Return all of it for programs."""
+        return {
+            "code": self.code,
+            "title": self.title,
+            "levels": self.levels,
+            "why": self.why,
+            "fix": self.fix,
+            "absorbed": self.absorbed,
+            "cases": [{"case": name, **case._asdict()} for name, case in self.cases.items()],
+        }
+
+    def shown(self) -> list[str]:
+        """Return the lines of what is printed, with the names of fields in capitals."""
+        lines = []
+        for case in self.cases.values():
+            lines.append(f"  {case.level}: {_FIELD.sub(_capitals, case.text)}")
+            lines += [f"    hint: {_FIELD.sub(_capitals, case.hint)}"] if case.hint else []
+        return lines
 
 
-@dataclass(frozen=True)
-class Area:
-    """The codes of one letter.
+_FIELD = re.compile(r"\{(\w+)[^{}]*\}|\{\{|\}\}")
 
-    Attributes:
-        letter: with which they begin.
-        title: what they are about, in a few words.
-        about: the same in sentences.
-        diagnostics: in the order of their codes.
-    """
+
+def _capitals(match: re.Match[str]) -> str:
+    return match[1].upper() if match[1] else match[0][0]
+
+
+class Area(NamedTuple):
+    """The codes of one letter, and what they are about."""
 
     letter: str
     title: str
     about: str
-    diagnostics: tuple[Diagnostic, ...]
+    diagnostics: dict[str, Diagnostic]
 
 
 @cache
-def areas() -> tuple[Area, ...]:
-    """Return all areas, in the order of their letters."""
-    return tuple(parse_area(path.read_text("utf-8")) for path in sorted(AREAS.glob("*.md")))
+def area(letter: str) -> Area:
+    """Return the codes of one letter: a command loads only the areas of its problems."""
+    if sys.version_info >= (3, 11):
+        import tomllib  # noqa: PLC0415
+    else:
+        import tomli as tomllib  # noqa: PLC0415
 
-
-def parse_area(text: str) -> Area:
-    """Return the area that one file describes.
-
-    Raises:
-        ValueError: the file has not the form that the docstring of this module shows.
-    """
-    head, *sections = re.split(r"(?m)^## ", text)
-    match = re.fullmatch(r"# ([A-Z]): (.+)\n\n(.+)", head.strip(), re.DOTALL)
-    if match is None:
-        raise ValueError(f"no head of an area: {head!r}")
-    letter, title, about = match.groups()
-    return Area(letter, title, _joined(about), tuple(_diagnostic(section) for section in sections))
-
-
-def _diagnostic(section: str) -> Diagnostic:
-    match = _SECTION.fullmatch(f"{section.rstrip()}\n")
-    if match is None:
-        raise ValueError(f"no section of a diagnostic: {section!r}")
-    code, title, levels, why, what_to_do, example = match.groups()
-    return Diagnostic(
-        code,
-        title,
-        tuple(cast("Level", level) for level in levels.split(", ")),
-        _joined(why),
-        _joined(what_to_do),
-        re.sub(r"(?m)^ {4}", "", example).strip("\n"),
+    tables = tomllib.loads((FOLDER / f"{letter}.toml").read_text("utf-8"))
+    title, about = tables.pop("title"), tables.pop("about")
+    return Area(
+        letter, title, about, {code: _diagnostic(code, table) for code, table in tables.items()}
     )
 
 
-def _joined(paragraph: str) -> str:
-    return " ".join(paragraph.split())
+def _diagnostic(code: str, table: dict[str, Any]) -> Diagnostic:
+    cases = {name: entry for name, entry in table.items() if isinstance(entry, dict)}
+    return Diagnostic(
+        code,
+        table["title"],
+        " ".join(table["why"].split()),
+        " ".join(table["fix"].split()),
+        {
+            name: Case(entry["level"], entry["text"], entry.get("hint"))
+            for name, entry in (cases or {"": table}).items()
+        },
+        tuple(table.get("absorbed", ())),
+    )
+
+
+def case_of(name: str) -> Case:
+    """Return the case that a call names, ``K029.long`` or ``K028``."""
+    code, _, case = name.partition(".")
+    return area(code[0]).diagnostics[code].cases[case]
+
+
+def areas() -> list[Area]:
+    """Return all areas, in the order of their letters."""
+    return [area(path.stem) for path in sorted(FOLDER.glob("*.toml"))]
 
 
 def find(code: str) -> Diagnostic | None:
-    """Return the diagnostic of a code, in whatever case it is written; ``None`` for none."""
-    return next((one for one in _all() if one.code == code.upper()), None)
+    """Return the diagnostic of a code, or of one of before, in whatever case it is written."""
+    code = code.upper()
+    return next((entry for entry in _all() if code in (entry.code, *entry.absorbed)), None)
 
 
-def near(code: str) -> list[str]:
+def similar(code: str) -> list[str]:
     """Return up to three codes that are most like a text, of its letter where there are any."""
-    code, known = code.upper(), [one.code for one in _all()]
-    of_letter = [one for one in known if one[:1] == code[:1]]
+    code, known = code.upper(), [entry.code for entry in _all()]
+    of_letter = [entry for entry in known if entry[:1] == code[:1]]
     return difflib.get_close_matches(code, of_letter or known, n=3, cutoff=0.5)
 
 
 def _all() -> list[Diagnostic]:
-    return [diagnostic for area in areas() for diagnostic in area.diagnostics]
+    return [diagnostic for area in areas() for diagnostic in area.diagnostics.values()]

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Node, in_digits
 
 TOLERANCE = 1e-5
@@ -26,7 +26,7 @@ def check_network(
 ) -> tuple[Network | None, list[Problem]]:
     """Check the drafts of a network's nodes (B101 to B114)."""
     if not drafts:
-        return None, [error("B101", "the network has no nodes", place)]
+        return None, [problem("B101.empty", place)]
     known = {draft.id: draft for draft in reversed(drafts)}
     check = _Check(known, SimilarNames(known))
     check.names(drafts)
@@ -50,34 +50,38 @@ class _Check:
         first: dict[str, Draft] = {}
         for draft in drafts:
             if not draft.id:
-                self._error("B101", "a node has no name", draft.place)
+                self._report("B101.unnamed_node", draft.place)
             elif draft.id in first:
                 line = first[draft.id].place.line
-                message = f"the node name {draft.id!r} is used twice, first in line {line}"
-                self._error("B102", message, draft.place)
+                self._report("B102.duplicate_node", draft.place, draft=draft.id, line=line)
             first.setdefault(draft.id, draft)
 
     def states(self, draft: Draft) -> None:
         counts = Counter(state.text for state in draft.states)
         for state in draft.states:
             if not state.text:
-                self._error("B104", f"a state of {draft.id!r} has no name", state.place)
+                self._report("B104.unnamed_state", state.place, draft=draft.id)
             elif counts[state.text] > 1:
-                message = f"the node {draft.id!r} has the state {state.text!r} twice"
-                self._error("B104", message, state.place)
+                self._report("B104.duplicate_state", state.place, draft=draft.id, state=state.text)
                 counts[state.text] = 1
         if not draft.states:
-            self._error("B103", f"the node {draft.id!r} has no states", draft.place)
+            self._report("B103.no_states", draft.place, draft=draft.id)
 
     def parents(self, draft: Draft) -> None:
         seen: set[str] = set()
         for parent in draft.parents:
             if parent.text not in self.known:
-                message = f"{draft.id!r} has the parent {parent.text!r}, which is not a node"
-                self._error("B108", message, parent.place, self.near.hint(parent.text))
+                self._report(
+                    "B108.unknown_parent",
+                    parent.place,
+                    hint=self.near.hint(parent.text),
+                    draft=draft.id,
+                    parent=parent.text,
+                )
             elif parent.text in seen:
-                message = f"{parent.text!r} is a parent of {draft.id!r} twice"
-                self._error("B105", message, parent.place)
+                self._report(
+                    "B105.duplicate_parent", parent.place, parent=parent.text, draft=draft.id
+                )
             seen.add(parent.text)
 
     def cycles(self, drafts: Sequence[Draft]) -> None:
@@ -98,8 +102,7 @@ class _Check:
                     path.pop()
                 elif state.get(parent) == 1:
                     circle = [*path[path.index(parent) :], parent]
-                    message = f"the network has a cycle: {' <- '.join(circle)}"
-                    self._error("B106", message, self.known[parent].place)
+                    self._report("B106", self.known[parent].place, circle=" <- ".join(circle))
                 elif parent not in state:
                     state[parent] = 1
                     path.append(parent)
@@ -115,16 +118,19 @@ class _Check:
         own = [state.text for state in draft.states]
         parents = [states for states in shapes if states is not None]
         if draft.values is None:
-            self._error("B110", f"the node {draft.id!r} has no probabilities", draft.place)
+            self._report("B110.no_table", draft.place, draft=draft.id)
             return None
         counts = [*(len(states) for states in parents), len(own)]
         if len(draft.values) != math.prod(counts):
             expected = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")
-            message = (
-                f"the table of {draft.id!r} has {len(draft.values)} values, expected "
-                f"{in_digits(math.prod(counts))} ({expected})"
+            self._report(
+                "B111.table_length",
+                draft.values_place,
+                draft=draft.id,
+                actual=len(draft.values),
+                expected=in_digits(math.prod(counts)),
+                factors=expected,
             )
-            self._error("B111", message, draft.values_place)
             return None
         if not own:
             return None
@@ -155,20 +161,15 @@ class _Check:
             if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(texts)) + _ROUNDING:
                 row_of = f"the row {where} of {draft.id!r} sums"
                 what = row_of if where else f"the probabilities of {draft.id!r} sum"
-                message = f"{what} to {total:.9g}, not to 1"
-                self._error(
-                    "B113",
-                    message,
-                    place,
-                    f"allowed: 1 within {max(most, TOLERANCE):g}; write more digits",
+                self._report(
+                    "B113.sum", place, subject=what, total=total, most=max(most, TOLERANCE)
                 )
                 continue
             if off > largest:
                 largest, at = off, place
             found += values if total == 1.0 else [value / total for value in values]
         if largest > _ROUNDING:
-            message = f"rows of {draft.id!r} are normalised: they are off by up to {largest:.3g}"
-            self.problems.append(warning("B114", message, at))
+            self.problems.append(problem("B114.normalised", at, draft=draft.id, largest=largest))
         return tuple(found)
 
     def _number(self, text: str, node: str, where: str, place: Place) -> float | None:
@@ -176,9 +177,8 @@ class _Check:
         if -TOLERANCE <= value <= 1.0 + TOLERANCE:
             return value
         row = f" in row {where}" if where else ""
-        message = f"{text!r} of {node!r}{row} is not a probability"
         hint = "a number from 0 to 1 with a decimal point" if "," in text else None
-        self._error("B112", message, place, hint)
+        self._report("B112", place, hint=hint, text=text, node=node, row=row)
         return None
 
     def _parents_of(self, draft: Draft) -> list[str]:
@@ -188,8 +188,10 @@ class _Check:
         draft = self.known.get(parent.text)
         return [state.text for state in draft.states] if draft is not None else None
 
-    def _error(self, code: str, message: str, place: Place, hint: str | None = None) -> None:
-        self.problems.append(error(code, message, place, hint))
+    def _report(
+        self, case: str, place: Place, /, *, hint: str | None = None, **fields: object
+    ) -> None:
+        self.problems.append(problem(case, place, hint=hint, **fields))
 
 
 def _by_rounding(texts: Sequence[str]) -> float:
@@ -215,18 +217,17 @@ def unsupported(of: str, nodes: Sequence[Named], hint: str) -> Problem:
     names = ", ".join(repr(node.text) for node in nodes[:_SHOWN])
     more = f" and {len(nodes) - _SHOWN} more" if len(nodes) > _SHOWN else ""
     what = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
-    return error("B202", f"{what} of type {of!r}, which is not supported", nodes[0].place, hint)
+    return problem("B202.node_type", nodes[0].place, hint=hint, subject=what, type=of)
 
 
 def no_variable(name: str, place: Place, hint: str | None = None) -> Problem:
     """Return the problem with a table of a variable that the file does not have (B222)."""
-    message = f"there is a definition for {name!r}, which is not a variable"
-    return error("B222", message, place, hint)
+    return problem("B222.unknown_variable", place, hint=hint, name=name)
 
 
 def defined_twice(name: str, line: int | None, place: Place) -> Problem:
     """Return the problem with the second table of a variable; the first is in a line (B232)."""
-    return error("B232", f"{name!r} is defined twice, first in line {line}", place)
+    return problem("B232.duplicate_definition", place, name=name, line=line)
 
 
 def first_missing(

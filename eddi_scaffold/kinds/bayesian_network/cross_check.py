@@ -12,7 +12,7 @@ from typing import Any
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
 from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 
-from eddi_scaffold.common.problems import Place, error, warning
+from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
@@ -32,9 +32,8 @@ def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCh
             warnings.simplefilter("ignore")  # it warns of its own modules
             import pgmpy.inference  # noqa: F401, PLC0415 - an extra of 500 MB
     except ImportError:
-        hint = "it is not installed: `pipx inject eddi-scaffold pgmpy`, or pip in its environment"
         place = Place(model.place.file)  # no line of the model is to blame
-        found = warning("B306", "the cross-check with pgmpy was not run", place, hint)
+        found = problem("B306.not_run", place)
         return CrossCheck("", (found,))
     network = model.data
     settings = settings_of(model)
@@ -44,9 +43,7 @@ def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCh
     for case in cases:
         largest = max(largest, _difference(monitor, peer, settings.inferred, case))
     if largest > TOLERANCE:
-        message = f"the compiled network differs from pgmpy by {largest:.3g}"
-        hint = "please report it with the network: nothing was written"
-        return CrossCheck("", (error("B307", message, model.place, hint),))
+        return CrossCheck("", (problem("B307.differs", model.place, largest=largest),))
     # Digits below that differ between machines; what is written must not.
     bound = 10.0 ** math.ceil(math.log10(max(largest, _ROUNDING)))
     tried = f"{len(cases)} sets of evidence"

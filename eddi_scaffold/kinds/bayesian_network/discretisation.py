@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, TypeGuard
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
@@ -145,21 +145,18 @@ def read_discretisation(
         return [], []
     place = options.place("discretisation")
     if not isinstance(given, Mapping):
-        message = "discretisation: a map from nodes to declarations is expected"
-        return [], [error("B404", message, place)]
+        return [], [problem("B404.declarations", place)]
     found: list[Declaration] = []
     problems: list[Problem] = []
     names = network.names()
     for name, entry in given.items():
         at = _at(options, name)
         if name not in names:
-            message = f"discretisation: there is no node {name!r}"
-            problems.append(error("B403", message, at(), did_you_mean(name, names)))
-        elif not isinstance(entry, Mapping):
-            message = (
-                f"discretisation of {name!r}: a map is expected, with `input` and `bins` or `map`"
+            problems.append(
+                problem("B403.discretised_node", at(), hint=did_you_mean(name, names), name=name)
             )
-            problems.append(error("B404", message, at()))
+        elif not isinstance(entry, Mapping):
+            problems.append(problem("B404.declaration", at(), name=name))
         else:
             reader = _Entry(network.node(name), entry, options.inputs, at)
             declaration = reader.read()
@@ -208,38 +205,33 @@ class _Entry:
                 data[key] = given[key]
         return Declaration(self.node.id, source, of, data | numbers)
 
-    def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
-        self.problems.append(error(code, self._about(message), self.at(*path), hint))
-
-    def _warn(self, message: str, key: str, hint: str) -> None:
-        self.problems.append(warning("B404", self._about(message), self.at(key), hint))
-
-    def _about(self, message: str) -> str:
-        return f"discretisation of {self.node.id!r}: {message}"
+    def _report(
+        self, case: str, /, *path: str | int, hint: str | None = None, **fields: object
+    ) -> None:
+        fault = problem(case, self.at(*path), hint=hint, **fields)
+        self.problems.append(fault.about(f"discretisation of {self.node.id!r}"))
 
     def _keys(self) -> None:
         for key in self.given:
             if key not in _KEYS:
                 hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
-                self._error("B404", f"unknown key {key!r}", key, hint=hint)
+                self._report("B404.unknown_key", key, hint=hint, key=key)
         if ("bins" in self.given) == ("map" in self.given):
-            message = "exactly one of `bins` and `map` is expected"
-            hint = "a number has `bins: [...]`, a bool or a text `map: {true: STATE, false: STATE}`"
-            self._error("B404", message, hint=hint)
+            self._report("B404.bins_or_map")
         if "map" in self.given:
             for key in ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf"):
                 if key in self.given:
-                    self._error("B404", f"`{key}` has no meaning together with `map`", key)
+                    self._report("B404.useless_with_map", key, key=key)
 
     def _input(self) -> str | None:
         name = self.given.get("input")
         if not isinstance(name, str):
-            self._error("B404", "`input` must name an entry of EDDIInputs")
+            self._report("B404.input")
             return None
         names = [input_.id for input_ in self.inputs]
         if name not in names:
             hint = did_you_mean(name, names) or "add it to EDDIInputs"
-            self._error("B404", f"there is no input {name!r}", "input", hint=hint)
+            self._report("B404.unknown_input", "input", hint=hint, name=name)
             return None
         return name
 
@@ -248,42 +240,38 @@ class _Entry:
         if given is None:
             return self.node.states
         if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
-            self._error(
-                "B404", "`order` must be a list of states; quote yes, no, on and off", "order"
-            )
+            self._report("B404.order", "order")
             return self.node.states
         for number, state in enumerate(given):
             self._known_state(state, "order", number)
         if len(set(given)) < len(given):
-            self._error("B404", "`order` names a state twice", "order")
+            self._report("B404.order_twice", "order")
         return tuple(given)
 
     def _known_state(self, state: object, *path: str | int) -> None:
         if isinstance(state, bool) or not isinstance(state, str):
-            message = f"{state!r} is not a name of a state"
-            self._error("B404", message, *path, hint="quote it, if a text is meant")
+            self._report("B404.state_name", *path, state=state)
         elif state not in self.node.states:
             hint = did_you_mean(state, self.node.states)
             hint = hint or f"its states: {', '.join(self.node.states)}"
-            self._error("B403", f"{state!r} is not a state", *path, hint=hint)
+            self._report("B403.bin_state", *path, hint=hint, state=state)
 
     def _bins(self, order: Sequence[str]) -> list[float] | None:
         given = self.given.get("bins")
         if "bins" not in self.given:
             return None
         if not isinstance(given, list) or not all(is_number(one) for one in given):
-            self._error("B404", "`bins` must be a list of numbers, the edges", "bins")
+            self._report("B404.bins", "bins")
             return None
         if len(given) != len(order) - 1:
-            message = (
-                f"{len(given)} edges make {len(given) + 1} bins, there are {len(order)} states"
+            self._report(
+                "B401.edge_count", "bins", edges=len(given), bins=len(given) + 1, states=len(order)
             )
-            self._error("B401", message, "bins", hint="one edge less than states in `order`")
         edges = [float(one) for one in given]
         for number, edge in enumerate(edges):
             rising = number == 0 or edges[number - 1] < edge
             if not math.isfinite(edge) or not rising:
-                self._error("B402", "the edges must be finite and ascend", "bins", number)
+                self._report("B402.edge_order", "bins", number)
                 break
         return edges
 
@@ -295,11 +283,11 @@ class _Entry:
                 continue
             value = self.given[key]
             if not is_number(value) or not math.isfinite(value):
-                self._error("B404", f"`{key}` must be a finite number", key)
+                self._report("B404.number", key, key=key)
             elif key == "hysteresis" and value < 0:
-                self._error("B404", "`hysteresis` must not be negative", key)
+                self._report("B404.hysteresis", key)
             elif key == "scale" and value == 0:
-                self._error("B404", "`scale` must not be 0", key)
+                self._report("B404.scale", key)
             else:
                 found[key] = float(value)
         if "range" in self.given:
@@ -307,7 +295,7 @@ class _Entry:
                 case [low, high] if is_number(low) and is_number(high) and low < high:
                     found["range"] = [float(low), float(high)]
                 case _:
-                    self._error("B404", "`range` must be two ascending numbers", "range")
+                    self._report("B404.range", "range")
         return found
 
     def _hysteresis(self, bins: Sequence[float] | None, numbers: Mapping[str, Any]) -> None:
@@ -319,24 +307,19 @@ class _Entry:
             edges = [low, *(edge for edge in edges if low < edge < high), high]
         width = min((b - a for a, b in pairwise(edges)), default=math.inf)
         if 0 < width <= band:
-            message = (
-                f"a `hysteresis` of {band:g} is not less than the narrowest bin, {width:g}: "
-                "a state beside it is kept that was left long ago"
-            )
-            self._warn(message, "hysteresis", f"write less than {width:g}, or 0")
+            self._report("B404.wide_hysteresis", "hysteresis", hysteresis=band, width=width)
 
     def _choices(self) -> None:
         for key, known in _CHOICES.items():
             if key in self.given and self.given[key] not in known:
-                self._error("B404", f"`{key}` must be {' or '.join(known)}", key)
+                self._report("B404.choice", key, key=key, allowed=" or ".join(known))
         if "allow_inf" in self.given and not isinstance(self.given["allow_inf"], bool):
-            self._error("B404", "`allow_inf` must be true or false", "allow_inf")
+            self._report("B404.allow_inf", "allow_inf")
 
     def _default(self, source: str | None) -> None:
         declared = next((input_ for input_ in self.inputs if input_.id == source), None)
         if self.given.get("missing") == "default" and declared and declared.default is None:
-            message = f"`missing: default` has no effect: the input {source!r} has no `default`"
-            self._warn(message, "missing", f"give {source!r} a `default`, or leave it out")
+            self._report("B404.no_default", "missing", input=source)
 
     def _type(self, source: str | None) -> InputType:
         """Return the declared type of the input, or the one that fits."""
@@ -344,7 +327,7 @@ class _Entry:
         keys = self.given.get("map")
         if declared is not None:
             if declared == "bool" and "bins" in self.given:
-                self._error("B404", "a bool has no bins", "bins", hint="use `map`")
+                self._report("B404.bool_bins", "bins")
             return declared
         if not isinstance(keys, Mapping):
             return "float"
@@ -357,14 +340,14 @@ class _Entry:
         if "map" not in self.given:
             return None
         if not isinstance(given, Mapping) or not given:
-            self._error("B404", "`map` must be a map from values to states", "map")
+            self._report("B404.map", "map")
             return None
         pairs: list[list[JsonValue]] = []
         for key, state in given.items():
             self._known_state(state, "map", key)
             value = value_of(key, of)
             if value is None:
-                self._error("B404", f"{key!r} is not of type {of}, which the input has", "map", key)
+                self._report("B404.map_type", "map", key, key=key, type=of)
             pairs.append([value, state])
         return pairs
 
@@ -372,13 +355,12 @@ class _Entry:
         given = self.given.get("sentinel")
         if given is None:
             return []
-        message = "`sentinel` must be a list of pairs [value, state]"
         if not isinstance(given, list):
-            self._error("B404", message, "sentinel")
+            self._report("B404.sentinel", "sentinel")
             return []
         for number, pair in enumerate(given):
             if not isinstance(pair, list) or len(pair) != 2 or not is_raw(pair[0]):
-                self._error("B404", message, "sentinel", number)
+                self._report("B404.sentinel", "sentinel", number)
             elif pair[1] != UNOBSERVED:
                 self._known_state(pair[1], "sentinel", number)
         return list(given)
@@ -396,5 +378,6 @@ class _Entry:
         given |= {pair[1] for pair in sentinel}
         lacking = [state for state in self.node.states if state not in given]
         if lacking:
-            text = f"discretisation of {self.node.id!r}: no value gives {', '.join(lacking)}"
-            self.problems.append(warning("B405", text, self.at()))
+            self.problems.append(
+                problem("B405", self.at(), node=self.node.id, states=", ".join(lacking))
+            )

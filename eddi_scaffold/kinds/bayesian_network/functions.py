@@ -10,7 +10,7 @@ from pathlib import PurePath
 from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Problem, in_order, warning
+from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
@@ -99,8 +99,7 @@ def check(model: NetworkModel) -> Sequence[Problem]:
         return ()
     shown = ", ".join(f"{old!r} -> {new}" for old, new in changed[:4])
     more = ", ..." if len(changed) > 4 else ""
-    message = f"an export to XDSL changes names ({len(changed)}): {shown}{more}"
-    return (warning("B210", message, model.place),)
+    return (problem("B210", model.place, changed=len(changed), shown=shown, rest=more),)
 
 
 def counts(model: NetworkModel) -> Mapping[str, int]:

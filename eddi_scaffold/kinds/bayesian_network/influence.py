@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from eddi_runtime.bayesian_network.bounds import COMBINATIONS
 
-from eddi_scaffold.common.problems import Problem, info, warning
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits
@@ -22,8 +22,7 @@ def without_influence(
         return
     for name in observed:
         if name not in outputs and not reached(network, observed, name, outputs):
-            message = f"the observed node {name!r} cannot influence any output"
-            yield info("B305", message, options.place("discretisation", name))
+            yield problem("B305.no_influence", options.place("discretisation", name), name=name)
 
 
 def reached(
@@ -65,11 +64,12 @@ def doubts(
         return
     for threshold in thresholds:
         if threshold.node in observed:
-            message = (
-                f"evidence {threshold.id!r}: the node {threshold.node!r} may be observed itself"
+            yield problem(
+                "B424.perhaps_observed",
+                threshold.place,
+                threshold=threshold.id,
+                node=threshold.node,
             )
-            hint = "while it is, the threshold uses the observation; otherwise any state may be"
-            yield warning("B424", message, threshold.place, hint)
     accepted = {
         declaration.node
         for declaration in declarations
@@ -84,9 +84,6 @@ def _too_many(network: Network, inputs: Iterable[str], options: Options) -> Iter
     if count > COMBINATIONS:
         nodes = [f"{name} {card}" for name, card in cards.items()]
         shown = " x ".join(nodes[:6]) + (" x ..." if len(nodes) > 6 else "")
-        message = (
-            f"while all inputs are unknown, there are {in_digits(count)} combinations of states "
-            f"({shown}); no evidence is active above {COMBINATIONS}"
+        yield problem(
+            "B425", options.place(KEY), count=in_digits(count), shown=shown, largest=COMBINATIONS
         )
-        hint = "observe fewer nodes, or accept a prior by name: `missing: prior`"
-        yield warning("B425", message, options.place(KEY), hint)

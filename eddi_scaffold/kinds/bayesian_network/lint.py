@@ -9,12 +9,12 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from eddi_scaffold.common.escaping import parse_shallow
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 
 FILE = "bayesian_network_config.py"
 _DECLARED = re.compile(r"\s*# Declared: (?:discretised|taken) from ")
@@ -56,16 +56,13 @@ def lint(source: Source) -> list[Problem]:
         tree = parse_shallow(source.data)
     except SyntaxError as fault:
         place = Place(source.name, fault.lineno or 1, fault.offset or 1)
-        return [error("B418", f"this is not Python: {fault.msg}", place)]
+        return [problem("B418.syntax", place, msg=fault.msg)]
     lines = source.data.decode("utf-8", "replace").splitlines()
     found: list[Problem] = []
     for item in ast.walk(tree):
         if isinstance(item, ast.FunctionDef) and item.name.startswith("node_"):
             method = _method(item, lines)
-            found += [
-                warning(code, text, Place(source.name, line), hint)
-                for code, line, text, hint in _faults(method)
-            ]
+            found += [replace(p, place=replace(p.place, file=source.name)) for p in _faults(method)]
     return found
 
 
@@ -90,26 +87,19 @@ def _is_marker(statement: ast.stmt, word: str) -> bool:
     return f"manual edit {word}" in str(statement.value.value).casefold()
 
 
-Fault = tuple[str, int, str, "str | None"]
-
-
-def _faults(method: _Method) -> Iterator[Fault]:
-    """Yield code, line, message and hint of each fault."""
+def _faults(method: _Method) -> Iterator[Problem]:
+    """Yield what is wrong, at its line of a file without a name."""
     yield from _names(method)
     yield from _values(method)
     real = [assignment for assignment in _assignments(method.body) if assignment.value != 0.0]
     if real and method.declared:
-        text = (
-            f"{method.name} is declared in the configuration and set here, which takes precedence"
-        )
-        yield "B406", real[0].line, text, "remove the declaration, or this body"
+        yield problem("B406", Place(line=real[0].line), method=method.name)
     flags = [statement for statement in _statements(method.body) if _flags_output(statement)]
     if real and flags:
-        text = f"{method.name} is an output and evidence at once: it only echoes what is set"
-        yield "B414", flags[0].lineno, text, None
+        yield problem("B414.echo", Place(line=flags[0].lineno), method=method.name)
 
 
-def _names(method: _Method) -> Iterator[Fault]:
+def _names(method: _Method) -> Iterator[Problem]:
     seen: set[str] = set()
     for statement in method.body:
         for item in ast.walk(statement):
@@ -118,15 +108,15 @@ def _names(method: _Method) -> Iterator[Fault]:
             if item.id not in method.outcomes and item.id not in seen:
                 seen.add(item.id)
                 hint = did_you_mean(item.id, method.outcomes)
-                text = f"{method.name} has no {item.id!r}"
-                yield "B412", item.lineno, text, hint
+                place = Place(line=item.lineno)
+                yield problem("B412.outcome", place, hint=hint, method=method.name, name=item.id)
 
 
-def _values(method: _Method) -> Iterator[Fault]:
+def _values(method: _Method) -> Iterator[Problem]:
     for assignment in _assignments(method.body):
         if assignment.value is not None and not 0.0 <= assignment.value <= 1.0:
-            text = f"{method.name}: an outcome of {assignment.value:g} is outside [0, 1]"
-            yield "B417", assignment.line, text, None
+            place, value = Place(line=assignment.line), assignment.value
+            yield problem("B417.outside", place, method=method.name, value=value)
 
 
 def _statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.identifiers import attribute, free_name
-from eddi_scaffold.common.problems import Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.kinds import InputType, ModelInput, Options, TypedModel
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
@@ -145,10 +145,9 @@ def _wrong_choices(options: Options) -> Iterable[Problem]:
     for key, known in _CHOICES.items():
         value = options.values.get(key, known[0])
         if value not in known:
-            message = f"Model.{key}: must be {' or '.join(known)}"
-            yield error("B404", message, options.place(key))
+            yield problem("B404.option", options.place(key), key=key, allowed=" or ".join(known))
     if not isinstance(options.values.get("explain", False), bool):
-        yield error("B404", "Model.explain: must be true or false", options.place("explain"))
+        yield problem("B404.explain", options.place("explain"))
 
 
 def _direct(
@@ -249,16 +248,17 @@ def _named(
     if given is None:
         return None
     if not isinstance(given, list):
-        problems.append(
-            error("B303", f"Model.{key}: a list of nodes is expected", options.place(key))
-        )
+        problems.append(problem("B303.nodes_list", options.place(key), key=key))
         return []
     names = network.names()
     for number, name in enumerate(given):
         if name not in names:
-            message = f"Model.{key}: there is no node {name!r}"
             hint = did_you_mean(str(name), names)
-            problems.append(error("B303", message, options.place(key, number), hint))
+            problems.append(
+                problem(
+                    "B303.unknown_node", options.place(key, number), hint=hint, key=key, name=name
+                )
+            )
     return [name for name in names if name in given]
 
 
@@ -268,7 +268,7 @@ def _outputs(
     given = _named(network, options, "outputs", problems)
     if given is not None:
         if not given and not has_errors(problems):
-            problems.append(error("B304", "there is no output", options.place("outputs")))
+            problems.append(problem("B304.no_output", options.place("outputs")))
         return given
     marked = [node.id for node in network.nodes if node.target]
     if marked:
@@ -282,30 +282,25 @@ def _outputs(
 def _renamed(network: Network, options: Options, problems: list[Problem]) -> dict[str, str]:
     given = options.values.get("renamed", {})
     if not isinstance(given, Mapping):
-        message = "Model.renamed: a map from new to former names of nodes is expected"
-        problems.append(error("B404", message, options.place("renamed")))
+        problems.append(problem("B404.renamed", options.place("renamed")))
         return {}
     names = network.names()
-    for name in given:
-        if name not in names:
-            message = f"Model.renamed: there is no node {name!r}"
-            problems.append(error("B303", message, options.place("renamed", name)))
+    problems += [
+        problem("B303.renamed_node", options.place("renamed", name), name=name)
+        for name in given
+        if name not in names
+    ]
     return {str(new): str(old) for new, old in given.items()}
 
 
 def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
     if width.largest <= LARGE:
         return
-    level = error if width.too_large else warning
-    code = "B302" if width.too_large else "B301"
     shown = ", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else "")
-    limit = TOO_LARGE if width.too_large else LARGE
-    message = (
-        f"the largest table of the inference has {in_digits(width.largest)} entries, more than "
-        f"{limit} (over {shown})"
+    yield problem(
+        "B302.too_large" if width.too_large else "B301.large",
+        options.place(),
+        entries=in_digits(width.largest),
+        limit=TOO_LARGE if width.too_large else LARGE,
+        nodes=shown,
     )
-    hint = (
-        "observe fewer nodes, ask for fewer outputs, give nodes fewer parents (divorcing), or "
-        "decompose the network in GeNIe"
-    )
-    yield level(code, message, options.place(), hint)

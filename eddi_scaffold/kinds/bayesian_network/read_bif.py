@@ -8,10 +8,17 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, error, has_errors
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Place,
+    Problem,
+    SimilarNames,
+    has_errors,
+    problem,
+)
 from eddi_scaffold.kinds.bayesian_network.checks import (
     check_network,
     defined_twice,
@@ -53,7 +60,7 @@ class Words:
         control = _CONTROL.search(self._text)
         if control is not None:
             word = Word(control[0], control.start(), is_name=False)
-            raise self.fault(f"this character is no text: {control[0]!r}", word)
+            raise self.fault("B231.character", word, character=control[0])
         self._rest = self._words(pattern)
         self.next = next(self._rest)
 
@@ -64,7 +71,7 @@ class Words:
                 continue
             word = Word(match[group], match.start(), group in (1, 3))
             if group == 4:
-                raise self.fault(f"this is not finished: {word.text}", word)
+                raise self.fault("B231.unfinished", word, text=word.text)
             yield word
         while True:
             yield Word("", len(self._text), is_name=False)
@@ -134,11 +141,11 @@ class Words:
     def expected(self, what: str) -> EddiError:
         """Return the problem that the next word is something else."""
         found = "the end of the file" if self.at_end else repr(self.next.text)
-        return self.fault(f"{what} is expected, not {found}", self.next)
+        return self.fault("B231.expected", self.next, expected=what, actual=found)
 
-    def fault(self, message: str, word: Word) -> EddiError:
+    def fault(self, case: str, word: Word, /, **fields: Any) -> EddiError:
         """Return a problem with the form of the text (B231)."""
-        return EddiError(error(CODE, message, self.place(word)))
+        return EddiError(problem(case, self.place(word), **fields))
 
 
 _PATTERN = re.compile(
@@ -229,7 +236,7 @@ class _Reader:
                 self._property("`type`, `property` or `}`")
                 continue
             if of:
-                raise self.words.fault(f"the type of {name.text!r} is given twice", self.words.next)
+                raise self.words.fault("B231.two_types", self.words.next, name=name.text)
             self.words.take()
             of = self.words.name("the type of the variable").text
             if of == "discrete":
@@ -239,8 +246,9 @@ class _Reader:
                 self.words.skip_to(";")
         if name.text in self.variables:
             line = self.variables[name.text][0].line
-            message = f"the node name {name.text!r} is used twice, first in line {line}"
-            self.problems.append(error("B102", message, name.place))
+            self.problems.append(
+                problem("B102.duplicate_node", name.place, draft=name.text, line=line)
+            )
             return
         self.variables[name.text] = (name.place, states)
 
@@ -253,8 +261,9 @@ class _Reader:
         states = self._names_of_states("the name of a state", "}")
         self.words.mark(";")
         if number.text != str(len(states)):
-            message = f"{number.text} states are announced, {len(states)} are there"
-            raise self.words.fault(message, announced)
+            raise self.words.fault(
+                "B231.states", announced, announced=number.text, actual=len(states)
+            )
         return tuple(states)
 
     def _names_of_states(self, what: str, end: str) -> list[Named]:
@@ -296,7 +305,7 @@ class _Reader:
                 or getattr(table, word.text)
                 or (word.text == "table" and (table.rows or table.default))
             ):
-                raise self.words.fault(f"the table of {name!r} is given twice", word)
+                raise self.words.fault("B231.two_tables", word, name=name)
             self.words.take()
             setattr(table, word.text, self.words.values())
         else:
@@ -304,13 +313,14 @@ class _Reader:
 
     def _row(self, name: str, table: _Table, word: Word) -> None:
         if table.table is not None:
-            raise self.words.fault(f"the table of {name!r} is given twice", word)
+            raise self.words.fault("B231.two_tables", word, name=name)
         states = tuple(s.text for s in self._names_of_states("the state of a parent", ")"))
         place = self.words.place(word)
         if states in table.rows:
             line = table.rows[states][1].line
-            message = f"{', '.join(states)} of {name!r} has two rows, first in line {line}"
-            self.problems.append(error("B123", message, place))
+            self.problems.append(
+                problem("B123.duplicate_row", place, row=", ".join(states), name=name, line=line)
+            )
         table.rows[states] = self.words.values(), place
 
     def draft(self, name: str, variable: tuple[Place, tuple[Named, ...]]) -> Draft:
@@ -347,26 +357,44 @@ class _Reader:
         for states, (numbers, place) in table.rows.items():
             if len(states) != len(names):
                 counts = f"{len(states)} states, it has {len(names)} parents"
-                message = f"a row of {name!r} names {counts}"
-                self.problems.append(error("B122", message, place))
+                self.problems.append(problem("B122.row_parents", place, name=name, listed=counts))
             for parent, state, (of, near) in zip(names, states, known, strict=False):
                 if state not in of:
-                    message = f"{state!r} is not a state of {parent!r}"
-                    self.problems.append(error("B205", message, place, near.hint(state)))
+                    self.problems.append(
+                        problem(
+                            "B205.unknown_parent_state",
+                            place,
+                            hint=near.hint(state),
+                            state=state,
+                            parent=parent,
+                        )
+                    )
             self._check_width(name, numbers, own, place)
         if table.default is not None:
             self._check_width(name, table.default, own, table.place)
             if count * own > LARGEST:
                 size = in_digits(count * own)
-                message = f"the table of {name!r} would have {size} entries, more than {LARGEST}"
-                self.problems.append(error("B111", message, table.place))
+                self.problems.append(
+                    problem(
+                        "B111.table_too_large", table.place, name=name, size=size, limit=LARGEST
+                    )
+                )
         elif not has_errors(self.problems[before:]):
             lacking, shown = first_missing(names, parents, set(table.rows))
             if lacking:
                 rows = "row" if lacking == 1 else "rows"
                 more = ", ..." if lacking > len(shown) else ""
-                message = f"the table of {name!r} lacks {lacking} {rows}: {'; '.join(shown)}{more}"
-                self.problems.append(error("B125", message, table.place))
+                self.problems.append(
+                    problem(
+                        "B125.missing_rows",
+                        table.place,
+                        name=name,
+                        number=lacking,
+                        rows=rows,
+                        shown="; ".join(shown),
+                        rest=more,
+                    )
+                )
         if has_errors(self.problems[before:]):
             return (), ()
         default = (table.default or (), table.place)
@@ -375,8 +403,9 @@ class _Reader:
 
     def _check_width(self, name: str, numbers: tuple[str, ...], own: int, place: Place) -> None:
         if len(numbers) != own:
-            message = f"a row of {name!r} has {len(numbers)} values, expected {own}"
-            self.problems.append(error("B111", message, place))
+            self.problems.append(
+                problem("B111.row_length", place, name=name, actual=len(numbers), expected=own)
+            )
 
 
 def _transposed(table: tuple[str, ...], own: int) -> tuple[str, ...]:

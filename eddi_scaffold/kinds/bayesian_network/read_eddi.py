@@ -93,8 +93,13 @@ class _Reader:
             (word.DIMENSION, of_states),
         ):
             if found:
-                message = f"{feature.name} of {self.document.describe(self.network)} not used"
-                self.findings.count("info", "X014", message, found[0], len(found))
+                self.findings.count(
+                    "X014.feature",
+                    found[0],
+                    len(found),
+                    feature=feature.name,
+                    owner=self.document.describe(self.network),
+                )
 
     def _connect(self, connection: Element) -> None:
         sources = self._ends(connection, word.FROM)
@@ -108,12 +113,17 @@ class _Reader:
         found, problems, given = self.document.targets(connection, end)
         self.findings.add(*problems)
         if not given:
-            message = f"{self.document.describe(connection)} has no {end.name!r}"
-            self.findings.error("X010", message, connection)
+            self.findings.report(
+                "X010.connection_end",
+                connection,
+                connection=self.document.describe(connection),
+                end=end.name,
+            )
         for target in found:
             if target not in self.nodes:
-                message = f"{end.name!r} points at {self.document.describe(target)}, not at a node"
-                self.findings.error("X009", message, connection)
+                self.findings.report(
+                    "X009.end", connection, end=end.name, target=self.document.describe(target)
+                )
         return [target for target in found if target in self.nodes]
 
     def _draft(self, node: _Node) -> Draft:
@@ -157,11 +167,13 @@ class _Reader:
                 continue
             if key in found:
                 first = self.document.place(found[key][0]).line
-                message = (
-                    f"{self._shown(parents, key)} of {node.name!r} has two rows, first in "
-                    f"line {first}"
+                self.findings.report(
+                    "B123.duplicate_row",
+                    row,
+                    row=self._shown(parents, key),
+                    name=node.name,
+                    line=first,
                 )
-                self.findings.error("B123", message, row)
             else:
                 found[key] = (row, values)
         states = [list(self.nodes[parent].states) for parent in parents]
@@ -193,11 +205,15 @@ class _Reader:
         count, shown = first_missing(names, labels, there)
         if count:
             more = ", ..." if count > len(shown) else ""
-            message = (
-                f"the table of {node.name!r} lacks {count} "
-                f"{'row' if count == 1 else 'rows'}: {'; '.join(shown)}{more}"
+            self.findings.report(
+                "B125.missing_rows",
+                node.element,
+                name=node.name,
+                number=count,
+                rows="row" if count == 1 else "rows",
+                shown="; ".join(shown),
+                rest=more,
             )
-            self.findings.error("B125", message, node.element)
         return not count
 
     def _combination(
@@ -212,25 +228,23 @@ class _Reader:
             owner = state.getparent()
             if owner is None or owner not in self.nodes or state not in self.nodes[owner].states:
                 what = self.document.describe(state)
-                self.findings.error("X009", f"the row points at {what}, not at a state", row)
+                self.findings.report("X009.row_state", row, subject=what)
                 wrong = True
             elif owner not in parents:
-                message = (
-                    f"the row names a state of {self.nodes[owner].name!r}, "
-                    f"which is not a parent of {node.name!r}"
+                self.findings.report(
+                    "X009.row_parent", row, parent=self.nodes[owner].name, node=node.name
                 )
-                self.findings.error("X009", message, row, "add a causal connection, or remove it")
                 wrong = True
             elif owner in chosen:
-                message = f"a row of {node.name!r} names {self.nodes[owner].name!r} twice"
-                self.findings.error("B121", message, row)
+                self.findings.report(
+                    "B121.parent_twice", row, node=node.name, parent=self.nodes[owner].name
+                )
                 wrong = True
             else:
                 chosen[owner] = state
         lacking = [self.nodes[parent].name for parent in parents if parent not in chosen]
         if lacking and not wrong:
-            message = f"a row of {node.name!r} names no state of {', '.join(lacking)}"
-            self.findings.error("B122", message, row)
+            self.findings.report("B122.no_state", row, node=node.name, parent=", ".join(lacking))
         return None if wrong or lacking else tuple(chosen[parent] for parent in parents)
 
     def _values(self, node: _Node, row: Element) -> list[str]:
@@ -240,15 +254,15 @@ class _Reader:
             targets, problems, given = self.document.targets(value, word.NODE_STATE)
             self.findings.add(*problems)
             if not given:
-                self.findings.error("X010", "a probability has no nodeState", value)
+                self.findings.report("X010.node_state", value)
             for state in targets:
                 if state not in node.states:
                     what = self.document.describe(state)
-                    message = f"a probability of {node.name!r} points at {what}, not at its state"
-                    self.findings.error("X009", message, value)
+                    self.findings.report("X009.state_of_other", value, node=node.name, subject=what)
                 elif state in texts:
-                    message = f"a row of {node.name!r} has two values for {node.states[state]!r}"
-                    self.findings.error("B124", message, value)
+                    self.findings.report(
+                        "B124.duplicate_value", value, node=node.name, state=node.states[state]
+                    )
                 else:
                     text = self.document.attribute(value, word.VALUE)
                     texts[state] = "0.0" if text is None else text.strip()

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise, product
 
-from eddi_scaffold.common.problems import Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, has_errors, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, only, select, text_of
 from eddi_scaffold.kinds.bayesian_network.checks import check_network, unsupported
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, in_digits
@@ -130,8 +130,7 @@ def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list
         stem: name of a network that has none.
     """
     if feature_of(root) != "smile":
-        message = f"the root element is {feature_of(root)!r}, not 'smile'"
-        return None, [error("B201", message, Place(file, line_of(root)))]
+        return None, [problem("B201.root", Place(file, line_of(root)), root=feature_of(root))]
     refused = _refused(root, file)
     if refused:
         return None, refused  # what depends on these nodes is no problem of its own
@@ -145,10 +144,8 @@ def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list
 
 def _refused(root: Element, file: str) -> list[Problem]:
     """Return a problem for each sort of what is in the file and no monitor can have."""
-    hint = "GeNIe: unroll it first"
     problems = [
-        error("B207", "this is a dynamic network", Place(file, line_of(one)), hint)
-        for one in select(root, "dynamic")
+        problem("B207.dynamic", Place(file, line_of(one))) for one in select(root, "dynamic")
     ]
     others: dict[str, list[Named]] = {}
     for element in select(root, "nodes/*"):
@@ -158,13 +155,8 @@ def _refused(root: Element, file: str) -> list[Problem]:
             others.setdefault(of, []).append(node)
     several = [one for one in select(root, "nodes/*/parents") if len(text_of(one).split()) > 1]
     if several and select(root, 'extensions/genie[starts-with(@app, "aGrUM")]'):
-        message = "pyAgrum lists the rows of a table in another order than XDSL has"
         place = Place(file, line_of(several[0]))
-        hint = (
-            "write it as .bif or .bifxml there; if pyAgrum got it as XDSL from another tool, "
-            "take that tool's file: pyAgrum has turned its tables"
-        )
-        problems.append(error("B209", message, place, hint))
+        problems.append(problem("B209.pyagrum", place))
     for of, nodes in others.items():
         advice = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
         problems.append(unsupported(of, nodes, advice))
@@ -226,8 +218,9 @@ class _Reader:
         found: list[str] = []
         for word in words:
             if word not in states:
-                message = f"{word!r} is not a state of {name!r}"
-                self._error("B205", message, element, f"its states: {', '.join(states)}")
+                self._report(
+                    "B205.unknown_state", element, state=word, node=name, states=", ".join(states)
+                )
             found += ["1.0" if state == word else "0.0" for state in states]
         return tuple(found)
 
@@ -243,24 +236,24 @@ class _Reader:
         try:
             values, leaks = noisy_max_table(words, strengths, cards, len(states))
         except NoisyMaxError as fault:
-            self._error("B206", f"the noisy-MAX node {name!r}: {fault}", element, _GENERAL)
+            self._report("B206.noisy_max", element, hint=_GENERAL, name=name, reason=fault)
             return None
         if leaks:
-            message = f"the leak of the noisy-MAX node {name!r} is read as a net parameter (Diez)"
-            hint = "compare its table with GeNIe's, or change the node type to General there"
-            self.warnings.append(warning("B208", message, self._place(element), hint))
+            self.warnings.append(problem("B208.diez", self._place(element), name=name))
         return values
 
     def _only(self, node: Element, tag: str) -> Element | None:
-        first, problems = only(select(node, tag), "B232", self._place)
+        first, problems = only(select(node, tag), "B232.twice", self._place)
         self.problems += problems
         return first
 
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
 
-    def _error(self, code: str, message: str, element: Element, hint: str | None = None) -> None:
-        self.problems.append(error(code, message, self._place(element), hint))
+    def _report(
+        self, case: str, element: Element, /, *, hint: str | None = None, **fields: object
+    ) -> None:
+        self.problems.append(problem(case, self._place(element), hint=hint, **fields))
 
 
 def _words(element: Element | None) -> str:

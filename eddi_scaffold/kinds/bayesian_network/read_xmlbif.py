@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Place, Problem, error
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, only, select, text_of
 from eddi_scaffold.kinds.bayesian_network.checks import (
     check_network,
@@ -20,8 +20,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network
 def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
     """Read the network of a parsed XMLBIF file, whose root must be ``BIF``."""
     if feature_of(root) != "BIF":
-        message = f"the root element is {feature_of(root)!r}, not 'BIF'"
-        return None, [error("B221", message, Place(file, line_of(root)))]
+        return None, [problem("B221.bif_root", Place(file, line_of(root)), root=feature_of(root))]
     others: dict[str, list[Named]] = {}
     for variable in select(root, "NETWORK/VARIABLE"):
         of = variable.get("TYPE") or "nature"
@@ -48,7 +47,7 @@ class _Reader:
 
     def only(self, parent: Element, path: str) -> Element | None:
         """Return what may be there once; report others (B232)."""
-        first, problems = only(select(parent, path), "B232", self._place)
+        first, problems = only(select(parent, path), "B232.twice", self._place)
         self.problems += problems
         return first
 
@@ -105,8 +104,6 @@ def without_doctype(source: Source) -> tuple[Source, list[Problem]]:
     match = _DOCTYPE.match(data, start)
     if match is None or not _HARMLESS.fullmatch(match["inner"] or b""):
         line = data.count(b"\n", 0, start) + 1
-        message = "the document type declares more than elements and attributes, which is refused"
-        hint = "remove the <!DOCTYPE ...> declaration"
-        return Source(source.name, b""), [error("X002", message, Place(source.name, line), hint)]
+        return Source(source.name, b""), [problem("X002.declarations", Place(source.name, line))]
     blank = re.sub(rb"[^\n]", b" ", match.group())
     return Source(source.name, data[:start] + blank + data[match.end() :]), []

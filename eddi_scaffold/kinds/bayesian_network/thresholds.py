@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.kinds import JsonValue, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import is_number
@@ -71,9 +71,7 @@ def read_thresholds(
     if given is None:
         return [], []
     if not isinstance(given, list) or not all(isinstance(one, Mapping) for one in given):
-        message = "Model.evidence: a list of maps is expected"
-        hint = "write `- {id: RiskIsLow, node: Risk, state: High, at_most: 0.3}`"
-        return [], [error("B420", message, options.place(KEY), hint)]
+        return [], [problem("B420.evidence_list", options.place(KEY))]
     found: list[Threshold] = []
     problems: list[Problem] = []
     for number, entry in enumerate(given):
@@ -93,11 +91,10 @@ def _repeated(found: Sequence[Threshold]) -> Iterable[Problem]:
     for number, one in enumerate(found):
         before = found[:number]
         if one.id in [other.id for other in before]:
-            yield error("B426", f"two entries of `evidence:` have the id {one.id!r}", one.place)
+            yield problem("B426.duplicate_id", one.place, name=one.id)
         other = next((two.id for two in before if one.topic and two.topic == one.topic), None)
         if other is not None:
-            message = f"evidence {other!r} and {one.id!r} have the same topic {one.topic}"
-            yield error("B426", message, one.place)
+            yield problem("B426.same_topic", one.place, other=other, name=one.id, topic=one.topic)
 
 
 @dataclass
@@ -122,47 +119,51 @@ class _Entry:
         at_least = key == "at_least"
         return Threshold(name, node, states, at_least, limit, release, hold, topic, self.at("id"))
 
-    def _error(self, code: str, message: str, *path: str | int, hint: str | None = None) -> None:
+    def _report(
+        self, case: str, /, *path: str | int, hint: str | None = None, **fields: object
+    ) -> None:
         name = self.given.get("id")
-        text = f"evidence {name!r}: {message}" if isinstance(name, str) else f"evidence: {message}"
-        self.problems.append(error(code, text, self.at(*path), hint))
+        fault = problem(case, self.at(*path), hint=hint, **fields)
+        self.problems.append(
+            fault.about(f"evidence {name!r}" if isinstance(name, str) else "evidence")
+        )
 
     def _keys(self) -> None:
         for key in self.given:
             if key not in _KEYS:
                 hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
-                self._error("B420", f"unknown key {key!r}", key, hint=hint)
+                self._report("B420.threshold_key", key, hint=hint, key=key)
 
     def _id(self) -> str:
         name = self.given.get("id")
         if not isinstance(name, str) or _ID.fullmatch(name) is None:
-            hint = "write letters, digits and `_`, such as RiskIsLow"
-            text = "`id` is missing" if name is None else f"{_shown(name)} is not an id"
-            self._error("B420", text, "id", hint=hint)
+            if name is None:
+                self._report("B420.no_id", "id")
+            else:
+                self._report("B420.id", "id", name=_shown(name))
             return ""
         if name in _RESERVED:
-            self._error("B420", f"`id` {name!r} is already used by the results themselves", "id")
+            self._report("B420.reserved_id", "id", name=name)
         return name
 
     def _node(self) -> str:
         name, names = self.given.get("node"), self.network.names()
         if not isinstance(name, str) or name not in names:
             hint = did_you_mean(str(name), names)
-            text = "`node` is missing" if name is None else f"there is no node {_shown(name)}"
-            self._error("B421", text, "node", hint=hint)
+            if name is None:
+                self._report("B421.node_missing", "node", hint=hint)
+            else:
+                self._report("B421.threshold_node", "node", hint=hint, name=_shown(name))
             return ""
         if name in self.discretised:
-            message = f"the node {name!r} is observed itself: its threshold would only repeat it"
-            self._error(
-                "B424", message, "node", hint="name a node that depends on what is observed"
-            )
+            self._report("B424.observed", "node", name=name)
         return name
 
     def _states(self, node: str) -> tuple[str, ...]:
         given = self.given.get("state")
         items = given if isinstance(given, list) else [given]
         if given is None or not items:
-            self._error("B421", "`state` is missing", "state", hint="a state, or a list of them")
+            self._report("B421.no_threshold_state", "state")
             return ()
         known = self.network.node(node).states if node else ()
         for state in items if node else ():
@@ -170,10 +171,9 @@ class _Entry:
                 self._unknown_state(state, known)
         chosen = tuple(str(item) for item in items)
         if len(set(chosen)) < len(chosen):
-            self._error("B421", "`state` names one twice", "state")
+            self._report("B421.state_twice", "state")
         elif set(chosen) == set(known):
-            text = f"`state` names every state of {node!r}: their sum is always 1"
-            self._error("B421", text, "state")
+            self._report("B421.every_state", "state", node=node)
         return chosen
 
     def _unknown_state(self, state: object, known: Sequence[str]) -> None:
@@ -181,21 +181,19 @@ class _Entry:
             hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
         else:
             hint = "quote it, if a text is meant"
-        self._error("B421", f"there is no state {_shown(state)}", "state", hint=hint)
+        self._report("B421.threshold_state", "state", hint=hint, state=_shown(state))
 
     def _limit(self) -> tuple[str, float]:
         keys = [key for key in _LIMITS if key in self.given]
         if len(keys) != 1:
-            text = "exactly one of `at_most` and `at_least` is expected"
-            self._error("B422", text, *keys[1:])
+            self._report("B422.one_limit", *keys[1:])
             return "at_most", 0.0
         return keys[0], self._probability(keys[0])
 
     def _probability(self, key: str) -> float:
         value: JsonValue = self.given[key]
         if not is_number(value) or not 0.0 <= value <= 1.0:
-            text = f"`{key}` is {_shown(value)}, which is not a probability"
-            self._error("B422", text, key, hint="a number from 0 to 1")
+            self._report("B422.probability", key, key=key, value=_shown(value))
             return 0.0
         return float(value)
 
@@ -206,29 +204,28 @@ class _Entry:
         side = "above" if key == "at_least" else "below"
         wrong = release > limit if key == "at_least" else release < limit
         if wrong and sound:
-            text = f"`release` {release:g} is {side} `{key}` {limit:g}: it would be lost at once"
-            self._error("B422", text, "release")
+            self._report(
+                "B422.release", "release", release=release, side=side, key=key, limit=limit
+            )
         return release
 
     def _hold(self) -> float:
         given = self.given.get("hold", 0)
         try:
             hours, has_unit = duration(given)
-        except QuantityError as problem:
-            self._error("B423", f"`hold`: {problem}", "hold", hint=problem.hint)
+        except QuantityError as failure:
+            self._report("B423.hold", "hold", hint=failure.hint, problem=failure)
             return 0.0
         if not has_unit and hours:
-            text = f"`hold`: {_shown(given)} has no unit of time"
-            self._error("B423", text, "hold", hint=f"write `{given} s`")
+            self._report("B423.hold_unit", "hold", actual=_shown(given), number=given)
         elif hours * 3600.0 > _LONGEST_S:
-            self._error("B423", f"`hold`: {_shown(given)} is more than a year", "hold")
+            self._report("B423.hold_long", "hold", actual=_shown(given))
         return hours * 3600.0
 
     def _topic(self) -> str | None:
         given = self.given.get("topic")
         if given is not None and (not isinstance(given, str) or not is_ros_name(given)):
-            hint = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
-            self._error("B420", f"`topic` is {_shown(given)}", "topic", hint=hint)
+            self._report("B420.topic", "topic", actual=_shown(given))
         return None if given is None else str(given)
 
 

@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles, reached
-from eddi_scaffold.common.problems import (
-    Place,
-    Problem,
-    SimilarNames,
-    did_you_mean,
-    error,
-    info,
-    warning,
-)
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
 from eddi_scaffold.kinds.consert.graph import inputs_of
 from eddi_scaffold.kinds.consert.model import (
     CategoricalDimension,
@@ -100,7 +92,7 @@ def _repeated_ids(consert: ConSert) -> Iterator[Problem]:
             if id_ in first:
                 before, there = first[id_]
                 message = f"the id {shown(id_)} of this {kind} is already used by the {before}"
-                yield error("C007", f"{message} in {_where(there)}", place)
+                yield problem("C007.duplicate", place, message=message, there=_where(there))
             else:
                 first[id_] = (kind, place)
 
@@ -118,7 +110,7 @@ def _edges(consert: ConSert, kinds: Mapping[str, NodeKind]) -> Iterator[Problem]
         text = f"edge from {shown(edge.source)} to {shown(edge.target)}"
         yield from _edge(edge, text, kinds, near)
         if (edge.source, edge.target) in seen:
-            yield warning("C023", f"{text} is repeated: read once", edge.place)
+            yield problem("C023.edge_twice", edge.place, text=text)
         seen.add((edge.source, edge.target))
 
 
@@ -126,14 +118,24 @@ def _edge(
     edge: Propagation, text: str, kinds: Mapping[str, NodeKind], near: SimilarNames
 ) -> Iterator[Problem]:
     if edge.source not in kinds:
-        message = f"{text}: nothing has the id {shown(edge.source)}"
-        yield error("C008", message, edge.place, near.hint(edge.source))
+        yield problem(
+            "C008.no_source",
+            edge.place,
+            hint=near.hint(edge.source),
+            text=text,
+            source=shown(edge.source),
+        )
     if edge.target not in kinds:
-        message = f"{text}: nothing has the id {shown(edge.target)}"
-        yield error("C009", message, edge.place, near.hint(edge.target))
+        yield problem(
+            "C009.no_target",
+            edge.place,
+            hint=near.hint(edge.target),
+            text=text,
+            target=shown(edge.target),
+        )
     elif kinds[edge.target] in LEAF_KINDS:
         kind = kinds[edge.target]
-        yield error("C011", f"{text}: {kind} cannot have support", edge.place)
+        yield problem("C011.no_support_possible", edge.place, text=text, kind=kind)
 
 
 def _cycles(consert: ConSert, inputs: Graph) -> Iterator[Problem]:
@@ -147,24 +149,18 @@ def _cycles(consert: ConSert, inputs: Graph) -> Iterator[Problem]:
         if len(closed) > _LONGEST_CHAIN:
             left_out = f"({len(closed) - _LONGEST_CHAIN} more)"
             names = [*closed[: _LONGEST_CHAIN - 1], left_out, closed[-1]]
-        message = f"cycle: {' -> '.join(names)}"
-        yield error("C010", message, places[closed[0], closed[1]])
+        yield problem("C010", places[closed[0], closed[1]], names=" -> ".join(names))
 
 
 def _support(guarantee: Guarantee, fed: set[str]) -> Iterator[Problem]:
     name = f"guarantee {shown(guarantee.id)}"
     if guarantee.default and guarantee.id in fed:
-        message = f"{name} is marked as default but has support: a default guarantee holds always"
-        hint = "remove `default: true`, or the edges into it"
-        yield error("C012", message, guarantee.place, hint)
+        yield problem("C012.default_with_support", guarantee.place, name=name)
     elif not guarantee.default and guarantee.id not in fed:
-        message = f"{name} has no support: it would always be active"
         mark = "" if guarantee.place.path else "`default: true` or "  # an EDDI has no such flag
-        hint = (
-            "add an edge into it; if it is the fallback of its service and is to hold always, "
-            f"mark it with {mark}--default-guarantee {guarantee.id}"
+        yield problem(
+            "C012.no_support", guarantee.place, name=name, mark=mark, guarantee=guarantee.id
         )
-        yield error("C012", message, guarantee.place, hint)
 
 
 def _unreached(consert: ConSert, reachable: set[str]) -> Iterator[Problem]:
@@ -172,21 +168,20 @@ def _unreached(consert: ConSert, reachable: set[str]) -> Iterator[Problem]:
         return
     for kind, id_, place in _nodes(consert):
         if id_ not in reachable:
-            yield warning("C014", f"{kind} {shown(id_)} supports no guarantee", place)
+            yield problem("C014.supports_nothing", place, kind=kind, id=shown(id_))
 
 
 def _gate(gate: Gate, inputs: Graph, reachable: set[str], fed: set[str]) -> Iterator[Problem]:
     if len(inputs[gate.id]) == 1:
-        yield info("C024", f"gate {shown(gate.id)} has only one input", gate.place)
+        yield problem("C024.one_input", gate.place, gate=shown(gate.id))
     if gate.id not in fed and gate.id in reachable:
         constant = {"And": "TRUE", "Or": "FALSE"}[gate.function]
-        message = f"gate {shown(gate.id)} has no input: it would be constant {constant}"
-        yield error("C013", message, gate.place, "add an edge into it, or remove it")
+        yield problem("C013.gate_without_input", gate.place, gate=shown(gate.id), constant=constant)
 
 
 def _no_guarantees(consert: ConSert) -> Iterator[Problem]:
     if not consert.guarantees:
-        yield warning("C026", f"ConSert {shown(consert.name)} has no guarantees", consert.place)
+        yield problem("C026.no_guarantees", consert.place, consert=shown(consert.name))
 
 
 _NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 for 20 %'
@@ -202,8 +197,7 @@ def check_dimensions(consert: ConSert) -> list[Problem]:
         for node in group:
             what = f"{kind} {shown(node.id)}"
             if not node.dimensions and kind == "demand" and node.id not in of_services:
-                message = f"{what} has neither a dimension nor a service: it asks for nothing"
-                found.append(error("C006", message, node.place))
+                found.append(problem("C006.asks_nothing", node.place, subject=what))
             for dimension in node.dimensions:
                 found += _dimension(dimension, what, node.place)
     return found
@@ -225,8 +219,7 @@ def _dimension(dimension: Dimension, what: str, owner: Place) -> Iterator[Proble
 
 
 def _nothing_covered(dimension: Dimension, what: str, place: Place) -> Problem:
-    message = f"dimension {shown(dimension.type)} of {what} covers nothing"
-    return error("C006", message, place)
+    return problem("C006.covers_nothing", place, type=shown(dimension.type), subject=what)
 
 
 def _categorical(dimension: CategoricalDimension, what: str, place: Place) -> Iterator[Problem]:
@@ -234,8 +227,9 @@ def _categorical(dimension: CategoricalDimension, what: str, place: Place) -> It
         yield _nothing_covered(dimension, what, place)
     for category, count in Counter(dimension.covered).items():
         if count > 1:
-            message = f"category {shown(category)} occurs {count} times in {what}: read once"
-            yield warning("C023", message, place)
+            yield problem(
+                "C023.category_twice", place, category=shown(category), count=count, subject=what
+            )
 
 
 def _numeric(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
@@ -254,28 +248,39 @@ def _numeric(dimension: NumericDimension, what: str, place: Place) -> Iterator[P
 
 def _range(one: Range, what: str, place: Place) -> Problem | None:
     if is_nan(one.start) or is_nan(one.end):
-        return error("C015", f"a range of {what} has a bound that is not a number", place)
+        return problem("C015.bound", place, subject=what)
     if is_empty(one):
-        message = f"the range {range_text(one)} of {what} is empty: nothing lies in it"
-        return error("C015", message, place)
+        return problem("C015.empty_range", place, name=range_text(one), subject=what)
     return None
 
 
 def _overlaps(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     for first, second in overlap(dimension.covered):
-        message = f"the ranges {range_text(first)} and {range_text(second)} of {what} overlap"
-        yield warning("C025", message, place if second.place.line is None else second.place)
+        yield problem(
+            "C025.overlap",
+            place if second.place.line is None else second.place,
+            first=range_text(first),
+            second=range_text(second),
+            subject=what,
+        )
 
 
 def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     if dimension.uom is None:
-        message = f"dimension {shown(dimension.type)} of {what} has no unit"
-        yield warning("C017", message, place, _NO_UNIT)
+        yield problem(
+            "C017.no_unit", place, hint=_NO_UNIT, type=shown(dimension.type), subject=what
+        )
     elif units.find(dimension.uom) is None:
-        message = f"unknown unit {shown(dimension.uom)} in {what}; known units: {units.listed()}"
         near = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
         hint = "write percent" if dimension.uom == "%" else near
-        yield error("C016", message, place, hint)
+        yield problem(
+            "C016.unknown_unit",
+            place,
+            hint=hint,
+            unit=shown(dimension.uom),
+            subject=what,
+            units=units.listed(),
+        )
 
 
 FATAL = frozenset({"C006", "C007", "C008", "C010", "C015", "C016"})

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import cycles
-from eddi_scaffold.common.problems import Problem, SimilarNames, error, warning
+from eddi_scaffold.common.problems import Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
 
@@ -114,12 +114,7 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
     names = [name for name, _ in instances]
     repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     problems = tuple(
-        error(
-            "C027",
-            f"{names.count(name)} ConSerts are called {name!r}",
-            hint="give each a name of its own: NAME=FILE",
-        )
-        for name in repeated
+        problem("C027.same_instances", number=names.count(name), name=name) for name in repeated
     )
     if problems:
         return Composition(
@@ -175,8 +170,7 @@ def _allocations(
                 ]
                 if unmet:
                     what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
-                    message = f"{what}, which does not fulfil {', '.join(unmet)}"
-                    yield warning("X009", message, service.place)
+                    yield problem("X009.unmet", service.place, subject=what, unmet=", ".join(unmet))
 
 
 def _with_near_names(

@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.yaml_text.nodes import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from eddi_scaffold.kinds.consert.model import ConSert
-
-CODE = "C028"
 
 
 def with_default_guarantees(
@@ -69,10 +67,11 @@ def _unclear(
 ) -> Problem:
     if found:
         names = " or ".join("/".join(pair) for pair in found)
-        message = f"--default-guarantee {mark}: several ConSerts have this guarantee"
-        return error(CODE, message, place, f"write {names}")
+        return problem("C028.several", place, mark=mark, names=names)
     known = [name for pair in _all(conserts) for name in (pair[1], "/".join(pair))]
-    return error(CODE, _unknown(mark), place, did_you_mean(mark, known))
+    return problem(
+        "C028.no_guarantee", place, hint=did_you_mean(mark, known), mark=mark, guarantee=shown(mark)
+    )
 
 
 def _unknown(mark: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.yaml_text.nodes import shown
 
@@ -33,18 +33,14 @@ def check_names(consert: ConSert) -> list[Problem]:
 
 def _name(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
     if not id_:
-        yield error("C018", "the id is empty", place)
+        yield problem("C018.empty", place)
         return
     if not names.is_usable(id_):
-        message = f"no identifier can be derived from the id {shown(id_)}"
-        yield error("C018", message, place, "use at least one of the letters A-Z, a-z, 0-9")
+        yield problem("C018.no_identifier", place, id=shown(id_))
         return
     if not names.is_identifier(id_):
         derived = names.attribute(id_) if is_input else names.identifier(id_)
-        message = (
-            f"the id {shown(id_)} is not an identifier: code uses {derived!r}, messages the id"
-        )
-        yield warning("C018", message, place)
+        yield problem("C018.no_python_name", place, id=shown(id_), identifier=derived)
         return
     yield from _reserved(id_, place, is_input=is_input)
 
@@ -52,14 +48,13 @@ def _name(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
 def _reserved(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
     name = names.attribute(id_) if is_input else names.identifier(id_)
     if name != id_:
-        message = f"the id {shown(id_)} is a reserved word: code uses {name!r}"
-        yield warning("C018", message, place)
+        yield problem("C018.reserved", place, id=shown(id_), identifier=name)
         return
     for title, image in _IMAGES:
         name = image(id_)
         if names.is_reserved(name):
             message = f"the {title} {name!r} of the id {shown(id_)} is a reserved word"
-            yield warning("C018", f"{message}: code uses {names.escaped(name)!r}", place)
+            yield problem("C018.changed", place, message=message, name=names.escaped(name))
 
 
 def _collisions(ids: dict[str, Place], inputs: set[str]) -> Iterator[Problem]:
@@ -74,8 +69,14 @@ def _collisions(ids: dict[str, Place], inputs: set[str]) -> Iterator[Problem]:
             before = first.setdefault(name, id_)
             if name and before != id_ and id_ not in reported:
                 reported.add(id_)
-                message = f"the ids {shown(before)} and {shown(id_)} have the same {title} {name!r}"
-                yield error("C019", message, place, "rename one of them")
+                yield problem(
+                    "C019.same_identifier",
+                    place,
+                    before=shown(before),
+                    id=shown(id_),
+                    kind=title,
+                    identifier=name,
+                )
 
 
 def check_services(consert: ConSert) -> list[Problem]:
@@ -96,18 +97,22 @@ def _members(
     name: str, kind: str, members: Sequence[str], known: Sequence[str], place: Place
 ) -> Iterator[Problem]:
     if not members:
-        yield error("C022", f"{name} has no {kind}s", place)
+        yield problem("C022.nothing_inside", place, name=name, element=kind)
     known_ids, near = set(known), SimilarNames(known)
     for member in dict.fromkeys(members):
         if member not in known_ids:
-            message = f"{name} names an unknown {kind} {shown(member)}"
-            yield error("C020", message, place, near.hint(member))
+            yield problem(
+                "C020.unknown_member",
+                place,
+                hint=near.hint(member),
+                name=name,
+                kind=kind,
+                member=shown(member),
+            )
 
 
 def _demands_alone(consert: ConSert) -> Iterator[Problem]:
     grouped = {id_ for service in consert.required_services for id_ in service.demands}
     for demand in consert.demands:
         if demand.id not in grouped:
-            message = f"demand {shown(demand.id)} is in no required service"
-            hint = "any guarantee of another ConSert may then fulfil it, whatever its service"
-            yield warning("C021", message, demand.place, hint)
+            yield problem("C021.no_service", demand.place, demand=shown(demand.id))

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import Acceptance
-from eddi_scaffold.common.problems import Problem, error
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.kinds.consert.names import published_class
 
 if TYPE_CHECKING:
@@ -88,28 +88,23 @@ def acceptances(model: ConSertModel, _inputs: object, frequency: float) -> Seque
 def _wrong(options: Options) -> Iterator[Problem]:
     ids, debounce, filter_ = (options.values.get(key) for key in KEYS)
     if ids is not None and ids not in ("source", "class"):
-        message = "Model.guarantee_ids: must be 'source' or 'class'"
-        yield error("K005", message, options.place("guarantee_ids"))
+        yield problem("K005.guarantee_ids", options.place("guarantee_ids"))
     if debounce is not None and (type(debounce) is not int or debounce < 1):
-        message = "Model.debounce: a whole number of steps from 1 on is expected"
-        yield error("K005", message, options.place("debounce"))
+        yield problem("K005.debounce", options.place("debounce"))
     elif isinstance(debounce, int) and debounce > _MAX_SAMPLES:
-        message = f"'regain_after' of the filter is not from 1 to {_MAX_SAMPLES}"
-        yield error("K028", message, options.place("debounce"))
+        place = options.place("debounce")
+        yield problem("K028.steps", place, key="regain_after", limit=_MAX_SAMPLES)
     if debounce is not None and filter_ is not None:
-        message = "debounce and filter exclude each other"
-        yield error("K011", message, options.place("filter"), "keep one of them")
+        yield problem("K011.debounce_and_filter", options.place("filter"))
     if filter_ is None:
         return
     if not isinstance(filter_, Mapping):
-        yield error("K005", "Model.filter: a map is expected", options.place("filter"))
+        yield problem("K005.filter", options.place("filter"))
         return
     kind = filter_.get("kind")
     key = _FILTERS.get(kind) if isinstance(kind, str) else None
     if key is None and kind != "none":
-        message = f"the filter {kind!r} is not known: none, debounce or majority"
-        yield error("K028", message, options.place("filter"))
+        yield problem("K028.filter", options.place("filter"), kind=kind)
     steps = filter_.get(key, 1) if key is not None else 1
     if type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
-        message = f"{key!r} of the filter is not from 1 to {_MAX_SAMPLES}"
-        yield error("K028", message, options.place("filter"))
+        yield problem("K028.steps", options.place("filter"), key=key, limit=_MAX_SAMPLES)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.common.problems import Level, Place, Problem
+    from eddi_scaffold.common.problems import Place, Problem
     from eddi_scaffold.eddi_xml.document import EddiDocument
     from eddi_scaffold.eddi_xml.parsing import Element
     from eddi_scaffold.kinds.consert.read_eddi_parts import ConSertParts
@@ -99,11 +99,12 @@ def _listed(
             if end in parts.ids and link.accepts(document.feature(end)):
                 members[service].append(parts.ids[end])
             elif end.getparent() is not consert or not link.accepts(document.feature(end)):
-                message = (
-                    f"{link.name} points at {document.describe(end)}, expected one of "
-                    f"{link.name} of the ConSert of this configuration"
+                findings.report(
+                    "X009.other_configuration",
+                    service,
+                    link=link.name,
+                    actual=document.describe(end),
                 )
-                findings.error("X009", message, service)
     return members
 
 
@@ -113,8 +114,7 @@ def _service_type(service: Element, findings: EddiFindings) -> str | None:
     if kind:
         return kind
     owner = findings.document.describe(service)
-    message = f"the type of {owner} is missing: a child serviceType with a name"
-    findings.error("X010", message, service)
+    findings.report("X010.service_type", service, owner=owner)
     return None
 
 
@@ -199,7 +199,7 @@ def check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
     for top in dict.fromkeys(_top(part, roots) for part in parts):
         texts += stray_texts(top)
     for element, text in texts:
-        findings.count("warning", "X013", f'unexpected text "{text[:20]}"', element)
+        findings.count("X013.text", element, text=text[:20])
 
 
 def _top(part: Element, roots: Container[Element]) -> Element:
@@ -218,11 +218,10 @@ def _match(
     if match is None:
         owner = element.getparent() if what == "child" else element
         place = findings.document.feature(owner) if owner is not None else "the root"
-        findings.count("info", "X015", f'unknown {what} "{name}" of {place} is ignored', element)
+        findings.count("X015.unknown", element, subject=what, name=name, owner=place)
     elif not match.is_exact(name):
-        level: Level = "warning" if is_misprint(name) else "info"
-        message = f'{what} "{name}" is read as "{match.name}"'
-        findings.count(level, "X006", message, element)
+        case = "X006.misprint" if is_misprint(name) else "X006.spelling"
+        findings.count(case, element, subject=what, name=name, meant=match.name)
     return match
 
 
@@ -252,8 +251,7 @@ def read_eddi(
         name = _name(element, source, document)
         if name in first:
             line = document.place(first[name]).line
-            message = f'the ConSert name "{name}" is used twice, first in line {line}'
-            findings.error("C007", message, element, "rename one of them")
+            findings.report("C007.duplicate_name", element, name=name, line=line)
         elif consert is not None:
             conserts.append(consert)
         first.setdefault(name, element)
@@ -321,8 +319,7 @@ def _check_class(element: Element, findings: EddiFindings) -> None:
     package = element.getparent()
     printed = findings.document.class_of(package).printed if package is not None else ""
     if package is not None and is_misprint(local_name(printed)):
-        message = f'class "{printed}" is read as "ConSertPackage"'
-        findings.count("warning", "X006", message, package)
+        findings.count("X006.class", package, class_name=printed)
 
 
 def _check_untyped(document: EddiDocument, findings: EddiFindings) -> None:
@@ -331,12 +328,10 @@ def _check_untyped(document: EddiDocument, findings: EddiFindings) -> None:
         if not document.class_of(package).name and any(
             names.CONSERTS.accepts(document.feature(child)) for child in package.iterchildren()
         ):
-            message = "the xsi:type of a package with conSerts is missing"
-            findings.error("X010", message, package, "expected a ConSertPackage")
+            findings.report("X010.package_type", package)
 
 
 def _count_misprints(element: Element, findings: EddiFindings) -> None:
     for (printed, intended), times in findings.document.references.misprints.items():
-        level: Level = "warning" if is_misprint(printed) else "info"
-        message = f'"{printed}" in a path is read as "{intended}"'
-        findings.count(level, "X006", message, element, times)
+        case = "X006.path_misprint" if is_misprint(printed) else "X006.path_spelling"
+        findings.count(case, element, times, name=printed, meant=intended)

@@ -64,9 +64,7 @@ def english_dimensions(element: Element, findings: EddiFindings) -> tuple[Dimens
         for refinement in document.children(part, names.REFINEMENT):
             text = document.attribute(refinement, names.NAME)
             if text is None or not text.strip():
-                findings.error(
-                    "X010", "a refinement has no name to read a property from", refinement
-                )
+                findings.report("X010.refinement", refinement)
             else:
                 dimensions.append(english_dimension(text, refinement, findings))
     return tuple(dimensions)
@@ -76,9 +74,13 @@ def english_dimension(text: str, element: Element, findings: EddiFindings) -> Di
     """Read one English text."""
     read = read_english(text)
     if read.remark is not None:
-        message = f'the bound in "{_shortened(text)}" cannot be read: {read.remark}'
-        hint = f'it is taken as the binary property "{read.dimension.type}"'
-        findings.warning("X014", message, element, hint)
+        findings.report(
+            "X014.bound",
+            element,
+            text=_shortened(text),
+            reason=read.remark,
+            type=read.dimension.type,
+        )
     return read.dimension
 
 
@@ -86,7 +88,7 @@ def read_boolean(value: str, what: str, element: Element, findings: EddiFindings
     """Read ``true`` or ``false``; ``None`` and X011 for anything else."""
     found = _BOOLEANS.get(value.strip().casefold())
     if found is None:
-        findings.error("X011", f'{what} is "{_shortened(value)}", allowed: true, false', element)
+        findings.report("X011.boolean", element, subject=what, value=_shortened(value))
     return found
 
 
@@ -95,11 +97,11 @@ def _dimension(element: Element, findings: EddiFindings) -> Dimension | None:
     stated = document.class_of(element)
     allowed = "BinaryDimension, CategoricalDimension, NumericDimension, NumericRangeDimension"
     if not stated.name:
-        findings.error("X010", f"a dimension has no xsi:type; allowed: {allowed}", element)
+        findings.report("X010.dimension", element, allowed=allowed)
         return None
     shape = stated.name.removesuffix("dimension").removesuffix("range")
     if shape not in ("binary", "categorical", "numeric"):
-        findings.error("X011", f'xsi:type is "{stated.printed}", allowed: {allowed}', element)
+        findings.report("X011.type", element, type_name=stated.printed, allowed=allowed)
         return None
     kind = _dimension_type(element, findings)
     if kind is None:
@@ -133,10 +135,9 @@ def _is_public(element: Element, findings: EddiFindings) -> bool:
     ends = [*document.children(element, names.START), *document.children(element, names.END)]
     for part in covered:
         if document.attribute_name(part, names.NAME) and document.attribute_name(part, names.VALUE):
-            message = '"name" and "value" say the same thing; write one of them'
-            findings.error("X011", message, part)
+            findings.report("X011.name_or_value", part)
     if ends and covered:
-        findings.error("X011", '"start" or "end" stand beside "covered"; write one form', element)
+        findings.report("X011.covered_or_ends", element)
     if not covered:
         return bool(ends) or document.class_of(element).name.endswith("rangedimension")
     return bool(ends) or any(document.attribute_name(one, names.NAME) for one in covered)
@@ -147,14 +148,12 @@ def _dimension_type(element: Element, findings: EddiFindings) -> str | None:
     child = findings.only(element, names.DIMENSION_TYPE)
     public = findings.only(element, names.PUBLIC_TYPE)
     if child is not None and public is not None:
-        message = '"type" and "dimensionType" say the same thing; write one of them'
-        findings.error("X011", message, element)
+        findings.report("X011.type_or_dimension_type", element)
     child = public if child is None else child
     kind = document.attribute(child, names.NAME) if child is not None else None
     kind = kind or document.attribute(element, names.PUBLIC_TYPE)
     if not kind:
-        message = "a dimension has no type: a child type with a name is missing"
-        findings.error("X010", message, element)
+        findings.report("X010.dimension_child", element)
     return kind or None
 
 
@@ -164,8 +163,7 @@ def _binary_value(element: Element, kind: str, findings: EddiFindings) -> bool:
         return read_boolean(text, "value", element, findings) is not False
     if not findings.document.children(element, names.PUBLIC_TYPE):
         return True
-    message = f'value of "{kind}" is absent, taken as false (or it was never set)'
-    findings.warning("X014", message, element, 'write value="true" if it is good when it holds')
+    findings.report("X014.value", element, kind=kind)
     return False
 
 
@@ -175,13 +173,11 @@ def _subset(element: Element, findings: EddiFindings, *, is_public: bool) -> Sub
     if text is not None:
         subset = _SUBSETS.get(text.strip().casefold())
         if subset is None:
-            message = f'subset is "{_shortened(text)}", allowed: Guarantee, Demand'
-            findings.error("X011", message, element)
+            findings.report("X011.subset", element, text=_shortened(text))
         return subset or "Guarantee"
     if document.children(element, names.PUBLIC_TYPE) or is_public:
         return None  # the demand says it, by a relation
-    message = "subset is absent, taken as Guarantee (a demand asks at most)"
-    findings.warning("X014", message, element, 'write subset="Guarantee" or subset="Demand"')
+    findings.report("X014.subset", element)
     return "Guarantee"
 
 
@@ -197,22 +193,21 @@ def _relations(
         # EMF omits the first literal of an enumeration.
         relation = _RELATION_TYPES.get("DinG" if text is None else text.strip())
         if relation is None:
-            message = f'dimensionRelationType is "{_shortened(text or "")}", allowed: {allowed}'
-            findings.error("X011", message, part)
+            findings.report(
+                "X011.relation_type", part, text=_shortened(text or ""), allowed=allowed
+            )
             continue
         ends, problems, present = document.targets(part, names.DIMENSION)
         findings.add(*problems)
         if not present and len(dimensions) == 1:
             ends = list(dimensions)
         elif not present:
-            findings.error("X010", 'the attribute "dimension" of a relation is missing', part)
+            findings.report("X010.relation_dimension", part)
         for end in ends:
             if end in dimensions:
                 related[end] = relation
             else:
-                message = f"dimension points at {document.describe(end)}, expected one of "
-                message += "the same demand"
-                findings.error("X009", message, part)
+                findings.report("X009.dimension", part, actual=document.describe(end))
     return related
 
 
@@ -223,14 +218,11 @@ def _with_relation(
     if isinstance(dimension, BinaryDimension):
         return dimension
     if dimension.subset is not None and relation is not None:
-        message = '"subset" and a relation say the same thing; write one of them'
-        findings.error("X011", message, element)
+        findings.report("X011.subset_or_relation", element)
     if dimension.subset is not None:
         return dimension
     if relation is None:
-        message = f'no relation is given for "{dimension.type}", taken as Equals'
-        hint = "write demandGuaranteeDimensionRelations with a dimensionRelationType"
-        findings.warning("X014", message, element, hint)
+        findings.report("X014.relation", element, type=dimension.type)
     return replace(dimension, subset=relation or "Equals")
 
 
@@ -239,9 +231,7 @@ def _unit(element: Element, kind: str, findings: EddiFindings, *, is_public: boo
     text = document.attribute(element, names.PUBLIC_UNIT)
     text = document.attribute(element, names.UNIT) if text is None else text
     if text is None and is_public:
-        message = f'unitOfMeasurement of "{kind}" is absent, taken as m/s (or it was never set)'
-        hint = f"set it; known are {', '.join(names.PUBLIC_UNITS)}"
-        findings.warning("X014", message, element, hint)
+        findings.report("X014.unit", element, kind=kind, units=", ".join(names.PUBLIC_UNITS))
         return names.PUBLIC_UNITS["MPS"]
     return None if text is None else names.PUBLIC_UNITS.get(text.strip(), text)
 
@@ -269,15 +259,13 @@ def _boundary(
     text = document.attribute(part, names.INCLUSIVE)
     is_inside = text is not None and read_boolean(text, "inclusive", part, findings)
     if value is None:
-        message = f"a child value of {spelling.name} is missing: nothing was said"
-        findings.error("X010", message, part)
+        findings.report("X010.nil", part, feature=spelling.name)
         return nothing
     epsilon = document.attribute(value, names.EPSILON)
     if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
-        message = f'epsilon "{_shortened(epsilon)}" is not used: bounds are exact'
-        findings.count("warning", "X014", message, value)
+        findings.count("X014.epsilon", value, epsilon=_shortened(epsilon))
     if document.attribute(value, names.NUMBER_TYPE) is not None:
-        findings.count("info", "X014", "numberType is not used", value)
+        findings.count("X014.number_type", value)
     number = document.attribute(value, names.NUMBER)
     bound = Bound("0", 0.0) if number is None else _number(number, names.NUMBER, value, findings)
     return bound or nothing[0], bool(is_inside)
@@ -291,8 +279,7 @@ def _range(part: Element, findings: EddiFindings) -> Range | None:
     if text is not None:
         inclusive = read_boolean(text, "inclusive", part, findings)
     else:
-        message = "inclusive is absent, taken as true (the end lies inside)"
-        findings.warning("X014", message, part, 'write inclusive="true" or inclusive="false"')
+        findings.report("X014.inclusive", part)
     if start is None or end is None or inclusive is None:
         return None
     return Range(start, end, inclusive, findings.document.place(part))
@@ -311,8 +298,7 @@ def _number(text: str, spelling: Spelling, part: Element, findings: EddiFindings
         return Bound(f"{sign}inf", float(f"{sign}inf"))
     if _NUMBER.fullmatch(text) and not math.isinf(float(text)):
         return Bound(text, float(text))
-    message = f'{spelling.name} is "{_shortened(text)}", allowed: a decimal number, inf, -inf'
-    findings.error("X011", message, part)
+    findings.report("X011.decimal", part, attribute=spelling.name, text=_shortened(text))
     return None
 
 
@@ -320,7 +306,7 @@ def _mandatory(element: Element, spelling: Spelling, findings: EddiFindings) -> 
     value = findings.document.attribute(element, spelling)
     if value is None:
         owner = findings.document.describe(element)
-        findings.error("X010", f'the attribute "{spelling.name}" of {owner} is missing', element)
+        findings.report("X010.attribute", element, attribute=spelling.name, owner=owner)
     return value
 
 

@@ -76,8 +76,7 @@ def _read_nodes(consert: Element, parts: ConSertParts, findings: EddiFindings) -
     groups = [(r, findings.document.children(consert, part)) for part, r in readers.items()]
     count = sum(len(elements) for _, elements in groups)
     if count > MAX_NODES:
-        message = f"the number of nodes is {count}, more than the limit of {MAX_NODES}"
-        findings.error("X003", message, consert, "split the ConSert")
+        findings.report("X003.nodes", consert, number=count, limit=MAX_NODES)
         return False
     for reader, elements in groups:
         for element in elements:
@@ -92,8 +91,7 @@ def _read_edges(consert: Element, parts: ConSertParts, findings: EddiFindings) -
         targets = _ends(element, names.TARGET, consert, parts, findings)
         total = len(parts.edges) + len(sources) * len(targets)
         if total > MAX_EDGES:
-            message = f"the number of edges is {total}, more than the limit of {MAX_EDGES}"
-            findings.error("X003", message, element, "split the ConSert")
+            findings.report("X003.edges", element, number=total, limit=MAX_EDGES)
             return
         place = findings.document.place(element)
         parts.edges += [Propagation(s, t, place) for s in sources for t in targets]
@@ -104,7 +102,7 @@ def node_name(element: Element, findings: EddiFindings) -> str | None:
     name = findings.document.attribute(element, names.NAME)
     if not name:
         kind = findings.document.describe(element)
-        findings.error("X010", f'the attribute "name" of {kind} is missing', element)
+        findings.report("X010.name", element, kind=kind)
     return name or None
 
 
@@ -148,16 +146,16 @@ def _evidence(element: Element, parts: ConSertParts, findings: EddiFindings) -> 
         return
     has_property = bool(findings.document.children(element, names.PROPERTY))
     if not dimensions and not has_property and not (element.text or "").strip():
-        message = f'evidence "{name}" has no property, its id is taken as one that holds or not'
-        findings.warning("X014", message, element)
+        findings.report("X014.no_property", element, name=name)
         dimensions = (BinaryDimension(name, findings.document.place(element)),)
     parts.ids[element] = name
     if len(dimensions) != 1:
         # A dimension with an error of its own is not missing.
         if dimensions or findings.errors == errors:
-            code = "C003" if dimensions else "C006"
-            message = f'evidence "{name}" has {len(dimensions) or "no"} dimensions, it needs one'
-            findings.error(code, message, element)
+            if dimensions:
+                findings.report("C003.dimensions", element, name=name, number=len(dimensions))
+            else:
+                findings.report("C006.no_dimension", element, name=name)
         return
     place = findings.document.place(element)
     description = description_of(element, findings)
@@ -171,8 +169,7 @@ def _described(element: Element, findings: EddiFindings) -> tuple[Dimension, ...
     text = description_of(element, findings)
     if text is None or not text.strip():
         text = findings.document.attribute(element, names.NAME) or ""
-        message = f'evidence "{text}" has no description, its name is taken as the property'
-        findings.warning("X014", message, element)
+        findings.report("X014.no_description", element, text=text)
     return (english_dimension(text, element, findings),) if text.strip() else ()
 
 
@@ -193,7 +190,7 @@ def _gate(
     function = "And" if text is None else _FUNCTIONS.get(text.strip().casefold())
     if function is None:
         message = f'{document.attribute_name(element, names.GATE_TYPE)} is "{text}"'
-        findings.error("X011", f"{message}, allowed: AND, OR", element)
+        findings.report("X011.operator", element, subject=message)
     if id_ is None or function is None:
         return
     parts.ids[element] = id_
@@ -211,7 +208,7 @@ def _ends(
     findings.add(*problems)
     if not present:
         kind = findings.document.describe(element)
-        findings.error("X010", f'the attribute "{spelling.name}" of {kind} is missing', element)
+        findings.report("X010.attribute", element, attribute=spelling.name, owner=kind)
     ids = []
     for end in found:
         if end in parts.ids:
@@ -234,11 +231,14 @@ def _wrong_end(element: Element, spelling: Spelling, end: Element, findings: Edd
         hint = "ConSerts are connected by services: a demand there, a guarantee here"
     else:
         where = "which is not a node"
-    message = (
-        f"{spelling.name} points at {findings.document.describe(end)} {where}, expected "
-        "evidence, demand, gate or guarantee of the same ConSert"
+    findings.report(
+        "X009.edge",
+        element,
+        hint=hint,
+        feature=spelling.name,
+        end=findings.document.describe(end),
+        where=where,
     )
-    findings.error("X009", message, element, hint)
 
 
 def _apply_invariant(element: Element, parts: ConSertParts, findings: EddiFindings) -> None:
@@ -249,14 +249,12 @@ def _apply_invariant(element: Element, parts: ConSertParts, findings: EddiFindin
     supported = {edge.target for edge in parts.edges}
     if id_ not in supported:
         parts.gates = [gate for gate in parts.gates if gate.id != id_]
-        message = f'the invariant "{id_}" has no input, it is ignored'
-        findings.warning("X006", message, element)
+        findings.report("X006.unused_invariant", element, id=id_)
         return
     place = findings.document.place(element)
     guarded = [g.id for g in parts.guarantees if not g.default and g.id in supported]
     parts.edges += [Propagation(id_, target, place) for target in guarded]
-    message = f'the invariant "{id_}" is read as an input of every guarantee'
-    findings.count("info", "X006", message, element)
+    findings.count("X006.invariant", element, id=id_)
 
 
 def _boolean(element: Element, spelling: Spelling, findings: EddiFindings) -> bool:
@@ -273,5 +271,5 @@ def _integer(element: Element, spelling: Spelling, findings: EddiFindings) -> in
     digits = text.strip().removeprefix("-").removeprefix("+")
     if digits.isascii() and digits.isdigit() and len(digits) <= 9:
         return int(text)
-    findings.error("X011", f'{spelling.name} is "{text[:60]}", allowed: an integer', element)
+    findings.report("X011.integer", element, attribute=spelling.name, text=text[:60])
     return None

@@ -52,8 +52,12 @@ def read_dimensions(shape: Shape, item: Element) -> tuple[Dimension, ...]:
     if nodes is None:
         return (_UNREADABLE,)
     if not nodes:
-        message = f"{what} is empty: a {item.what.split()[0]} needs at least one"
-        shape.report("C006", message, item.place if node is None else node.place)
+        shape.report(
+            "C006.empty_gate",
+            item.place if node is None else node.place,
+            subject=what,
+            type=item.what.split()[0],
+        )
         return (_UNREADABLE,)
     return tuple(read_dimension(shape, one, f"a dimension of {item.what}") for one in nodes)
 
@@ -86,7 +90,7 @@ def _variant(
         found = y.describe(node)
         if isinstance(node, y.Map):
             found = f"a map with {len(node.entries)} keys"
-        shape.report("C003", f"{what} must be a map with {keys}, not {found}", node.place)
+        shape.report("C003.map_with_keys", node.place, subject=what, keys=keys, actual=found)
         return None
     key, content = node.entries[0]
     if key.text not in allowed:
@@ -103,7 +107,7 @@ def _covered(
     if node is None or nodes is None:
         return None
     if not nodes:
-        shape.report("C006", f"{what} is empty: nothing would count", node.place)
+        shape.report("C006.empty_list", node.place, subject=what)
     read = [read_one(shape, one, f"a {part} of {item.what}") for one in nodes]
     kept = tuple(one for one in read if one is not None)
     return kept if kept and len(kept) == len(read) else None
@@ -164,8 +168,7 @@ def _bound(shape: Shape, node: y.Node, key: str, what: str) -> Bound | None:
     if isinstance(node, y.Scalar):
         unquoted = y.as_number(y.Scalar(node.text, plain=True))
         hint = f"write {node.text} without quotes" if unquoted is not None else None
-    message = f"{key!r} of {what} must be a number, not {y.describe(node)}"
-    shape.report("C003", message, node.place, hint)
+    shape.report("C003.number", node.place, hint=hint, key=key, subject=what, node=y.describe(node))
     return None
 
 

@@ -11,7 +11,7 @@ from itertools import permutations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.graphs import reached, reversed_graph
-from eddi_scaffold.common.problems import Problem, info, warning
+from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.kinds.consert.graph import (
     CAP,
     Sets,
@@ -60,16 +60,14 @@ def _constant(consert: ConSert) -> Iterator[Problem]:
         # without any input C012 is reported
         if value is not None and not guarantee.default and inputs[guarantee.id]:
             fate = "always active" if value else "never active"
-            message = f"guarantee {shown(guarantee.id)} is {fate}, whatever the evidence"
-            yield warning("S001", message, guarantee.place)
+            yield problem("S001", guarantee.place, guarantee=shown(guarantee.id), fate=fate)
 
 
 def _not_checked(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator[Problem]:
     for guarantee in consert.guarantees:
         if sets[guarantee.id] is None:
             name = f"guarantee {shown(guarantee.id)}"
-            message = f"{name} has more than {CAP} minimal sets of evidence: not compared"
-            yield info("S000", message, guarantee.place)
+            yield problem("S000", guarantee.place, name=name, limit=CAP)
 
 
 def _redundant_leaves(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator[Problem]:
@@ -86,8 +84,7 @@ def _redundant_leaves(consert: ConSert, sets: dict[str, Sets | None]) -> Iterato
     places = {n.id: n.place for group in (consert.evidence, consert.demands) for n in group}
     for index, id_ in enumerate(leaves_of(consert)):
         if id_ in reachable and id_ not in unknown and not used >> index & 1:
-            message = f"no guarantee depends on {shown(id_)}, although it is connected"
-            yield info("S002", message, places[id_])
+            yield problem("S002.element", places[id_], id=shown(id_))
 
 
 def _redundant_gates(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator[Problem]:
@@ -100,8 +97,7 @@ def _redundant_gates(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator
     for gate in consert.gates:
         fed = [target for target in targets[gate.id] if target in reachable]
         if fed and inputs[gate.id] and all(gate.id in idle[target] for target in fed):
-            message = f"gate {shown(gate.id)} changes nothing given the other inputs"
-            yield info("S002", message, gate.place)
+            yield problem("S002.gate", gate.place, gate=shown(gate.id))
 
 
 def _equal(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator[Problem]:
@@ -113,8 +109,7 @@ def _equal(consert: ConSert, sets: dict[str, Sets | None]) -> Iterator[Problem]:
         before = first.setdefault(found, guarantee)
         if before is not guarantee:
             names = f"{shown(before.id)} and {shown(guarantee.id)}"
-            message = f"guarantees {names} are active under the same conditions"
-            yield info("S003", message, guarantee.place)
+            yield problem("S003.same", guarantee.place, names=names)
 
 
 def _service(
@@ -127,8 +122,7 @@ def _service(
     defaults = [g.id for g in members if g.default]
     if len(defaults) > 1:
         names = ", ".join(map(shown, defaults))
-        message = f"provided service {shown(service.id)} has several default guarantees: {names}"
-        yield warning("S006", message, service.place)
+        yield problem("S006.defaults", service.place, service=shown(service.id), names=names)
     others = [g for g in members if not g.default]
     yield from _implications(others[:_MOST_GUARANTEES], sets)
     yield from _single_points(consert, service, others, sets)
@@ -140,13 +134,12 @@ def _implications(members: list[Guarantee], sets: dict[str, Sets | None]) -> Ite
         if not first or not second or first == second or 0 in second:
             continue
         if implies(first, second):
-            names = f"guarantee {shown(strong.id)} implies {shown(weak.id)}"
-            yield info("S004", names, strong.place)
+            ids = {"strong": shown(strong.id), "weak": shown(weak.id)}
+            yield problem("S004.implies", strong.place, **ids)
             if None not in (strong.ranking, weak.ranking) and (weak.ranking or 0) < (
                 strong.ranking or 0
             ):
-                message = f"{names}, which is ranked better: {shown(strong.id)} is never the best"
-                yield warning("S005", message, strong.place)
+                yield problem("S005.dominated", strong.place, **ids)
 
 
 def _single_points(
@@ -168,4 +161,4 @@ def _single_points(
         if common >> index & 1:
             message = f"provided service {shown(service.id)} needs {shown(id_)} in every case"
             end = "without it no guarantee of the service is active"
-            yield info("S007", f"{message}: {end}", service.place)
+            yield problem("S007", service.place, message=message, end=end)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, in_order
+from eddi_scaffold.common.problems import EddiError, Place, Problem, in_order, problem
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,
@@ -66,7 +66,7 @@ def _unsayable(consert: ConSert) -> Iterator[Problem]:
 
 
 def _lost(what: str, place: Place) -> Problem:
-    return error("G021", f"{what}, which YAML cannot say", place, "generate from the EDDI itself")
+    return problem("G021.yaml", place, subject=what)
 
 
 def as_plain(consert: ConSert) -> Mapping[str, Any]:

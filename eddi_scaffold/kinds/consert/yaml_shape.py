@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, most_similar
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
 from eddi_scaffold.yaml_text import nodes as y
 
 if TYPE_CHECKING:
@@ -43,9 +43,11 @@ class Shape:
     def __init__(self) -> None:
         self.problems: list[Problem] = []
 
-    def report(self, code: str, message: str, place: Place, hint: str | None = None) -> None:
+    def report(
+        self, case: str, place: Place, /, *, hint: str | None = None, **fields: object
+    ) -> None:
         """Add an error."""
-        self.problems.append(error(code, message, place, hint))
+        self.problems.append(problem(case, place, hint=hint, **fields))
 
     def element(
         self,
@@ -68,7 +70,7 @@ class Shape:
             lists: whether the mandatory keys hold lists, which may be empty.
         """
         if not isinstance(node, y.Map):
-            self.report("C003", f"{what} must be a map, not {y.describe(node)}", node.place)
+            self.report("C003.map", node.place, subject=what, node=y.describe(node))
             return None
         id_, place = self._id(node, what) if "id" in mandatory else (None, node.place)
         if id_ is not None and kind is not None:
@@ -82,8 +84,7 @@ class Shape:
             return None, node.place
         text = self.scalar(value, f"'id' of {what}")
         if text is not None and len(text) > MAX_ID:
-            message = f"the id has {len(text)} characters, more than the limit of {MAX_ID}"
-            self.report("C001", message, value.place)
+            self.report("C001.long_id", value.place, length=len(text), limit=MAX_ID)
         return text, value.place
 
     def _keys(
@@ -106,19 +107,21 @@ class Shape:
                 hint = _missing_hint(key, found) or (
                     f"write `{key}: []` for none" if lists else None
                 )
-                self.report("C002", f"{what} has no key {key!r}", node.place, hint)
+                self.report("C002.no_key", node.place, hint=hint, subject=what, key=key)
         absent = [key for key in known if key not in present]
         for index, (name, _) in enumerate(node.entries):
             if name.text not in known and name.text not in instead:
                 hint = _comma_hint(node, index) or did_you_mean(name.text, absent)
-                self.report("C004", f"unknown key {y.shown(name.text)} in {what}", name.place, hint)
+                self.report(
+                    "C004.unknown_key", name.place, hint=hint, name=y.shown(name.text), subject=what
+                )
 
     def items(self, node: y.Node, what: str) -> tuple[y.Node, ...] | None:
         """Read a list, C003 for anything else."""
         if isinstance(node, y.Items):
             return node.items
         hint = "write [] for an empty list" if y.is_null(node) else None
-        self.report("C003", f"{what} must be a list, not {y.describe(node)}", node.place, hint)
+        self.report("C003.list", node.place, hint=hint, subject=what, node=y.describe(node))
         return None
 
     def scalar(self, node: y.Node, what: str) -> str | None:
@@ -128,7 +131,7 @@ class Shape:
             hint = None
             if y.is_null(node) and isinstance(node, y.Scalar) and node.text:
                 hint = f'if the text "{node.text}" is meant, put it in quotes'
-            self.report("C003", f"{what} must be text, not {y.describe(node)}", node.place, hint)
+            self.report("C003.text", node.place, hint=hint, subject=what, node=y.describe(node))
         return text
 
     def text(self, item: Element, key: str) -> str | None:
@@ -150,8 +153,9 @@ class Shape:
             return otherwise
         value = y.as_bool(node)
         if value is None:
-            message = f"{key!r} of {item.what} must be true or false, not {y.describe(node)}"
-            self.report("C003", message, node.place)
+            self.report(
+                "C003.boolean", node.place, key=key, subject=item.what, node=y.describe(node)
+            )
         return otherwise if value is None else value
 
     def integer(self, item: Element, key: str) -> int | None:
@@ -161,8 +165,9 @@ class Shape:
             return None
         value = y.as_integer(node)
         if value is None:
-            message = f"{key!r} of {item.what} must be an integer, not {y.describe(node)}"
-            self.report("C003", message, node.place)
+            self.report(
+                "C003.integer", node.place, key=key, subject=item.what, node=y.describe(node)
+            )
         return value
 
     def variant(
@@ -191,8 +196,14 @@ class Shape:
         hint: str | None = None,
     ) -> None:
         """Report a word outside of a closed set (C005)."""
-        message = f"unknown {title} {y.shown(text)}; known: {', '.join(allowed)}"
-        self.report("C005", message, place, hint or did_you_mean(text, allowed))
+        self.report(
+            "C005.unknown_word",
+            place,
+            hint=hint or did_you_mean(text, allowed),
+            kind=title,
+            word=y.shown(text),
+            allowed=", ".join(allowed),
+        )
 
 
 def _comma_hint(node: y.Map, index: int) -> str | None:

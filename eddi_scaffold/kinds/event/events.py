@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.findings import Locate, line_and_column
@@ -110,9 +110,7 @@ def read_text(
     analysis = analyse(text, any_rate=True, name=name, locate=locate)
     place = placed.place if placed is not None else Place(name, 1, 1)
     numbers = (
-        error("E007", "an event is a boolean, this is a number", place)
-        for event in analysis.events
-        if event.type != "bool"
+        problem("E007.event_number", place) for event in analysis.events if event.type != "bool"
     )
     problems = [*analysis.problems, *numbers]
     problems = [placed.told(problem) for problem in problems] if placed is not None else problems
@@ -212,14 +210,11 @@ def _one_topic(
 ) -> Iterable[Problem]:
     """Warn where the latest message of a topic may be that of another event."""
     if len(analysis.events) > 1 and None in parts:
-        shared = f"{len(analysis.events)} events share one topic"
-        message = f"{shared}: the latest message may be from any of them"
-        hint = "give each event a separate output: `event: ID` with `topic:`"
         place = model.place
         if model.data.placed is None:  # a file: the second event, the first is no mistake
             line, column = line_and_column(model.data.text)(analysis.events[1].at)
             place = replace(place, line=line, col=column)
-        yield warning("W005", message, place, hint)
+        yield problem("W005", place, events=len(analysis.events))
 
 
 def parts(model: EventModel) -> Sequence[str]:

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import PartSource, Source
-from eddi_scaffold.common.problems import EddiError, Problem, error, has_errors
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.tokens import comments_of, tokens_of
 from eddi_scaffold.eddi_xml.extensions import (
@@ -59,23 +59,18 @@ def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
     """Yield what is wrong with values before they are one text (X032)."""
     for value in one.of(*DECLARATIONS, COMMENT):
         if re.search(r"[\r\n]", value.text):
-            message, hint = f"{value.tag}: a line end in a value", "write one line for each value"
-            yield error("X032", message, value.place, hint)
+            yield problem("X032.line_end", value.place, tag=value.tag)
         elif value.tag == COMMENT:
             continue
         elif "//" in _TEXT.sub("", value.text):
-            hint = f'put it into <values tag="{COMMENT}" .../>'
-            yield error("X032", f"{value.tag}: a comment in a declaration", value.place, hint)
+            yield problem("X032.comment", value.place, tag=value.tag, comment=COMMENT)
         elif _WORD.match(value.text):
-            message = f"{value.tag}: the declaration begins with {value.text.split()[0]}"
-            hint = "leave out that word: it is the tag"
-            yield error("X032", message, value.place, hint)
+            yield problem("X032.keyword", value.place, tag=value.tag, word=value.text.split()[0])
     for value in one.of(FREQUENCY):
         if _rate(value.text) is None:
-            message = f"frequency: {value.text!r} is not a number of steps per second"
-            yield error("X031", message, value.place, "from 1e-6 to 1e9")
+            yield problem("X031.frequency", value.place, value=value.text)
     if sum(len(value.text) for value in one.values) > _LIMIT:
-        yield error("X003", f"{EVENTS} has more than {_LIMIT} characters", one.place, "split it")
+        yield problem("X003.characters", one.place, attribute=EVENTS, limit=_LIMIT)
 
 
 def _model(one: ExtensionMap, name: str, source: Source) -> tuple[EventModel | None, list[Problem]]:
@@ -117,8 +112,7 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
         if token.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
     ]
     if not begins or begins[0] != 0:
-        hint = "write EVENT Name (EVIDENCE) := the condition"
-        raise EddiError(error("X032", "an EDDI holds declarations only", model.place, hint))
+        raise EddiError(problem("X032.not_a_declaration", model.place))
     found: list[tuple[int, str, str]] = []
     for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
         start, end = tokens[first].end, tokens[last - 1].end
@@ -138,6 +132,4 @@ def _refuse_comments(model: EventModel, text: str, start: int, end: int) -> None
     for at, _ in comments_of(text):
         if start < at < (line if line >= 0 else len(text)):
             place = in_text(text, model.source.name)(at)
-            hint = "put it on a line of its own"
-            message = "a comment behind a declaration has no place in an EDDI"
-            raise EddiError(error("X032", message, place, hint))
+            raise EddiError(problem("X032.comment_behind", place))

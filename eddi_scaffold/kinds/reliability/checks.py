@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.reliability import chains
 from eddi_scaffold.kinds.reliability.cut_sets import LIMIT, CutSet, minimal_cut_sets
 from eddi_scaffold.kinds.reliability.fault_tree import COHERENT, NODE_LIMIT, TooLargeError
@@ -31,61 +31,52 @@ def check_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
     broken = False
     if len(chain.initial) != 1:
         found = f"the initial states {', '.join(chain.initial)}" if chain.initial else "none"
-        message = f"chain {name!r} needs exactly one initial state, it has {found}"
-        yield error("R007", message, place)
+        yield problem("R007.initial", place, name=name, actual=found)
         broken = True
     if not chain.fail:
-        message = f"chain {name!r} has no fail state"
-        yield error("R007", message, place, "mark a state: isFailState, or `fail:` in YAML")
+        yield problem("R007.no_fail_state", place, name=name)
         broken = True
     failed = next((state for state in chain.initial if state in chain.fail), None)
     if failed is not None and len(chain.initial) == 1:
-        yield error("R007", starts_failed(failed), place)
+        yield problem("R007.starts_failed", place, state=failed)
         broken = True
     if len(chain.states) > MAX_STATES:
-        message = f"chain {name!r} has {len(chain.states)} states, the limit is {MAX_STATES}"
-        yield error("R002", message, place)
+        yield problem("R002.states", place, name=name, states=len(chain.states), limit=MAX_STATES)
         broken = True
     for arc in chain.arcs:
         if arc.rate > _LARGEST_RATE:
-            message = (
-                f"the rate {arc.rate:g} 1/h from {arc.source!r} to {arc.target!r} of chain "
-                f"{name!r} is out of range, 0 to {_LARGEST_RATE:.15g} 1/h"
+            yield problem(
+                "R002.rate",
+                arc.place,
+                rate=arc.rate,
+                source=arc.source,
+                target=arc.target,
+                name=name,
+                limit=_LARGEST_RATE,
             )
-            yield error("R002", message, arc.place)
             broken = True
     if not broken:
         yield from _reach(name, chain, place)
 
 
-def starts_failed(state: str) -> str:
-    """Return what is wrong with a chain that begins in a fail state."""
-    return f"the initial state {state!r} is a fail state: p_fail is 1 from the start"
-
-
 def _reach(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
     for state in chain.fail:
         if any(arc.source == state and arc.rate > 0.0 for arc in chain.arcs):
-            message = f"fail state {state!r} of chain {name!r} has arcs, which are left out"
-            hint = "failure is first passage: what comes after it is ignored"
-            yield warning("R013", message, place, hint)
+            yield problem("R013.after_failure", place, state=state, name=name)
     lowered = chain_of(chain)
     reached = chains.reached(lowered)
     lost = [state for number, state in enumerate(chain.states) if number not in reached]
     if lost:
         shown = ", ".join(lost[:8]) + (", ..." if len(lost) > 8 else "")
-        yield warning("R013", f"chain {name!r} never reaches {shown}", place)
+        yield problem("R013.unreached", place, name=name, states=shown)
     if lowered.initial not in chains.reaching(lowered, lowered.fail):
-        message = f"chain {name!r} cannot fail: no path leads from {chain.initial[0]!r} to failure"
-        yield warning("R013", message, place, "its MTTF is infinite")
+        yield problem("R013.cannot_fail", place, name=name, initial=chain.initial[0])
     elif lowered.initial not in chains.certain(lowered):
-        message = f"chain {name!r} may stay for ever in states that cannot fail"
-        yield warning("R013", message, place, "its MTTF is infinite")
+        yield problem("R013.may_stay", place, name=name)
     count = len(chain.states)
     if count > _LARGE:
         size = 8e-6 * count**2
-        message = f"chain {name!r} has {count} states: {size:.0f} MB for each matrix"
-        yield warning("R013", message, place)
+        yield problem("R013.large", place, name=name, states=count, size=size)
 
 
 _ALL = "\0"
@@ -119,12 +110,7 @@ def _open_ports(system: ReliabilitySystem) -> Iterator[Problem]:
         for key in order(tree.top, below)[0]:
             gate = tree.gates.get(key)
             if gate is not None and not gate.of:
-                message = (
-                    f"port {gate.name!r} has no input: what it represents is left out, so that no "
-                    f"threshold may trust p_fail of {system.top!r}"
-                )
-                hint = "connect it in the model, or take it out there"
-                yield error("R005", message, gate.place, hint)
+                yield problem("R005.port", gate.place, gate=gate.name, top=system.top)
 
 
 def _references(system: ReliabilitySystem) -> Iterator[Problem]:
@@ -133,13 +119,18 @@ def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     for component in system.components.values():
         for below in component.below:
             if below not in system.components:
-                message = f"model {component.name!r} uses {below!r}, which does not exist"
-                yield error("R001", message, _place_of_use(component, below), near.hint(below))
+                yield problem(
+                    "R001.unknown_model",
+                    _place_of_use(component, below),
+                    hint=near.hint(below),
+                    model=component.name,
+                    used=below,
+                )
     below_all = {name: one.below for name, one in system.components.items()}
     cycle = order(_ALL, {_ALL: names, **below_all})[1]
     if cycle:
         place = system.components[cycle[0]].place
-        yield error("R012", f"models use each other in a cycle: {_shown(cycle)}", place)
+        yield problem("R012.models", place, cycle=_shown(cycle))
 
 
 def _place_of_use(component: ComponentModel, model: str) -> Place:
@@ -161,22 +152,30 @@ def _tree(component: ComponentModel, tree: FaultTree) -> list[Problem]:
     below = {key: gate.of for key, gate in tree.gates.items()}
     names, cycle = order(tree.top, below)
     if cycle:
-        message = f"tree {component.name!r} reaches a cycle: {_shown(cycle)}"
-        return [error("R012", message, tree.gates[cycle[0]].place)]
+        return [
+            problem(
+                "R012.tree", tree.gates[cycle[0]].place, tree=component.name, cycle=_shown(cycle)
+            )
+        ]
     problems: list[Problem] = []
     uses = Counter(one for key in names if key in tree.gates for one in tree.gates[key].of)
     for key in names:
         if key in tree.gates:
             problems += _gate(tree, tree.gates[key], uses)
         elif tree.events[key].law is None:
-            message = f"event {tree.events[key].name!r} has no probability"
             place = tree.events[key].place
-            problems.append(error("R006", message, place, _ways(in_eddi=place.path is not None)))
+            problems.append(
+                problem(
+                    "R006.none",
+                    place,
+                    hint=_ways(in_eddi=place.path is not None),
+                    event=tree.events[key].name,
+                )
+            )
     unused = [key for key in (*tree.gates, *tree.events) if key not in set(names)]
     if unused:
         shown = ", ".join(unused[:8]) + (", ..." if len(unused) > 8 else "")
-        message = f"tree {component.name!r} does not reach {shown}"
-        problems.append(warning("R013", message, component.place))
+        problems.append(problem("R013.unused", component.place, tree=component.name, parts=shown))
     if has_errors(problems):
         return problems
     return problems + _diagram(component, tree)
@@ -196,16 +195,14 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
         yield from _empty(gate)
         return
     if gate.type == "VOTE" and gate.k is None:
-        hint = 'keyValueMaps with key "k", or `k:` in YAML'
-        yield error("R005", f"gate {name!r} is a vote without k", place, hint)
+        yield problem("R005.vote", place, name=name)
     elif gate.type == "VOTE" and not 1 <= (gate.k or 0) <= len(gate.of):
-        yield error("R005", f"gate {name!r} requires {gate.k} of {len(gate.of)} inputs", place)
+        yield problem("R005.vote_inputs", place, name=name, required=gate.k, number=len(gate.of))
     elif gate.type == "NOT" and len(gate.of) != 1:
-        yield error("R005", f"gate {name!r} is a NOT of {len(gate.of)} inputs", place)
+        yield problem("R005.not_inputs", place, name=name, number=len(gate.of))
     elif gate.type == "XOR" and len(gate.of) > 2:
         what = f"gate {name!r} is an XOR of {len(gate.of)} inputs"
-        message = f"{what}, which is true for an odd number of them"
-        yield warning("R013", message, place)
+        yield problem("R013.xor", place, subject=what)
     elif gate.type in DYNAMIC:
         yield from _dynamic(tree, gate, uses)
 
@@ -213,20 +210,17 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
 def _empty(gate: Gate) -> Iterator[Problem]:
     """Refuse a gate without inputs; a port of an EDDI is reported by the reader (X017)."""
     if not gate.is_port:
-        message = f"gate {gate.name!r} has no input: a gate without inputs never occurs"
         hint = "list its inputs, or take it out"
         if gate.place.path is None:
             hint = "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"
-        yield error("R005", message, gate.place, hint)
+        yield problem("R005.no_input", gate.place, hint=hint, gate=gate.name)
 
 
 def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     if gate.type == "SAND":
-        message = f"gate {gate.name!r} is a SAND: independent events never coincide, so it is 0"
-        yield warning("R009", message, gate.place)
+        yield problem("R009.sand", gate.place, gate=gate.name)
     elif len(gate.of) < 2:
-        message = f"gate {gate.name!r} ({gate.type}) has one input only"
-        yield error("R009", message, gate.place)
+        yield problem("R009.one_input", gate.place, gate=gate.name, type=gate.type)
     for key in gate.of:
         event = tree.events.get(key)
         reason = None
@@ -241,9 +235,9 @@ def _dynamic(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Proble
         elif uses[key] > 1:
             reason = "occurs elsewhere too"
         if reason:
-            message = f"gate {gate.name!r} ({gate.type}) cannot be analysed: {key!r} {reason}"
-            hint = "inputs of dynamic gates are exponential basic events of their own"
-            yield error("R009", message, gate.place, hint)
+            yield problem(
+                "R009.dynamic", gate.place, gate=gate.name, type=gate.type, key=key, reason=reason
+            )
 
 
 def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
@@ -256,19 +250,25 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
     else:
         try:
             _ = lowered.diagram
-        except TooLargeError as problem:
-            gate = lowered.names[problem.gate - len(lowered.events)].name
+        except TooLargeError as failure:
+            gate = lowered.names[failure.gate - len(lowered.events)].name
             limit = lowered.limit
-            message = (
-                f"the diagram of tree {component.name!r} has {problem.count} nodes below gate "
-                f"{gate!r}, at the limit of {limit}"
-            )
             hint = "make parts share fewer events"
             if limit <= NODE_LIMIT:  # ten times more would need more memory than there is
                 hint += ", or raise node_limit"
             if coherent:
                 hint += ", or take bounds: `approximation: cut_sets`"
-            return [error("R010", message, component.place, hint)]
+            return [
+                problem(
+                    "R010.diagram",
+                    component.place,
+                    hint=hint,
+                    tree=component.name,
+                    nodes=failure.count,
+                    gate=gate,
+                    limit=limit,
+                )
+            ]
         if tree.cut_sets is None or not coherent:
             return []
         try:  # the file lists them whatever the probabilities of the events are
@@ -280,11 +280,15 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
     named = frozenset(frozenset(lowered.events[i].name for i in cut_set) for cut_set in ours)
     if named == tree.cut_sets:
         return []
-    message = (
-        f"the minimal cut sets of the file differ in tree {component.name!r}: it has "
-        f"{_sets(tree.cut_sets)}, computed are {_sets(named)}"
-    )
-    return [warning("R016", message, component.place)]
+    return [
+        problem(
+            "R016.cut_sets_differ",
+            component.place,
+            tree=component.name,
+            actual=_sets(tree.cut_sets),
+            computed=_sets(named),
+        )
+    ]
 
 
 def _no_bounds(component: ComponentModel, tree: FaultTree) -> Problem:
@@ -294,12 +298,8 @@ def _no_bounds(component: ComponentModel, tree: FaultTree) -> Problem:
     odd = next((gate for gate in gates if gate.type in ("NOT", "XOR")), None)
     if odd is not None:
         message = f"gate {odd.name!r} of tree {name!r} is {odd.type}, so that cut sets do not bound"
-        return error("R010", f"{message} it", odd.place, "leave out `approximation`")
-    message = (
-        f"tree {name!r} has more than {LIMIT:,} minimal cut sets, or takes too long to find them"
-    )
-    hint = "leave out `approximation`, raise node_limit, or make parts share fewer events"
-    return error("R010", message, tree.bounds_place, hint)
+        return problem("R010.approximation", odd.place, sentence=message)
+    return problem("R010.cut_sets", tree.bounds_place, name=name, limit=LIMIT)
 
 
 def _sets(sets: frozenset[frozenset[str]]) -> str:
@@ -317,12 +317,9 @@ def _dependence(system: ReliabilitySystem) -> Iterator[Problem]:
         for used_model in _uses(system.components[name]):
             twice = sorted(reached & within[used_model])
             if twice:
-                message = (
-                    f"model {name!r} uses {twice[0]!r} in several places, but treats "
-                    "them as independent"
+                yield problem(
+                    "R009.shared", system.components[name].place, model=name, used=twice[0]
                 )
-                hint = "put its parts into one fault tree"
-                yield error("R009", message, system.components[name].place, hint)
             reached |= within[used_model]
         within[name] = reached
 
@@ -342,6 +339,5 @@ def _inputs(system: ReliabilitySystem) -> Iterator[Problem]:
         shared = "bool" if isinstance(component.content, Chain) else ""
         for input_ in inputs_of(alone):
             if types.get(input_.id, shared) != shared:
-                message = f"two inputs are called {input_.id!r}: rename a model or an event"
-                yield error("R001", message, component.place)
+                yield problem("R001.same_input", component.place, input=input_.id)
             types[input_.id] = input_.type

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.files import Source, next_to, read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
@@ -99,7 +99,7 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
         eddi = read_source(next_to(source.name, name))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
-        values.error("R001", f"file {name!r}: {reasons}", "file")
+        values.report("R001.file", "file", name=name, reasons=reasons)
         return {}
     document, problems = read_document(eddi)
     values.problems += problems
@@ -141,11 +141,7 @@ def _always_late(system: ReliabilitySystem) -> list[Problem]:
     """Return a warning when every step comes later than is usual (R014)."""
     if system.max_gap is None or system.max_gap >= system.quantum:
         return []
-    message = (
-        f"no step is ever valid: max_gap is {system.max_gap:g} s, and a step comes each "
-        f"{system.quantum:g} s"
-    )
-    return [warning("R014", message, system.place, "leave out `max_gap`")]
+    return [problem("R014.max_gap", system.place, max_gap=system.max_gap, period=system.quantum)]
 
 
 def _never(system: ReliabilitySystem) -> list[Problem]:
@@ -161,17 +157,25 @@ def _never(system: ReliabilitySystem) -> list[Problem]:
     found = []
     for threshold in system.thresholds:
         if best.p_fail > threshold.activate:
-            message = (
-                f"threshold {threshold.id!r} cannot be met {when}: p_fail is "
-                f"{best.p_fail:.3g}, above {threshold.activate:g}"
+            found.append(
+                problem(
+                    "R014.never_met",
+                    threshold.place,
+                    threshold=threshold.id,
+                    when=when,
+                    p_fail=best.p_fail,
+                    activate=threshold.activate,
+                )
             )
-            found.append(warning("R014", message, threshold.place))
         elif worst.p_fail_high <= threshold.activate and inputs_of(system):
-            message = (
-                f"threshold {threshold.id!r} is always met at mission start: with nothing known "
-                f"p_fail is at most {worst.p_fail_high:.3g}"
+            found.append(
+                problem(
+                    "R014.always_met",
+                    threshold.place,
+                    threshold=threshold.id,
+                    p_fail_high=worst.p_fail_high,
+                )
             )
-            found.append(warning("R014", message, threshold.place))
     return found
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
+from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, warning
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, select
 from eddi_scaffold.kinds.reliability.system import Law
 
@@ -73,7 +74,7 @@ class Numbers:
         """
         parts = arguments(element)
         if len(parts) > 1:
-            raise self._fault("R017", f"event {name!r} has {len(parts)} expressions", parts[1])
+            raise self._fault("R017.event", parts[1], name=name, number=len(parts))
         if house:
             is_true = [
                 feature_of(part) == "constant" and part.get("value") == "true" for part in parts
@@ -93,14 +94,12 @@ class Numbers:
         if of == "weibull" and len(values) == 4 and times == 1.0:
             scale, shape, start = (self.number(value, path) for value in values[:3])
             if scale <= 0.0 or not 1e-6 <= shape <= 1e6 or start != 0.0:
-                message = f"event {name!r}: scale and shape must be above 0, the location 0"
-                raise self._fault("R002", message, parts[0])
+                raise self._fault("R002.weibull", parts[0], name=name)
             self._unit(values[0], path, "h")
             return Law("weibull", (scale, shape))
         probability = self.number(parts[0], path)
         if not 0.0 <= probability <= 1.0:
-            message = f"event {name!r}: {probability:g} is not a probability"
-            raise self._fault("R002", message, parts[0])
+            raise self._fault("R002.probability", parts[0], name=name, probability=probability)
         return Law("fixed", (probability,))
 
     def _missions(self, element: Element, path: tuple[str, ...]) -> float | None:
@@ -119,20 +118,17 @@ class Numbers:
         """
         of = feature_of(element)
         if depth > _DEEPEST:
-            raise self._fault("R012", "expressions are nested too deeply, or in a cycle", element)
+            raise self._fault("R012.expressions", element)
         if of in ("float", "int"):
             return self._written(element)
         if of == "parameter":
             return self._of_parameter(element, path, depth)
         operation = _OPERATIONS.get(of) or _MEANS.get(of)
         if operation is None:
-            hint = "write a probability, `exponential` or `Weibull`"
-            message = f"the expression `{of}` is not supported"
-            raise EddiError(error("R017", message, place_of(element, self._file), hint))
+            raise EddiError(problem("R017.expression", place_of(element, self._file), type=of))
         if of in _MEANS:
-            message = "deviates are read as their means: their uncertainty is left out"
             self._doubts.setdefault(
-                of[-7:], warning("R018", message, place_of(element, self._file))
+                of[-7:], problem("R018.deviates", place_of(element, self._file))
             )
         values = [self.number(argument, path, depth + 1) for argument in arguments(element)]
         try:
@@ -140,7 +136,7 @@ class Numbers:
         except (ArithmeticError, ValueError, IndexError, TypeError):
             found = math.nan
         if not math.isfinite(found):
-            raise self._fault("R002", f"`{of}` gives no number", element)
+            raise self._fault("R002.no_number", element, expression=of)
         return found
 
     def _written(self, element: Element) -> float:
@@ -150,7 +146,7 @@ class Numbers:
         except ValueError:
             found = math.nan
         if not math.isfinite(found):
-            raise self._fault("R002", f"{text!r} is not a number", element)
+            raise self._fault("R002.number", element, value=text)
         return found
 
     def _of_parameter(self, element: Element, path: tuple[str, ...], depth: int) -> float:
@@ -158,12 +154,14 @@ class Numbers:
         if defined not in self._known:
             parts, unit = arguments(defined), (defined.get("unit") or "").strip()
             if len(parts) != 1:
-                message = f"a parameter has {len(parts)} expressions, expected 1"
-                raise self._fault("R017", message, defined)
+                raise self._fault("R017.parameter", defined, number=len(parts))
             if unit not in _UNITS and unit not in _NO_UNITS:
-                hint = f"units: {', '.join([*_UNITS, *_NO_UNITS[1:]])}"
                 place = place_of(defined, self._file)
-                raise EddiError(error("R004", f"{unit!r} is not a unit of Open-PSA", place, hint))
+                raise EddiError(
+                    problem(
+                        "R004.unit", place, unit=unit, known=", ".join([*_UNITS, *_NO_UNITS[1:]])
+                    )
+                )
             value = self.number(parts[0], within, depth + 1)
             self._known[defined] = value * _UNITS.get(unit, 1.0)
         return self._known[defined]
@@ -174,13 +172,13 @@ class Numbers:
         name = (element.get("name") or "").strip()
         found = self._parameter(name, path)
         if found is None:
-            raise self._fault("R001", f"there is no parameter {name!r}", element)
+            raise self._fault("R001.parameter", element, name=name)
         return found
 
     def _not_negative(self, element: Element, path: tuple[str, ...]) -> float:
         found = self.number(element, path)
         if found < 0.0:
-            raise self._fault("R002", f"{found:g} is below 0", element)
+            raise self._fault("R002.negative", element, value=found)
         return found
 
     def _unit(self, element: Element, path: tuple[str, ...], assumed: str) -> None:
@@ -188,10 +186,8 @@ class Numbers:
         is_named = feature_of(element) == "parameter"
         if is_named and self._definition(element, path)[0].get("unit") in _UNITS:
             return
-        message = f"this has no unit; {assumed} is assumed, here and elsewhere in the file"
-        hint = 'write it as a parameter with `unit="hours-1"`, or `hours` for a time'
-        problem = warning("R003", message, place_of(element, self._file), hint)
-        self._doubts.setdefault("unit", problem)
+        doubt = problem("R003.no_unit_in_file", place_of(element, self._file), assumed=assumed)
+        self._doubts.setdefault("unit", doubt)
 
-    def _fault(self, code: str, message: str, element: Element) -> EddiError:
-        return EddiError(error(code, message, place_of(element, self._file)))
+    def _fault(self, case: str, element: Element, /, **fields: Any) -> EddiError:
+        return EddiError(problem(case, place_of(element, self._file), **fields))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from eddi_scaffold.common.problems import warning
+from eddi_scaffold.common.problems import problem
 from eddi_scaffold.common.units import duration, rate
-from eddi_scaffold.kinds.reliability.checks import starts_failed
 from eddi_scaffold.kinds.reliability.system import (
     GATES,
     Arc,
@@ -59,7 +58,7 @@ def _chain(entry: Values, errors: int) -> Chain:
         if source is None or target is None or value is None:
             continue
         if source == target:
-            map_.error("X020", f"the arc leads from {source!r} to itself")
+            map_.report("X020.arc_itself", source=source)
         else:
             arcs.append(Arc(source, target, value, map_.place()))
     named = [name for arc in arcs for name in (arc.source, arc.target)]
@@ -67,7 +66,7 @@ def _chain(entry: Values, errors: int) -> Chain:
     for i, arc in enumerate(arcs):
         for key, state in (("from", arc.source), ("to", arc.target)):
             if state not in states:
-                entry.error("R001", f"{key}: there is no state {state!r}", "arcs", i, key)
+                entry.report("R001.state", "arcs", i, key, key=key, state=state)
     initial, fail = entry.texts("initial"), entry.texts("fail")
     if entry.errors > errors and not entry.has("states"):
         return Chain(states, initial, fail, tuple(arcs))
@@ -76,7 +75,7 @@ def _chain(entry: Values, errors: int) -> Chain:
             if state not in states:
                 entry.unknown(key, state, "state", states)
     if len(initial) == 1 and initial[0] in fail:
-        entry.error("R007", starts_failed(initial[0]), "initial")
+        entry.report("R007.starts_failed", "initial", state=initial[0])
     return Chain(states, initial, fail, tuple(arcs))
 
 
@@ -95,8 +94,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
             negated = len(words) == 2 and words[0].casefold() == "not"
             is_one = len(words) == 1 or negated
             if not is_one or words[-1].casefold() in _WORDS:
-                hint = "write the id of an input, or `not` and the id"
-                observe.error("R002", f"{text!r} is not an input", state, hint=hint)
+                observe.report("R002.input", state, value=text)
             else:
                 found.append(Observation(state, words[-1], negated))
     if entry.errors == errors:
@@ -110,14 +108,18 @@ def _shows_failure(name: str, entry: Values, chain: Chain, found: list[Observati
     if not found or not unseen:
         return
     shown = ", ".join(unseen)
-    message = (
-        f"`observe` of chain {name!r} leaves out the fail state {shown}: no input ever shows that "
-        "it has not failed, so p_fail grows, and may stay 1 after one missed message"
-    )
     first = min(found, key=lambda one: one.state not in chain.initial)
     input_ = first.input if first.negated else f"not {first.input}"
-    hint = f"write `{unseen[0]}: {input_}` too, if that excludes it; else any input that does"
-    entry.problems.append(warning("R013", message, entry.place("observe", KEY), hint))
+    entry.problems.append(
+        problem(
+            "R013.observe",
+            entry.place("observe", KEY),
+            name=name,
+            shown=shown,
+            unseen=unseen[0],
+            input=input_,
+        )
+    )
 
 
 def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
@@ -183,7 +185,7 @@ def _only_top(name: str, entry: Values, gates: dict[str, Gate]) -> str | None:
     if len(tops) == 1:
         return tops[0]
     found = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
-    entry.error("R012", f"tree {name!r} has {found}", hint="add `top: NAME`")
+    entry.report("R012.top", name=name, tops=found)
     return None
 
 
@@ -197,11 +199,9 @@ def _declare(
     for gate in gates.values():
         for i, below in enumerate(gate.of):
             if below not in gates and below not in events:
-                entry.error(
-                    "R001", f"there is no gate or event {below!r}", "gates", gate.name, "of", i
-                )
+                entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
     for both in sorted(set(gates) & set(events)):
-        entry.error("R001", f"{both!r} is a gate and an event", "events", both, KEY)
+        entry.report("R001.gate_and_event", "events", both, KEY, name=both)
 
 
 def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
@@ -214,12 +214,12 @@ def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
     model = entry.text("model")
     ways = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
     if len(ways) > 1:
-        entry.error("R006", f"event {name!r} has {' and '.join(ways)}: one is enough", ways[1])
+        entry.report("R006.several", ways[1], name=name, listed=" and ".join(ways))
     if value is not None:
         law = Law("exponential", (value,))
     elif scale is not None and shape is not None:
         if scale <= 0.0:
-            entry.error("R002", "scale: it must be above 0", "scale")
+            entry.report("R002.scale", "scale")
         law = Law("weibull", (scale, shape))
     elif p is not None:
         law = Law("fixed", (p,))
@@ -230,8 +230,7 @@ def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
     )
     age = entry.quantity("age", duration)
     if age is not None and law is not None and law.kind in ("fixed", "model"):
-        message = f"age: event {name!r} has neither a rate nor a scale, so it does not age"
-        entry.error("R002", message, "age")
+        entry.report("R002.age", "age", name=name)
     shown = before.name if before else name
     age = before.age if age is None and before else age
     return BasicEvent(shown, law, observed, age, before.place if before else entry.place())

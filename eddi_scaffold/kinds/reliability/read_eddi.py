@@ -102,7 +102,7 @@ class _Reader:
         number = 2
         while f"{name}#{number}" in taken:
             number += 1
-        self.findings.warning("R013", f"two models are called {name!r}", element)
+        self.findings.report("R013.same_name", element, name=name)
         return f"{name}#{number}"
 
     def _place(self, element: Element) -> Place:
@@ -170,8 +170,12 @@ class _Reader:
             for child in self._children(machine, word.TRANSITION_MATRICES)
         ]
         for feature, element in found:
-            message = f"{self.document.describe(machine)} has {feature.name}, not used"
-            self.findings.count("warning", "X018", message, element)
+            self.findings.count(
+                "X018.of_machine",
+                element,
+                machine=self.document.describe(machine),
+                feature=feature.name,
+            )
 
     def _machine(self, element: Element) -> None:
         """Warn of a state machine that is none by its rates alone."""
@@ -179,9 +183,9 @@ class _Reader:
         rates = [transition for transition in transitions if has_rate(self.document, transition)]
         if rates:
             what = self.document.describe(element)
-            message = f"{what} is no Markov chain: {len(rates)} of {len(transitions)} transitions "
-            message += "have rates, and some have triggers or no rate; its rates are not used"
-            self.findings.warning("X018", message, rates[0])
+            self.findings.report(
+                "X018.no_chain", rates[0], machine=what, rates=len(rates), number=len(transitions)
+            )
         self._unused(element, self.document.children(element, word.STATES))
 
     def _chain_with(self, states: Sequence[Element]) -> str:
@@ -204,20 +208,19 @@ class _Reader:
         )
         what = self.document.describe(transition)
         if not sources or not targets:
-            self.findings.error("X020", f"{what} has no fromStates or no toStates", transition)
+            self.findings.report("X020.no_states", transition, subject=what)
             return
         if len(sources) * len(targets) > 1:
-            message = f"{what} joins several states: each pair gets its rate"
-            self.findings.count("info", "X020", message, transition)
+            self.findings.count("X020.joins", transition, subject=what)
         rate = self.laws.transition(transition)
         for source in sources:
             for target in targets:
                 if source not in states or target not in states:
-                    message = f"{what} points at a state of another model"
-                    self.findings.error("X020", message, transition)
+                    self.findings.report("X020.other_model", transition, subject=what)
                 elif source is target:
-                    message = f"{what} leads from {states[source]!r} to itself"
-                    self.findings.error("X020", message, transition)
+                    self.findings.report(
+                        "X020.itself", transition, subject=what, state=states[source]
+                    )
                 elif rate is not None:
                     place = self._place(transition)
                     yield Arc(states[source], states[target], rate, place)
@@ -230,9 +233,8 @@ class _Reader:
         stated, problems, given = self.document.targets(tree, word.TOP_EVENT)
         self.findings.add(*problems)
         if given and (len(stated) != 1 or stated[0] not in self.model_of):
-            message = f"{self.document.describe(tree)} needs one cause as topEvent"
             if not problems:
-                self.findings.error("X009", message, tree)
+                self.findings.report("X009.top_event", tree, tree=self.document.describe(tree))
             return
         tops = stated or [cause for cause in free if self._is_output(cause)]
         tops = tops or [cause for cause in free if self._is_gate(cause)]
@@ -275,8 +277,13 @@ class _Reader:
         for cause in reached:
             stated = self.document.attribute(cause, word.CAUSE_TYPE) or _CAUSE_TYPES[0]
             if fold(stated) not in map(fold, _CAUSE_TYPES):
-                message = f"{self.document.describe(cause)} has the unknown causeType {stated!r}"
-                self.findings.error("X011", message, cause, f"allowed: {', '.join(_CAUSE_TYPES)}")
+                self.findings.report(
+                    "X011.cause_type",
+                    cause,
+                    cause=self.document.describe(cause),
+                    value=stated,
+                    cause_types=", ".join(_CAUSE_TYPES),
+                )
             is_port = fold(stated) not in _EVENTS
             if self._is_gate(cause) or (is_port and self.below.get(cause)):
                 gates[ids[cause]] = self._gate(cause, ids)
@@ -303,8 +310,7 @@ class _Reader:
             other = first.setdefault(self.chains[name].place, name)
             if other != name:
                 what = self.document.describe(tree)
-                message = f"{what} uses {other!r} and {name!r} of one chain, not independent"
-                self.findings.error("R009", message, tree, "let its events be one state")
+                self.findings.report("R009.one_chain", tree, subject=what, first=other, second=name)
 
     def _common_causes(
         self,
@@ -322,9 +328,8 @@ class _Reader:
                 for event in own:
                     shared.setdefault(event, []).append(common)
         for cause, of in members.items():
-            message = f"{self.document.describe(cause)} is a common cause of {', '.join(of)}: "
-            message += "it is analysed as an event that each of them includes"
-            self.findings.warning("R013", message, cause)
+            described, events_of = self.document.describe(cause), ", ".join(of)
+            self.findings.report("R013.common_cause", cause, cause=described, events=events_of)
         return joined(gates, shared, {key: event.place for key, event in events.items()})
 
     def _shared(
@@ -365,15 +370,14 @@ class _Reader:
             kind = "OR"
         if kind not in GATES:
             what = self.document.describe(cause)
-            self.findings.error("X011", f"{what} has the unknown gateType {given!r}", cause)
+            self.findings.report("X011.gate_type", cause, subject=what, value=given)
             kind = "OR"
         below = []
         for one in self.below.get(cause, []):
             if one in ids:
                 below.append(ids[one])
             else:
-                message = f"causes points at {self.document.describe(one)}, not at a cause"
-                self.findings.error("X009", message, cause)
+                self.findings.report("X009.cause", cause, name=self.document.describe(one))
         if not below and is_port:
             self._empty(cause)
         k = self._votes(cause) if kind == "VOTE" else None
@@ -381,15 +385,15 @@ class _Reader:
 
     def _empty(self, cause: Element) -> None:
         what = self.document.describe(cause)
-        message = f"{what} has no input: it never occurs"
-        self.findings.count("warning", "X017", message, cause)
+        self.findings.count("X017.no_input", cause, subject=what)
 
     def _votes(self, cause: Element) -> int | None:
         found = {key: text for key in _K if (text := self.laws.key_value(cause, key))}
         if len(set(found.values())) > 1:
             shown = ", ".join(f"{key}={text}" for key, text in found.items())
-            message = f"{self.document.describe(cause)} has contradicting keys: {shown}"
-            self.findings.error("R005", message, cause)
+            self.findings.report(
+                "R005.keys", cause, cause=self.document.describe(cause), shown=shown
+            )
         text = next(iter(found.values()), "")
         return int(text) if text.isdecimal() and len(text) < 10 else None
 
@@ -397,14 +401,16 @@ class _Reader:
         """Return a basic event and its failure."""
         failures = self._failures(cause, word.FAILURE)
         if len(failures) > 1:
-            message = f"{self.document.describe(cause)} has {len(failures)} failures, expected 1"
-            self.findings.error("X011", message, cause)
+            self.findings.report(
+                "X011.failures", cause, cause=self.document.describe(cause), number=len(failures)
+            )
         states = self._targets(cause, word.STATE)
         others = [state for state in states if state not in self.labels]
         if others or len(states) > 1:
             what = self.document.describe([*others, *states][0])
-            message = f"{self.document.describe(cause)} is {what}, and not one state of a chain"
-            self.findings.error("X009", message, cause)
+            self.findings.report(
+                "X009.state_of_chain", cause, cause=self.document.describe(cause), subject=what
+            )
             return BasicEvent(name, None, place=self._place(cause)), None
         failure = failures[0] if failures else None if states else self._by_name(cause)
         place = self._place(cause)
@@ -420,8 +426,9 @@ class _Reader:
         """Return the chain of which some states are a failure."""
         states = self.states_of.get(failure, [])
         if len({self.labels[state][0] for state in states}) > 1:
-            message = f"{self.document.describe(failure)} is of states of several chains"
-            self.findings.error("X011", message, failure)
+            self.findings.report(
+                "X011.several_chains", failure, failure=self.document.describe(failure)
+            )
         return self._chain_with(states) if states else None
 
     def _by_name(self, cause: Element) -> Element | None:
@@ -430,12 +437,10 @@ class _Reader:
         same = [f for f in failures if own and self.document.attribute(f, word.NAME) == own]
         what = self.document.describe(cause)
         if len(same) == 1:
-            message = "a basic event has no failure: the one with the same name is used"
-            self.findings.count("info", "X018", message, cause)
+            self.findings.count("X018.same_name", cause)
             return same[0]
         count = "no" if not same else str(len(same))
-        message = f"{what} has no failure, and {count} failures of its name are there"
-        self.findings.warning("X018", message, cause)
+        self.findings.report("X018.no_failure", cause, subject=what, number=count)
         return None
 
     def _cut_sets(
@@ -448,8 +453,8 @@ class _Reader:
             about = self._failures(group, word.FAILURE)
             if about and not set(about) & set(own):
                 if self.document.attribute(tree, word.TOP_EVENT):  # else it is another top
-                    message = f"cut sets of {self.document.describe(tree)} that are not of its top "
-                    self.findings.count("info", "R016", f"{message}are not compared", group)
+                    described = self.document.describe(tree)
+                    self.findings.count("R016.not_compared", group, tree=described)
                 continue
             for child in self._children(group, word.SETS):
                 causes = self._children(child, word.CAUSES)
@@ -463,7 +468,6 @@ class _Reader:
                     left_out.append(child)
                 found.add(frozenset(name[0] for name in names))
         if left_out:
-            message = f"{len(left_out)} cut sets of {self.document.describe(tree)} name more than "
-            message += "failures of one event each: its cut sets are not compared"
-            self.findings.count("info", "R016", message, left_out[0])
+            described, number = self.document.describe(tree), len(left_out)
+            self.findings.count("R016.odd_sets", left_out[0], number=number, tree=described)
         return frozenset(found) if found and not left_out else None

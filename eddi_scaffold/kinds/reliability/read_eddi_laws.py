@@ -22,7 +22,7 @@ from eddi_scaffold.eddi_xml.parsing import Element, only, select
 from eddi_scaffold.eddi_xml.survey import is_none
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.reliability.system import Gate, Law
-from eddi_scaffold.kinds.reliability.values import code_of
+from eddi_scaffold.kinds.reliability.values import case_of
 
 
 class Laws:
@@ -47,7 +47,7 @@ class Laws:
         )
 
     def _only(self, elements: Sequence[Element]) -> Element | None:
-        first, problems = only(elements, "X011", self._document.place)
+        first, problems = only(elements, "X011.twice", self._document.place)
         self._findings.add(*problems)
         return first
 
@@ -57,7 +57,7 @@ class Laws:
         result = (self._document.attribute(failure, word.UNAVAILABILITY) or "").strip()
         if result.strip("0. "):
             message = f"{what}: unavailability={result} is a result at a time that is not stated"
-            self._findings.warning("X018", f"{message}: it is not used", failure)
+            self._findings.report("X018.unused", failure, subject=message)
         if chain is not None:
             return Law("model", model=chain)
         given = self._document.attribute(failure, word.FAILURE_RATE)
@@ -68,8 +68,10 @@ class Laws:
             if distribution is not None:
                 return self._distribution(distribution, what)
             plain = self._rate(failure, given, what) if given else None
-        except QuantityError as problem:
-            self._findings.error(code_of(problem), f"{what}: {problem}", failure, problem.hint)
+        except QuantityError as wrong:
+            self._findings.report(
+                case_of(wrong), failure, hint=wrong.hint, subject=what, reason=wrong
+            )
             return None
         # the metamodel writes no 0.0: a rate of zero was not given
         return Law("exponential", (plain,)) if plain else None
@@ -85,15 +87,16 @@ class Laws:
                 if law is not None and law.kind == "exponential":
                     return law.values[0]
                 kind = self._document.attribute(distribution, word.DISTRIBUTION_TYPE)
-                message = f"{what} is {kind!r}: only exponential transitions make a Markov chain"
-                self._findings.error("R008", message, element)
+                self._findings.report("R008.distribution", element, arc=what, kind=kind)
                 return None
             if given is not None:
                 return self._rate(element, given, what)
-        except QuantityError as problem:
-            self._findings.error(code_of(problem), f"{what}: {problem}", element, problem.hint)
+        except QuantityError as wrong:
+            self._findings.report(
+                case_of(wrong), element, hint=wrong.hint, subject=what, reason=wrong
+            )
             return None
-        self._findings.error("X020", f"{what} has no rate", element, 'write transition="..."')
+        self._findings.report("X020.no_rate", element, subject=what)
         return None
 
     def _distribution_of(
@@ -105,8 +108,7 @@ class Laws:
             return None
         given = self._document.attribute(element, rate_)
         if found is not None and given and given.strip("0. "):  # EMF may write what is not given
-            message = f"{what} has a distribution, so that its {rate_.name} is not used"
-            self._findings.warning("X018", message, found, "remove one of them")
+            self._findings.report("X018.rate", found, subject=what, rate=rate_.name)
         return found
 
     def _distribution(self, element: Element, what: str) -> Law | None:
@@ -139,8 +141,9 @@ class Laws:
                     raise QuantityError(f"the scale {scale!r} is not above 0")
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
         shown = ", ".join(f"{name}={text}" for name, text in texts.items())
-        message = f"{what}: the distribution {given!r} ({shown}) is not supported"
-        self._findings.warning("X018", message, element)
+        self._findings.report(
+            "X018.distribution", element, subject=what, distribution=given, laws=shown
+        )
         return None
 
     def _rate(self, element: Element, text: str, what: str) -> float:
@@ -150,9 +153,9 @@ class Laws:
 
     def _assumed(self, found: Quantity, element: Element, what: str, unit: str) -> None:
         if not found.has_unit:
-            message = f"{what} has {found.value!r} without a unit; {unit} is assumed"
-            hint = f'add keyValueMaps with key "unit" and value "{unit}"'
-            self._findings.warning("R003", message, element, hint)
+            self._findings.report(
+                "R003.no_unit_in_eddi", element, subject=what, value=found.value, unit=unit
+            )
 
     def _unit(self, element: Element, *, of_rate: bool) -> str | None:
         """Return the unit of the element, or of the nearest element that contains it."""
@@ -205,8 +208,7 @@ class CommonCauses:
         stated = (self._document.attribute(failure, word.IS_CCF) or "").strip().lower() == "true"
         is_ccf = stated or self._document.class_of(failure).name == _CLASS
         if is_ccf and failure not in self._related:
-            message = f"{what} has common causes, which are not analysed"
-            self._findings.warning("R013", message, failure)
+            self._findings.report("R013.common_causes", failure, subject=what)
 
     def _relate(self, member: Element, cause: Element) -> None:
         self._causes.setdefault(member, {})[cause] = None

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, error, warning
+from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.kinds.reliability.open_psa_numbers import Numbers, arguments, place_of
 from eddi_scaffold.kinds.reliability.system import (
@@ -123,24 +124,31 @@ class _Reader:
             elif of not in (*_EVENTS, *_CONTAINERS, "define-parameter"):
                 left_out.setdefault(of, element)
             elif len(name.split()) != 1:
-                self._error("R001", f"{name!r} is not a name of a `{of}`", element)
+                self._report("R001.name", element, name=name, type=of)
             elif of in _CONTAINERS:
                 self.declare(element, (*path, name), private=hidden)
             else:
                 names = self.parameters if of == "define-parameter" else self.names
                 if not names.add(name, path, element, private=hidden):
-                    self._error("R001", f"{name!r} is defined twice", element)
+                    self._report("R001.duplicate", element, name=name)
         for of, element in left_out.items():
             if of not in ("label", "attributes"):
-                message = f"`{of}` is not read"
-                self.doubts.append(warning("R018", message, place_of(element, self.file)))
+                self.doubts.append(problem("R018.element", place_of(element, self.file), type=of))
 
     def _change(self, of: str, element: Element) -> None:
         """Refuse what would change the probability of the tree (R017)."""
         about, hint = _CHANGES[of]
         named = (element.get("name") or element.get("file") or "").strip()
-        message = f"`{of}`{f' {named!r}' if named else ''}: {about} are not read"
-        self.problems.append(error("R017", message, place_of(element, self.file), hint))
+        self.problems.append(
+            problem(
+                "R017.content",
+                place_of(element, self.file),
+                hint=hint,
+                type=of,
+                named=f" {named!r}" if named else "",
+                contents=about,
+            )
+        )
 
     def define(self, *, is_whole: bool) -> None:
         """Read all formulas and numbers.
@@ -168,8 +176,7 @@ class _Reader:
     def _gate(self, key: str, one: _Defined) -> None:
         formulas = arguments(one.element)
         if len(formulas) != 1:
-            message = f"gate {key!r} has {len(formulas)} formulas, expected 1"
-            raise self._fault("R017", message, one.element)
+            raise self._fault("R017.formulas", one.element, gate=key, number=len(formulas))
         self._formula(key, formulas[0], one.path, 0)
 
     def _formula(self, key: str, element: Element, path: tuple[str, ...], depth: int) -> None:
@@ -177,12 +184,12 @@ class _Reader:
         of = feature_of(element)
         place = place_of(element, self.file)
         if depth > _DEEPEST:
-            raise self._fault("R017", "formulas are nested too deeply", element)
+            raise self._fault("R017.depth", element)
         if of in _REFERENCES or of == "constant":
             self.gates[key] = Gate(key, "OR", (self._reference(element, path),), place=place)
             return
         if of not in {*_CONNECTIVES, *_NEGATED, "imply"}:
-            raise self._fault("R017", f"the formula `{of}` is not supported", element)
+            raise self._fault("R017.formula", element, type=of)
         below = []
         for number, part in enumerate(arguments(element), 1):
             if feature_of(part) in _REFERENCES or feature_of(part) == "constant":
@@ -212,8 +219,11 @@ class _Reader:
         found = self.names.find(name, path)
         if found is None:
             place = place_of(element, self.file)
-            message = f"there is no gate or event {name!r}"
-            raise EddiError(error("R001", message, place, self.near.hint(name) or _ONE_FILE))
+            raise EddiError(
+                problem(
+                    "R001.unknown_gate", place, hint=self.near.hint(name) or _ONE_FILE, name=name
+                )
+            )
         return found
 
     def systems(self) -> Iterator[ReliabilitySystem]:
@@ -245,8 +255,8 @@ class _Reader:
         component = ComponentModel(name, "fault_tree", tree, place=place)
         return ReliabilitySystem({name: component}, name, place=place)
 
-    def _fault(self, code: str, message: str, element: Element) -> EddiError:
-        return EddiError(error(code, message, place_of(element, self.file)))
+    def _fault(self, case: str, element: Element, /, **fields: Any) -> EddiError:
+        return EddiError(problem(case, place_of(element, self.file), **fields))
 
-    def _error(self, code: str, message: str, element: Element) -> None:
-        self.problems += self._fault(code, message, element).problems
+    def _report(self, case: str, element: Element, /, **fields: Any) -> None:
+        self.problems += self._fault(case, element, **fields).problems

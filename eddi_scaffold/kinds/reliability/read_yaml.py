@@ -11,7 +11,7 @@ from eddi_runtime.reliability.result import ReliabilityResult
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import Problem, did_you_mean, warning
+from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, motors_of
 from eddi_scaffold.kinds.reliability.read_components import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.system import (
@@ -54,7 +54,7 @@ def read_system(
         assert models is not None
         entry = models.map(name)
         if _NAME.fullmatch(name) is None:
-            models.error("R001", f"{name!r} is not a name of a model", name, KEY)
+            models.report("R001.model_name", name, KEY, name=name)
         elif entry is not None:
             known = tuple(base.components) if base else ()
             components.update(_component(name, entry, library, components.get(name), known))
@@ -88,7 +88,7 @@ def _top(components: dict[str, ComponentModel], values: Values) -> str:
     if len(free) == 1:
         return free[0]
     if not free:
-        values.error("R001", "there is no model: the key 'models' is missing or empty")
+        values.report("R001.no_model")
         return ""
     name = "all" if "all" not in components else "all_models"
     components[name] = ComponentModel(name, "series", uses=tuple(free), place=values.place())
@@ -99,17 +99,12 @@ def _horizon(values: Values, base: ReliabilitySystem | None) -> tuple[float, boo
     longest = values.quantity("mission_time", units.duration, positive=True)
     if values.text("horizon") == "mission_end":
         if longest is None:
-            values.error(
-                "R001",
-                "the horizon mission_end needs a mission_time, the longest mission",
-                "horizon",
-                hint="add `mission_time: 2 h`",
-            )
+            values.report("R001.no_mission_time", "horizon")
         return longest or 1.0, True
     if longest is not None:
-        hint = "write `horizon: mission_end`, or leave it out"
-        message = "`mission_time` has no effect without `horizon: mission_end`"
-        values.problems.append(warning("R001", message, values.place("mission_time", KEY), hint))
+        values.problems.append(
+            problem("R001.useless_mission_time", values.place("mission_time", KEY))
+        )
     given = values.quantity("horizon", units.duration, positive=True)
     if given is None:
         return (base.horizon, base.mission_end) if base else (1.0, False)
@@ -128,19 +123,17 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
         topic = entry.text("topic")
         if topic is not None and not is_ros_name(topic):
             expected = "a ROS name is expected: letters, digits, `_` and `/`, such as /rte/land"
-            entry.error("R002", f"topic: {expected}", "topic")
+            entry.report("R002.topic", "topic", expected=expected)
         if name is None or activate is None:
             continue
         _check_id(entry, name)
         if name in found:
-            entry.error("R015", f"two thresholds are called {name!r}", "id")
+            entry.report("R015.same_name", "id", name=name)
         other = owners.setdefault(topic, name) if topic else name
         if other != name:
-            message = f"thresholds {other!r} and {name!r} have the same topic {topic}"
-            entry.error("R015", message, "topic")
+            entry.report("R015.same_topic", "topic", first=other, second=name, topic=topic)
         if release is not None and release < activate:
-            message = f"threshold {name!r}: release {release!r} is below activate {activate!r}"
-            entry.error("R015", message, "release")
+            entry.report("R015.release", "release", name=name, release=release, activate=activate)
         release = activate if release is None else release
         seconds = 3600.0 * (hold or 0.0)
         found[name] = Threshold(name, activate, release, seconds, topic, entry.place())
@@ -149,11 +142,9 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
 
 def _check_id(entry: Values, name: str) -> None:
     if _ID.fullmatch(name) is None:
-        hint = "write letters, digits and `_`, such as RtE_continue"
-        entry.error("R015", f"{name!r} is not an id of a threshold", "id", hint=hint)
+        entry.report("R015.id", "id", name=name)
     elif name in _RESULTS:
-        message = f"a threshold cannot be called {name!r}: the result already has that name"
-        entry.error("R015", message, "id", hint=f"reserved: {', '.join(_RESULTS)}")
+        entry.report("R015.reserved", "id", name=name, results=", ".join(_RESULTS))
 
 
 def _component(
@@ -170,7 +161,7 @@ def _component(
             hint = _type_of(entry.text("model"), library)
             if known:
                 hint = did_you_mean(name, known) or f"the model has {', '.join(known)}; {hint}"
-            entry.error("R001", f"model {name!r} has no type", hint=hint)
+            entry.report("R001.no_type", hint=hint, name=name)
         else:
             entry.unknown("type", kind, "type", TYPES)
         return {}
@@ -180,8 +171,7 @@ def _component(
         entry.only(("type", "of"))
         uses = entry.texts("of", required=True)
         if entry.value("of") == []:
-            message = f"series {name!r} has no model: it would never fail"
-            entry.error("R005", message, "of", hint="list models, or take it out")
+            entry.report("R005.series", "of", name=name)
         return {name: ComponentModel(name, kind, uses=uses, place=entry.place())}
     values = _MAKERS[kind](entry, name)
     if values is None:
@@ -235,26 +225,30 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
         return None
     motors = motors_of(configuration)
     if motors is None:
-        message = f"there is no configuration {configuration!r}"
-        entry.error("R001", message, "configuration", hint=_layouts(configuration))
+        entry.report(
+            "R001.configuration",
+            "configuration",
+            hint=_layouts(configuration),
+            configuration=configuration,
+        )
         return None
     rates = entry.quantities("rates", units.rate)
     one = entry.quantity("rate", units.rate)
     if entry.has("rate") == entry.has("rates"):
-        entry.error("R001", f"model {name!r} needs either 'rate' or 'rates'")
+        entry.report("R001.rate", name=name)
         return None
     if rates is None and one is None:
         return None
     if rates is not None and len(rates) != motors:
-        message = f"{len(rates)} rates are given, {configuration} has {motors} motors"
-        entry.error("R011", message, "rates")
+        entry.report(
+            "R011.rates", "rates", rates=len(rates), configuration=configuration, motors=motors
+        )
         return None
     positions = entry.value("positions", list(range(motors)))
     if not isinstance(positions, list) or sorted(map(repr, positions)) != sorted(
         map(repr, range(motors))
     ):
-        message = f"positions must contain each number from 0 to {motors - 1} once"
-        entry.error("R011", message, "positions")
+        entry.report("R011.positions", "positions", last=motors - 1)
         return None
     return {
         "configuration": configuration,
@@ -295,7 +289,7 @@ def _processor(entry: Values, _: str) -> Mapping[str, Any] | None:
     age = entry.quantity("age", units.duration)
     mean = entry.quantity("mttf_ref", units.duration, required=True)
     if mean == 0.0:
-        entry.error("R002", "mttf_ref must be above 0", "mttf_ref")
+        entry.report("R002.mttf_ref", "mttf_ref")
     return {
         "mttf_ref": mean,
         "t_ref": entry.temperature("t_ref"),
@@ -321,9 +315,7 @@ def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any] | None:
 def _only_with_idle_repair(entry: Values, keys: Sequence[str], why: str) -> None:
     """Report unknown keys, and `repair`, which has an effect on other types."""
     if "repair" in entry.names():
-        message = f"`repair` has no effect on a {entry.text('type')}"
-        place, hint = entry.place("repair", KEY), f"leave it out: {why}"
-        entry.problems.append(warning("R001", message, place, hint))
+        entry.report("R001.useless_repair", "repair", KEY, type=entry.text("type"), reason=why)
     entry.only((*keys, "repair"))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.common.units import Quantity, QuantityError, UnitError, number, temperature
 
 KEY = -1
@@ -13,9 +13,9 @@ KEY = -1
 _Read = Callable[[object], Quantity]
 
 
-def code_of(problem: QuantityError) -> str:
-    """Return the code of the diagnostic: R004 for a unit, R002 for everything else."""
-    return "R004" if isinstance(problem, UnitError) else "R002"
+def case_of(wrong: QuantityError) -> str:
+    """Return what is wrong: the unit, or everything else."""
+    return "R004.quantity" if isinstance(wrong, UnitError) else "R002.quantity"
 
 
 class Values:
@@ -65,9 +65,11 @@ class Values:
         found = self._data.get(key)
         return default if found is None else found
 
-    def error(self, code: str, message: str, *keys: str | int, hint: str | None = None) -> None:
+    def report(
+        self, case: str, /, *keys: str | int, hint: str | None = None, **fields: object
+    ) -> None:
         """Report an error at a key of this map, or at the map itself."""
-        self.problems.append(error(code, message, self.place(*keys), hint))
+        self.problems.append(problem(case, self.place(*keys), hint=hint, **fields))
 
     def unknown(
         self, key: str, given: str, what: str, known: Iterable[str], *, is_key: bool = False
@@ -75,14 +77,14 @@ class Values:
         """Report that a value, or a key, is none of those that are known (R001)."""
         hint = SimilarNames(list(known), "there are").hint(given)
         path = (key, KEY) if is_key else (key,)
-        self.error("R001", f"there is no {what} {given!r}", *path, hint=hint)
+        self.report("R001.reference", *path, hint=hint, kind=what, name=given)
 
     def only(self, known: Sequence[str]) -> None:
         """Report the keys that are not known (R001)."""
         near = SimilarNames(known, "known keys")
         for key in self.names():
             if key not in known:
-                self.error("R001", f"unknown key {key!r}", key, KEY, hint=near.hint(key))
+                self.report("R001.unknown_key", key, KEY, hint=near.hint(key), key=key)
 
     def map(self, key: str) -> Values | None:
         """Return the map below a key, None where there is none."""
@@ -90,7 +92,7 @@ class Values:
         if found is None:
             return None
         if not isinstance(found, Mapping):
-            self.error("R002", f"{key}: a map is expected", key)
+            self.report("R002.map", key, key=key)
             return None
         return Values(found, self._find, (*self._path, key), self.problems)
 
@@ -100,7 +102,7 @@ class Values:
         if found is None:
             return []
         if not isinstance(found, list) or not all(isinstance(one, Mapping) for one in found):
-            self.error("R002", f"{key}: a list of maps is expected", key)
+            self.report("R002.maps", key, key=key)
             return []
         return [
             Values(one, self._find, (*self._path, key, i), self.problems)
@@ -112,10 +114,10 @@ class Values:
         found = self._data.get(key)
         if found is None:
             if required:
-                self.error("R001", f"the key {key!r} is missing")
+                self.report("R001.missing_key", key=key)
             return None
         if isinstance(found, bool | list | dict):
-            self.error("R002", f"{key}: a text is expected", key)
+            self.report("R002.text", key, key=key)
             return None
         return str(found)
 
@@ -124,13 +126,13 @@ class Values:
         found = self._data.get(key)
         items = [found] if isinstance(found, str | int) else found
         if items is None and required:
-            self.error("R001", f"the key {key!r} is missing")
+            self.report("R001.missing_key", key=key)
         if items is None:
             return ()
         if not isinstance(items, list) or any(
             isinstance(item, list | dict | bool) or item is None for item in items
         ):
-            self.error("R002", f"{key}: a list of names is expected", key)
+            self.report("R002.names", key, key=key)
             return ()
         return tuple(str(item) for item in items)
 
@@ -146,7 +148,7 @@ class Values:
         """Return true or false, false where the key is absent."""
         found = self._data.get(key, False)
         if not isinstance(found, bool):
-            self.error("R002", f"{key}: true or false is expected", key)
+            self.report("R002.boolean", key, key=key)
         return found is True
 
     def quantity(
@@ -165,11 +167,11 @@ class Values:
         found = self._data.get(key)
         if found is None:
             if required:
-                self.error("R001", f"the key {key!r} is missing")
+                self.report("R001.missing_key", key=key)
             return None
         value = self._quantity(found, read, key, needs_unit=needs_unit)
         if positive and value is not None and value <= 0.0:
-            self.error("R002", f"{key}: it must be positive", key)
+            self.report("R002.positive", key, key=key)
             return None
         return value
 
@@ -179,7 +181,7 @@ class Values:
         if found is None:
             return None
         if not isinstance(found, list):
-            self.error("R002", f"{key}: a list is expected", key)
+            self.report("R002.list", key, key=key)
             return None
         values = [self._quantity(one, read, key, i) for i, one in enumerate(found)]
         return [value for value in values if value is not None]
@@ -189,19 +191,26 @@ class Values:
     ) -> float | None:
         try:
             found = read(given)
-        except QuantityError as problem:
-            self.error(code_of(problem), f"{keys[0]}: {problem}", *keys, hint=problem.hint)
+        except QuantityError as failure:
+            self.report(case_of(failure), *keys, hint=failure.hint, subject=keys[0], reason=failure)
             return None
         if found.has_unit or (needs_unit and found.value == 0.0):
             return found.value
         if needs_unit:
-            hint = f"write `{given} s`"
-            self.error("R004", f"{keys[0]}: {given!r} has no unit of time", *keys, hint=hint)
+            self.report("R004.unit_of_time", *keys, key=keys[0], value=given)
             return None
         unit, also = ("h", "") if read.__name__ == "duration" else ("1/h", f" or `{given} FIT`")
-        message = f"{keys[0]} has {found.value!r} without a unit; {unit} is assumed"
-        hint = f"write `{given} {unit}`{also}"
-        self.problems.append(warning("R003", message, self.place(*keys), hint))
+        self.problems.append(
+            problem(
+                "R003.no_unit",
+                self.place(*keys),
+                key=keys[0],
+                value=found.value,
+                unit=unit,
+                number=given,
+                also=also,
+            )
+        )
         return found.value
 
     def temperature(self, key: str) -> float | None:
@@ -226,17 +235,17 @@ class Values:
         """Return a whole number between two limits."""
         found = self.number(key, low, high, required=required)
         if found is not None and found != int(found):
-            self.error("R002", f"{key}: a whole number is expected", key)
+            self.report("R002.whole_number", key, key=key)
             return None
         return None if found is None else int(found)
 
     def _plain(self, key: str, read: Callable[[object], float]) -> float | None:
         given = self._data.get(key)
         if given is None:
-            self.error("R001", f"the key {key!r} is missing")
+            self.report("R001.missing_key", key=key)
             return None
         try:
             return read(given)
-        except QuantityError as problem:
-            self.error(code_of(problem), f"{key}: {problem}", key, hint=problem.hint)
+        except QuantityError as failure:
+            self.report(case_of(failure), key, hint=failure.hint, subject=key, reason=failure)
             return None

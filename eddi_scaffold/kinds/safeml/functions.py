@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from eddi_scaffold.common.claims import Claim, Element
 from eddi_scaffold.common.files import PartSource, Source
-from eddi_scaffold.common.problems import Problem, error, has_errors, in_order
+from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.kinds import (
@@ -82,15 +82,17 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
 
 def _more_inputs(options: Options) -> Iterator[Problem]:
     for item in options.inputs[1:]:
-        message = f"a SafeML monitor has one input, {item.id!r} is one more"
-        hint = "let the first one require several messages: their numbers are joined"
-        yield error("L014", message, item.place, hint)
+        yield problem("L014.one_input", item.place, input=item.id)
 
 
 def _wrong_field(options: Options) -> Iterator[Problem]:
     if options.values.get(VIOLATION_FIELD, VIOLATION_FIELDS[0]) not in VIOLATION_FIELDS:
-        message = f"Model.{VIOLATION_FIELD}: must be {' or '.join(VIOLATION_FIELDS)}"
-        yield error("K005", message, options.place(VIOLATION_FIELD))
+        yield problem(
+            "K005.violation_field",
+            options.place(VIOLATION_FIELD),
+            key=VIOLATION_FIELD,
+            allowed=" or ".join(VIOLATION_FIELDS),
+        )
 
 
 def _is_single(inputs: Sequence[DeclaredInput]) -> bool:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.common.problems import Problem, error, has_errors, warning
+from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate, effective
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows, principal_axes, split
 from eddi_scaffold.kinds.safeml.scope import (
@@ -77,8 +78,7 @@ class _Planner:
     def _plan(self) -> Plan | None:
         settings, problems = self.settings, self.problems
         if not np.isfinite(self.rows).all():
-            text = "the reference contains numbers beyond float32, the type of the samples"
-            problems.append(error("L005", text, settings.place("input_dtype")))
+            problems.append(problem("L005.float32", settings.place("input_dtype")))
             return None
         _, other = split(self.rows, halves=self.halves)
         constant = self._look_at_features()
@@ -100,13 +100,8 @@ class _Planner:
             settings.metric, critical, calibration, comparison.n, settings.window_size
         )
         if threshold > largest_possible(settings.metric, comparison.n, comparison.m):
-            text = (
-                "the monitor can never report a violation: calibration found windows of the "
-                "reference that have nothing in common with its first half"
-            )
-            hint = "the reference drifts: record one whose halves are alike"
             where = settings.place("reference_sample_file")
-            problems.append(error("L007", text, where, hint))
+            problems.append(problem("L007.drift", where))
             return None
         made = Plan(
             settings, spec, design, comparison.n, level, critical, calibration, threshold, method,
@@ -115,21 +110,18 @@ class _Planner:
         problems += self._remarks(made)
         return made
 
-    def _warn(self, code: str, text: str, key: str, hint: str | None = None) -> None:
-        self.problems.append(warning(code, text, self.settings.place(key), hint))
+    def _report(self, case: str, key: str, /, **fields: Any) -> None:
+        self.problems.append(problem(case, self.settings.place(key), **fields))
 
     def _look_at_features(self) -> tuple[int, ...]:
         rows, key = self.rows, "reference_sample_file"
         constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
         if constant:
-            text = f"constant in the reference: {_listed('feature', constant)}"
-            hint = "every other value of it counts as a violation: leave it out if that is wrong"
-            self._warn("L010", text, key, hint)
+            self._report("L010.constant", key, features=_listed("feature", constant))
         same = [pair for pair in _equal_columns(rows) if pair[0] not in constant]
         if same:
             pairs = ", ".join(f"{first} and {second}" for first, second in same[:_LISTED])
-            text = f"features are equal in every row: {pairs}{_more(same)}"
-            self._warn("L010", text, key, "a second copy is tested again and lowers the power")
+            self._report("L010.equal", key, pairs=pairs, same=_more(same))
         return tuple(constant)
 
     def _too_short(self, other: Rows) -> Iterable[Problem]:
@@ -137,78 +129,80 @@ class _Planner:
         place = settings.place("reference_sample_file")
         needed = max(2 * m, (m - 1) * settings.stride + 1)
         if self.streams and len(other) < needed:
-            text = (
-                f"calibration: stream needs {2 * needed} rows, half of them for windows; the "
-                f"reference has {len(self.rows)}"
-            )
             where = settings.place("calibration")
-            yield error("L008", text, where, "record more, or write `calibration: iid`")
+            yield problem("L008", where, needed=2 * needed, rows=len(self.rows))
         elif len(self.rows) < 2 * m:
-            text = f"the reference has {len(self.rows)} rows, fewer than two windows of {m}"
-            yield warning("L009", text, place, "record more: the tests compare like with like")
+            yield problem("L009.few_rows", place, rows=len(self.rows), window=m)
 
     def _components(self, other: Rows) -> int | None:
         """Return how many components are kept; notes what is wrong with the wish."""
         settings, wanted = self.settings, self.settings.n_components
         if wanted is None:
             if settings.standardize:
-                text = "standardize has no effect without n_components: ranks do not change"
-                self._warn("L010", text, "standardize")
+                self._report("L010.no_effect", "standardize")
             return None
         rows, features = other.shape
         if wanted > min(rows, features):
-            text = (
-                f"n_components is {wanted}, but only {min(rows, features)} are possible: the "
-                f"half of the reference for the axes has {rows} rows, and {features} features"
+            self.problems.append(
+                problem(
+                    "L006.components",
+                    settings.place("n_components"),
+                    requested=wanted,
+                    possible=min(rows, features),
+                    rows=rows,
+                    features=features,
+                )
             )
-            self.problems.append(error("L006", text, settings.place("n_components")))
             return None
         if np.abs(self.rows).max() > _LARGEST_SQUARED:
-            text = "the reference contains numbers whose squares overflow"
             where = settings.place("reference_sample_file")
-            self.problems.append(error("L005", text, where, "choose a larger unit"))
+            self.problems.append(problem("L005.overflow", where))
             return None
         singular = principal_axes(other, wanted, standardize=settings.standardize).singular
         if singular[0] == 0.0:
-            text = "n_components: all features are constant, there is no axis"
             where = settings.place("n_components")
-            self.problems.append(error("L006", text, where, "write `n_components: null`"))
+            self.problems.append(problem("L006.no_axis", where))
             return None
         if not settings.standardize:
             self._look_at_units(other)
         kept = int((singular[:wanted] > _SMALL_COMPONENT * singular[0]).sum())
         if kept < wanted:
             dropped = list(range(kept, wanted))
-            text = f"without variance, dropped: {_listed('component', dropped)}"
-            self._warn("L010", text, "n_components", f"write `n_components: {kept}`")
+            self._report(
+                "L010.dropped", "n_components", features=_listed("component", dropped), kept=kept
+            )
         return kept
 
     def _look_at_units(self, other: Rows) -> None:
         spread = other.std(axis=0)
         largest, usual = float(spread.max()), float(np.median(spread[spread > 0.0]))
         if largest > _UNLIKE_UNITS * usual:
-            text = (
-                f"components follow the unit of feature {int(spread.argmax())}: its standard "
-                f"deviation is {largest:.3g}, the median of all {usual:.3g}"
+            self._report(
+                "L013", "n_components", spread=int(spread.argmax()), largest=largest, median=usual
             )
-            self._warn("L013", text, "n_components", "write `standardize: true`")
 
     def _fires(self, comparison: Comparison, level: float) -> bool:
         settings, n, m = self.settings, comparison.n, comparison.m
         if can_fire(settings.metric, n, m, level):
             return True
         least = smallest_window(settings.metric, n, level)
-        text = (
-            f"the monitor can never report a violation: window_size {m}, {n} reference values, "
-            f"{comparison.tests} test{'s' if comparison.tests > 1 else ''}, significance_level "
-            f"{settings.significance_level:g}"
-        )
         hint = (
             f"the smallest window_size that works is {least}"
             if least is not None
             else "no window_size works: test fewer components or raise significance_level"
         )
-        self.problems.append(error("L007", text, settings.place("window_size"), hint))
+        self.problems.append(
+            problem(
+                "L007.too_few",
+                settings.place("window_size"),
+                hint=hint,
+                window=m,
+                values=n,
+                tests=comparison.tests,
+                plural="s" if comparison.tests > 1 else "",
+                significance_level=settings.significance_level,
+            )
+        )
         return False
 
     def _calibrated(self, comparison: Comparison, series: Rows) -> Calibration:
@@ -225,43 +219,40 @@ class _Planner:
     def _remarks(self, made: Plan) -> Iterable[Problem]:
         settings = self.settings
         if made.settings.metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
-            text = f"{METRIC_NAMES[settings.metric]} is verified for a window_size of at least 10"
-            yield warning("L009", text, settings.place("window_size"))
+            yield problem(
+                "L009.short_window",
+                settings.place("window_size"),
+                metrics=METRIC_NAMES[settings.metric],
+            )
         if settings.metric != "ks" and made.level > _HIGHEST_LEVEL:
             value = limit_quantile(settings.metric, _HIGHEST_LEVEL)
-            text = f"a level of {made.level:g} per test counts as 0.5 (quantile {value:.3g})"
-            yield warning("L009", text, settings.place("significance_level"))
+            yield problem(
+                "L009.level", settings.place("significance_level"), level=made.level, value=value
+            )
         yield from self._dependence(made)
         if made.calibration is None:
             return
         if made.threshold > 2 * made.theoretical:
             ratio = made.threshold / made.theoretical
-            text = (
-                f"calibration raises the threshold to {ratio:.1f} times the theoretical one: "
-                "samples depend strongly on each other, or the reference drifts"
-            )
-            hint = "the power to detect is low: take a longer window or a larger stride"
-            yield warning("L012", text, settings.place("window_size"), hint)
+            yield problem("L012.raised", settings.place("window_size"), ratio=ratio)
         if made.calibration.is_last:
-            text = (
-                f"significance_level {settings.significance_level:g} cannot be resolved with "
-                f"{made.calibration.windows} calibration windows"
+            yield problem(
+                "L012.resolution",
+                settings.place("significance_level"),
+                significance_level=settings.significance_level,
+                windows=made.calibration.windows,
             )
-            yield warning("L012", text, settings.place("significance_level"), "record more rows")
 
     def _dependence(self, made: Plan) -> Iterable[Problem]:
         value, test = made.autocorrelation
         if made.calibration is not None or value <= _DEPENDENT:
             return
         needed = ROWS_PER_WINDOW * self.settings.window_size
-        text = (
-            f"neighbouring samples depend on each other ({made.labels[test]}: autocorrelation "
-            f"{value:.2f}), and thresholds are for independent ones: false violations are frequent"
-        )
         hint = f"calibration needs {needed} rows in time order, there are {len(self.rows)}"
         if len(self.rows) >= needed:
             hint = "write `calibration: stream`"
-        yield warning("L011", text, self.settings.place("calibration"), hint)
+        place, label = self.settings.place("calibration"), made.labels[test]
+        yield problem("L011.dependent", place, hint=hint, label=label, autocorrelation=value)
 
 
 def _equal_columns(rows: Rows) -> list[tuple[int, int]]:

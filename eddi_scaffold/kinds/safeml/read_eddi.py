@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import PartSource, Source
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, error, has_errors, warning
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.eddi_xml.extensions import (
     MODEL,
     SAFEML,
@@ -97,20 +97,19 @@ def _at(problem: Problem, settings: SafeMLSettings) -> Problem:
     """Report a path that leads out of the folder, or to nothing, at the value (X034)."""
     if problem.code != "L004" or problem.place != settings.place(_REFERENCE):
         return problem
-    return replace(problem, code="X034")
+    return replace(problem, case="X034.reference")
 
 
 def _digest(one: ExtensionMap, reference: Source) -> Iterator[Problem]:
     for value in one.of(DIGEST):
         if value.text.lower() != reference.sha256:
-            message = f"the reference has sha256 {reference.sha256}, not {value.text!r}"
-            hint = "it was changed since; correct the digest if that is right"
-            yield error("X034", message, value.place, hint)
+            yield problem("X034.digest", value.place, sha256=reference.sha256, expected=value.text)
 
 
 def _artifacts(one: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
     for value in one.of(ARTIFACT):
         gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
         if value.text not in gids:
-            message = f"no element has gid {value.text!r}"
-            yield warning("X035", message, value.place, did_you_mean(value.text, gids))
+            yield problem(
+                "X035.gid", value.place, hint=did_you_mean(value.text, gids), gid=value.text
+            )

@@ -9,11 +9,12 @@ import hashlib
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from eddi_scaffold.common.files import Source, next_to, read_source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.kinds.safeml.design import Rows
 from eddi_scaffold.kinds.safeml.scope import ReferenceSample, SafeMLSettings
@@ -28,12 +29,10 @@ _BLANKS = " \t\v\f"
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _NOT_FINITE = re.compile(r"[-+]?(nan|inf|infinity)", re.ASCII | re.IGNORECASE)
-_ONLY_MEASURED = "leave it out: only what is measured belongs here"
 _FEWEST_COUNTED = 10
 """Rows from which on equal steps are no chance."""
 _TIME = re.compile(r"\d\d?:\d\d|\d{4}-\d\d-\d\d")
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
-_WRITTEN = 'numpy.savetxt(name, array, delimiter=",") writes such a file'
 
 
 def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | None, list[Problem]]:
@@ -43,10 +42,17 @@ def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | N
         return read_reference(read_source(next_to(file, name), MAX_BYTES))
     except EddiError as failure:
         reasons = "; ".join(problem.message for problem in failure.problems)
-        text = f"reference_sample_file {name!r}: {reasons}"
         told = [problem.hint for problem in failure.problems if problem.code == "F003"]
         hint = next(iter(told), "it is looked for next to this file")
-        return None, [error("L004", text, settings.place("reference_sample_file"), hint)]
+        return None, [
+            problem(
+                "L004.file",
+                settings.place("reference_sample_file"),
+                hint=hint,
+                name=name,
+                reasons=reasons,
+            )
+        ]
 
 
 def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem]]:
@@ -62,7 +68,7 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
         return None, list(refused.problems)
     lines = _filled_lines(text)
     if not lines:
-        return None, [error("L004", "the reference is empty", Place(source.name), _WRITTEN)]
+        return None, [problem("L004.empty", Place(source.name))]
     reader = _Reader(source.name, lines)
     rows = reader.read()
     if has_errors(reader.problems):
@@ -70,13 +76,10 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
     values = np.array(rows, dtype=np.float64)
     problems = _not_finite(values, [number for number, _ in lines], source.name)
     if not problems and _counts_rows(values):
-        text = "column 1 rises by the same step in each row: a running index or times"
-        problems.append(
-            _at(error("L004", text, Place(source.name, lines[0][0], 1), _ONLY_MEASURED))
-        )
+        problems.append(_at(problem("L004.running_index", Place(source.name, lines[0][0], 1))))
     if len(values) < 2:
         place = Place(source.name, lines[0][0])
-        problems.append(error("L004", "the reference has one row only: no distribution", place))
+        problems.append(problem("L004.one_row", place))
     return (None if problems else ReferenceSample(source, values)), problems
 
 
@@ -114,15 +117,23 @@ class _Reader:
         for index, (number, line) in enumerate(self._lines):
             cells = line.split(",")
             if len(cells) != width:
-                text = f"row {number} has {_cells(len(cells))}, row {usual} has {width}"
-                self._error(text, number, min(len(cells), width) + 1)
+                column = min(len(cells), width) + 1
+                self._report(
+                    "L004.cells",
+                    number,
+                    column,
+                    row=number,
+                    cells=_cells(len(cells)),
+                    other=usual,
+                    width=width,
+                )
                 continue
             row = _fast(cells)
             if row is None:
                 self._explain(index, number, cells)
             rows.append(row or [])
             if len(self.problems) >= MAX_PROBLEMS:
-                self._error("too many problems, the rest was not read", number, 1)
+                self._report("L004.rest", number, 1)
                 break
         for column, (number, name, count) in self._wrong.items():
             self._column(column, number, name, count)
@@ -132,15 +143,14 @@ class _Reader:
         """Tell once what is wrong with the cells of a column."""
         if count == len(self._lines) - self._has_header:
             what = "times" if _TIME.search(name) else "texts"
-            text = f"column {column} holds {what}, not numbers: {name[:40]!r}"
-            self._error(text, number, column, _ONLY_MEASURED)
+            self._report("L004.column", number, column, column=column, content=what, text=name[:40])
             return
         what = f"is not a number: {name[:40]!r}" if name else "is empty"
         more = f", and {count - 1} more of this column" if count > 1 else ""
-        self._error(f"row {number}, column {column} {what}{more}", number, column)
+        self._report("L004.cell", number, column, row=number, column=column, reason=what, more=more)
 
-    def _error(self, text: str, row: int, column: int, hint: str | None = None) -> None:
-        self.problems.append(_at(error("L004", text, Place(self._file, row, column), hint)))
+    def _report(self, case: str, row: int, column: int, /, **fields: Any) -> None:
+        self.problems.append(_at(problem(case, Place(self._file, row, column), **fields)))
 
     def _wrong_separator(self) -> bool:
         number, line = self._lines[min(1, len(self._lines) - 1)]  # the first may be a header
@@ -151,8 +161,7 @@ class _Reader:
                 and all(_is_number(cell) for cell in cells)
                 and (separator == ";" or "," not in line)
             ):
-                text = f"the cells are separated by {name}, commas are expected"
-                self._error(text, number, 1, _WRITTEN)
+                self._report("L004.separator", number, 1, separator=name)
                 return True
         return False
 
@@ -162,8 +171,7 @@ class _Reader:
         if index == 0 and any(names) and len(wrong) == len(cells) and not self._repeats(cells):
             self._has_header = True
             first = next(filter(None, names))
-            text = f"row {number} is a header, not numbers: it begins with {first[:40]!r}"
-            self._error(text, number, 1, "delete it, or write # before it")
+            self._report("L004.header", number, 1, row=number, text=first[:40])
             return
         for column, name in zip(wrong, names, strict=True):
             first_row, first_name, count = self._wrong.get(column, (number, name, 0))
@@ -200,9 +208,17 @@ def _not_finite(values: Rows, numbers: list[int], file: str) -> list[Problem]:
     if not len(bad):
         return []
     row, column = numbers[int(bad[0][0])], int(bad[0][1]) + 1
-    text = f"{_cells(len(bad))} without a finite number, first row {row}, column {column}"
-    hint = "a reference holds correct behaviour only: leave such samples out"
-    return [_at(error("L005", text, Place(file, row, column), hint))]
+    return [
+        _at(
+            problem(
+                "L005.not_finite",
+                Place(file, row, column),
+                number=_cells(len(bad)),
+                row=row,
+                column=column,
+            )
+        )
+    ]
 
 
 def _at(problem: Problem) -> Problem:

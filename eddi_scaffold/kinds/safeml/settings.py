@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Problem, did_you_mean, error
+from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, METRICS, SafeMLFile, SafeMLSettings
 from eddi_scaffold.yaml_text.nodes import (
     Map,
@@ -43,7 +43,7 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
         return None, problems
     problems += _unknown(root)
     problems += [
-        error("L001", f"the key {key!r} is missing", root.place, f"write `{key}: {_SHOWN[key]}`")
+        problem("L001.missing", root.place, key=key, shown=_SHOWN[key])
         for key in REQUIRED
         if root.get(key) is None
     ]
@@ -63,11 +63,11 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
 
 def _unknown(root: Map) -> list[Problem]:
     return [
-        error(
-            "L001",
-            f"unknown key {key.text!r}",
+        problem(
+            "L001.unknown_key",
             key.place,
-            did_you_mean(key.text, KEYS) or f"known keys: {', '.join(KEYS)}",
+            hint=did_you_mean(key.text, KEYS) or f"known keys: {', '.join(KEYS)}",
+            key=key.text,
         )
         for key, _ in root.entries
         if key.text not in KEYS
@@ -76,13 +76,19 @@ def _unknown(root: Map) -> list[Problem]:
 
 def _problem(key: str, node: Node, expected: str) -> Problem:
     if key != "distance_metric":
-        text = f"{key}: {expected} is expected, not {describe(node)}"
         hint = _INSTEAD.get((as_text(node) or "").lower()) if key == "array_backend" else None
-        return error("L002", text, node.place, hint)
+        return problem(
+            "L002.value", node.place, hint=hint, key=key, expected=expected, actual=describe(node)
+        )
     given = as_text(node)
     near = did_you_mean(given, METRICS) if given is not None else None
-    text = f"{key}: {describe(node)} is not a metric"
-    return error("L003", text, node.place, near or f"there are: {', '.join(METRICS)}")
+    return problem(
+        "L003.metric",
+        node.place,
+        hint=near or f"there are: {', '.join(METRICS)}",
+        key=key,
+        actual=describe(node),
+    )
 
 
 def _number(node: Node) -> float:

@@ -72,8 +72,7 @@ class _ModelReader:
                 self._package()
                 braces.accept_punct(",")
         braces.close("}", opened, *either(_PACKAGES))
-        message = "this brace closes nothing: the packages ended before; what was read counts"
-        notices = [Notice("M004", message, line, col) for line, col in braces.surplus()]
+        notices = [Notice("M004.brace", line, col, {}) for line, col in braces.surplus()]
         braces.expect_end("package set")
         return RosModel("brace", tuple(self.packages), tuple(notices))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from eddi_scaffold.mros.indent.lines import Line, LineCursor
-from eddi_scaffold.mros.model import MISSPELT_KEY, Notice
+from eddi_scaffold.mros.model import Notice
 from eddi_scaffold.mros.text import Text
 
 
@@ -42,11 +42,10 @@ class Keys:
         line, col = place
         near = next((known for known in wanted if edits(key.lower(), known) <= 2), None)
         if near is not None:
-            message = f"unknown key '{key}': did you mean '{near}'? What is below it is not read"
-            self.notices.append(Notice(MISSPELT_KEY, message, line, col))
+            fields = {"key": key, "meant": near}
+            self.notices.append(Notice("M006.misspelt", line, col, fields))
         else:
-            message = f"unknown key '{key}': what is below it is not read"
-            self.notices.append(Notice("M005", message, line, col))
+            self.notices.append(Notice("M005.unknown_key", line, col, {"key": key}))
 
 
 def edits(one: str, other: str) -> int:

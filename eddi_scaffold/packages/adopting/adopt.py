@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import attribute, package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error, has_errors
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models, select_models
 from eddi_scaffold.packages.adopting.old_package import (
@@ -190,9 +190,7 @@ def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]
         if reading.models and not has_errors(reading.problems):
             return path, reading.models
         damage += [problem for problem in reading.problems if problem.level == "error"][:1]
-    message = "the package contains no model that a monitor can be generated from"
-    hint = "name it: -m MODEL (the EDDI, the .xdsl or the ConSert YAML)"
-    raise EddiError(*damage, error("A004", message, Place(str(old.folder)), hint))
+    raise EddiError(*damage, problem("A004.no_model", Place(str(old.folder))))
 
 
 def _chosen(models: Sequence[Model], name: str | None) -> Model:
@@ -203,8 +201,7 @@ def _chosen(models: Sequence[Model], name: str | None) -> Model:
     """
     if len(models) > 1 and name is None:
         names = ", ".join(model.name for model in models)
-        message, place = f"the file contains several models: {names}", Place(models[0].source.name)
-        raise EddiError(error("G005", message, place, "choose one with --name"))
+        raise EddiError(problem("G005.several", Place(models[0].source.name), names=names))
     return models[0] if len(models) == 1 else select_models(models, name)[0]
 
 

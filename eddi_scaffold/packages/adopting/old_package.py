@@ -16,7 +16,7 @@ from pathlib import Path
 from eddi_scaffold.common.escaping import parse_shallow
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_package_name, package_name
-from eddi_scaffold.common.problems import EddiError, Place, error
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.marked_file import split_lines
 from eddi_scaffold.regions.markers import indent_of, read_marker
 
@@ -118,12 +118,10 @@ def read_module(path: Path) -> ParsedModule:
         tree = parse_shallow(text)
     except UnicodeDecodeError as failed:
         place = Place(str(path), data.count(b"\n", 0, failed.start) + 1)
-        hint = "convert it first, as with `iconv -f latin1 -t utf-8`: nothing was adopted"
-        raise EddiError(error("A001", "this line is not UTF-8", place, hint)) from None
+        raise EddiError(problem("A001.encoding", place)) from None
     except SyntaxError as failed:
         place = Place(str(path), failed.lineno, failed.offset)
-        hint = "correct it first: nothing was adopted"
-        raise EddiError(error("A001", f"this is not Python: {failed.msg}", place, hint)) from None
+        raise EddiError(problem("A001.syntax", place, msg=failed.msg)) from None
     lines = split_lines(text)
     methods: dict[str, Method] = {}
     other: list[ast.stmt] = []
@@ -134,7 +132,10 @@ def read_module(path: Path) -> ParsedModule:
             faults = [fault for function in functions for fault in _faults(function, lines)]
             if faults:
                 raise EddiError(
-                    *(error("H010", reason, Place(str(path), line)) for line, reason in faults)
+                    *(
+                        problem("H010", Place(str(path), line), reason=reason)
+                        for line, reason in faults
+                    )
                 )
             methods |= {function.name: _method(function, lines) for function in functions}
         elif isinstance(node, ast.Import | ast.ImportFrom):
@@ -272,21 +273,15 @@ def read_old_package(folder: Path) -> OldPackage:
             not Python (A001) or has damaged markers (H010).
     """
     if not folder.is_dir():
-        raise EddiError(
-            error("F001", "cannot read the package: no such folder", Place(str(folder)))
-        )
+        raise EddiError(problem("F001.no_folder", Place(str(folder))))
     if (folder / _RECORDS).is_dir():
-        message = "this is a package of eddi-scaffold already"
-        hint = "`eddi-scaffold upgrade` brings it up to date"
-        raise EddiError(error("A002", message, Place(str(folder)), hint))
+        raise EddiError(problem("A002.generated", Place(str(folder))))
     files = tuple(_files(folder))
     _check_is_one_package(folder, files)
     eddi_input = _only(folder, files, "EDDIInput.py")
     config = _only(folder, files, "bayesian_network_config.py")
     if eddi_input is None and config is None:
-        message = "there is neither an EDDIInput.py nor a bayesian_network_config.py below it"
-        hint = "name the folder that the old generator wrote"
-        raise EddiError(error("A002", message, Place(str(folder)), hint))
+        raise EddiError(problem("A002.nothing_to_adopt", Place(str(folder))))
     near = config.path.parent if config is not None else folder
     models = [
         folder / file for file in files if file.suffix.lower() in _MODELS and file.name != _MANIFEST
@@ -307,18 +302,16 @@ def _check_is_one_package(folder: Path, files: Sequence[Path]) -> None:
     ours = next((file for file in files if _RECORDS in file.parts), None)
     if ours is not None:
         inner = folder / Path(*ours.parts[: ours.parts.index(_RECORDS)])
-        message = f"{inner} in it is a package of eddi-scaffold already"
-        hint = "name the folder of one package that the old generator wrote"
-        raise EddiError(error("A002", message, Place(str(folder)), hint))
+        raise EddiError(problem("A002.generated_inside", Place(str(folder)), folder=inner))
     edited = {file.parent for file in files if file.name in _EDITED}
     above = {file.parent for file in files if file.name == _MANIFEST}
     if Path() in above:
         return
     inner_packages = sorted(one for one in above for file in edited if file.is_relative_to(one))
     if inner_packages:
-        message = "this is no package, but there is one below it"
-        hint = f"name its folder: `eddi-scaffold adopt {folder / inner_packages[0]}`"
-        raise EddiError(error("A002", message, Place(str(folder)), hint))
+        raise EddiError(
+            problem("A002.above", Place(str(folder)), folder=folder / inner_packages[0])
+        )
 
 
 def _package_name(folder: Path) -> str | None:
@@ -342,7 +335,5 @@ def _only(folder: Path, files: Sequence[Path], name: str) -> ParsedModule | None
     found = [file for file in files if file.name == name]
     if len(found) > 1:
         listed = ", ".join(map(str, found))
-        message = f"there are several {name}: {listed}"
-        hint = "adopt one network at a time: name the folder of one"
-        raise EddiError(error("A003", message, Place(str(folder)), hint))
+        raise EddiError(problem("A003.several", Place(str(folder)), files=name, names=listed))
     return read_module(folder / found[0]) if found else None

@@ -11,7 +11,7 @@ from typing import Any
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import package_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, error
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.packages.adopting.adopt import Adoption, leftover
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import WriteResult, write_packages
@@ -41,16 +41,11 @@ def write_adopted(
             generated.
     """
     if place.resolve().is_relative_to(adoption.old.folder.resolve()):
-        message = "this is the old package, which is only read"
-        hint = "name a folder beside it"
-        raise EddiError(error("G006", message, Place(str(place)), hint))
+        raise EddiError(problem("G006.old_package", Place(str(place))))
     root = packages_root(platform, place)
     package = package_name(adoption.id)
     if os.path.lexists(root / package):
-        hint = "move it away (adopting is for packages that are not ours yet), or choose --name"
-        raise EddiError(
-            error("A005", "the package already exists", Place(str(root / package)), hint)
-        )
+        raise EddiError(problem("A005.package_exists", Place(str(root / package))))
     config_name = f"{package}_config.yml"
     data = read_source(adoption.model_file).data
     files = {config_name: adoption.config().encode(), adoption.model_name: data}
@@ -84,8 +79,7 @@ def _is_new(file: Path, data: bytes) -> bool:
     if not os.path.lexists(file):
         return True
     if read_source(file).data != data:
-        hint = "move it away: adopting writes a file of this name"
-        raise EddiError(error("A005", "the file already exists", Place(str(file)), hint))
+        raise EddiError(problem("A005.file_exists", Place(str(file))))
     return False
 
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.problems import Place
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.drawing import diagram
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
@@ -18,7 +16,7 @@ from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.yaml_text.nodes import read_map
 from tests.cli.command import ROOT, run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 EXAMPLE = ROOT / "examples" / "two-robots"
 
@@ -81,7 +79,7 @@ def test_so_many_offers_are_not_looked_through(folder: Path) -> None:
     ]
     path.write_text("\n".join(["Robots:", *robots, "Bindings: [{demand: ArmIsParked}]\n"]), "utf-8")
     problems = read_whole_fleet(read_source(path), checked_models)[1]
-    assert_example("D018", [replace(one, place=Place("deployment.yml")) for one in problems])
+    assert_reported("D018", problems)
 
 
 def test_the_example_has_no_problems_in_a_file_or_in_its_folder(folder: Path) -> None:

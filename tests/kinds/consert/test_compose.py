@@ -26,7 +26,7 @@ from eddi_scaffold.kinds.consert.model import (
 )
 from eddi_scaffold.kinds.consert.ranges import Interval, exact, is_inside
 from tests.cli.command import run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 
 
 def numeric(*ranges, uom="s", subset="Demand", type_="Latency"):
@@ -166,7 +166,7 @@ def test_conserts_that_wait_for_each_other():
 def test_two_instances_need_two_names():
     model = user(BinaryDimension("X"))
     result = compose([("u", model), ("u", model)])
-    assert_example("C027", result.problems)
+    assert_reported("C027", result.problems)
     assert result.reasons == ("2 ConSerts are called 'u'",)
     again = compose([("u", model), ("v", model)])
     assert again.unmatched_demands == ("u/D", "v/D")

@@ -27,7 +27,7 @@ from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.write import to_mef
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
-from tests.diagnosed import assert_example
+from tests.diagnosed import assert_reported
 from tests.kinds.reliability.monitors import sound
 
 NUMBERS = {"a": 0.25, "b": 0.5, "c": 0.125}
@@ -138,7 +138,7 @@ def test_what_is_assumed_is_told_once() -> None:
         ("R003", "warning"),
         ("R018", "warning"),
     ]
-    assert_example("R018", reading.problems[1:])
+    assert_reported("R018", reading.problems[1:])
     assert reading.models[0].data.components["T"].content.events["e"].law == Law(
         "exponential", (1e-5,)
     )
@@ -273,7 +273,7 @@ def test_parameters_that_have_no_value(inner: str, code: str) -> None:
 
 def test_the_examples_of_the_codes() -> None:
     group = '<define-CCF-group name="Pumps" model="beta-factor"/>'
-    assert_example("R017", read(tree(refs("a"), group)).problems)
+    assert_reported("R017", read(tree(refs("a"), group)).problems)
 
 
 def test_an_event_without_a_probability_and_a_cycle() -> None:
