@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.compiling.compilation import KINDS
+from eddi_scaffold.kinds import kinds
 from eddi_scaffold.regions.marked_file import parse
 from tests.cli.command import run
 
@@ -131,7 +131,7 @@ INNER = {"engine_for", "judge", "read", "reduce", "restart", "sources", "stamp",
 """What compiled text or another module of the runtime calls, not people."""
 
 
-@pytest.mark.parametrize("kind", sorted(KINDS))
+@pytest.mark.parametrize("kind", sorted(kinds()))
 def test_the_methods_of_each_kind_of_monitor_are_listed(kind: str) -> None:
     package = importlib.import_module(f"eddi_runtime.{kind}")
     names = [one.name for one in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")]
