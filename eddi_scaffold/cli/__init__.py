@@ -101,7 +101,7 @@ def _wants_json(arguments: Sequence[str]) -> bool:
 
 def _refusal(refused: OSError) -> Problem:
     place = Place(str(refused.filename)) if refused.filename is not None else Place()
-    return problem("F006.system", place, reason=refused.strerror or refused)
+    return problem("F001.system", place, reason=refused.strerror or refused)
 
 
 def _say_traceback(failed: Exception) -> None:

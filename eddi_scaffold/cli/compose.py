@@ -50,13 +50,13 @@ def compose(
         if not found:
             raise EddiError(problem("F004.no_consert", Place(source.name)))
         if label and len(found) != 1:
-            raise EddiError(problem("G010.one_name", source=source.name, number=len(found)))
+            raise EddiError(problem("G004.one_name", source=source.name, number=len(found)))
         instances += [(label or name, consert) for name, consert in found]
         if not as_json:
             console.problems(problems)
     repeated = sorted({name for name, _ in instances if [n for n, _ in instances].count(name) > 1})
     if repeated:
-        raise EddiError(problem("G011.instances", name=repeated[0]))
+        raise EddiError(problem("C007.instances", name=repeated[0]))
     result = composition_of(instances)
     if as_json:
         console.json(result.as_json())

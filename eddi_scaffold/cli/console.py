@@ -189,7 +189,7 @@ def _write(stream: TextIO | None, text: str) -> None:
     that its work deserves.
 
     Raises:
-        EddiError: data could not be written to stdout, for instance on a full disk (F007).
+        EddiError: data could not be written to stdout, for instance on a full disk (F002).
     """
     if stream is None:  # closed before we started
         return
@@ -200,7 +200,7 @@ def _write(stream: TextIO | None, text: str) -> None:
     except OSError as refused:
         _mute(stream)
         if stream is sys.stdout and not isinstance(refused, BrokenPipeError):
-            raise EddiError(problem("F007.output", reason=refused.strerror)) from None
+            raise EddiError(problem("F002.output", reason=refused.strerror)) from None
 
 
 def _mute(stream: TextIO) -> None:

@@ -13,7 +13,7 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
     """Return the one of ``-w`` and ``-o`` that the platform takes.
 
     Raises:
-        EddiError: it is missing or a package (G006), or the other one is given as well (G014).
+        EddiError: it is missing or a package (G006), or the other one is given as well (G000).
     """
     in_workspace = platform.workspace is not None
     place, option = (workspace, "-w WORKSPACE") if in_workspace else (output, "-o FOLDER")
@@ -31,7 +31,7 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
             )
         )
     if workspace is not None and output is not None:
-        raise EddiError(problem("G014.alone", platform=platform.name, option=option))
+        raise EddiError(problem("G000.alone", platform=platform.name, option=option))
     if (place / ANSWERS_FILE).is_file():
         raise EddiError(
             problem("G006.inside_package", Place(str(place)), parent=place.absolute().parent)

@@ -85,7 +85,7 @@ def event(
     if name is not None:
         check_module_name(name)
     if None not in {text, file} or {text, file, config} == {None}:
-        raise EddiError(problem("E023.argument"))
+        raise EddiError(problem("G000.argument"))
     if config is not None or (path is not None and _is_model(path)):
         if check or inputs is not None:
             raise EddiError(problem("E026.conditions"))
@@ -247,7 +247,7 @@ def _write(
     if as_json:
         console.json(report(files))
     elif output is None and len(files) > 1:
-        raise EddiError(problem("E022.folder"))
+        raise EddiError(problem("G000.folder"))
     elif output is None:
         console.data(next(iter(files.values())).rstrip("\n"))
     else:

@@ -28,10 +28,10 @@ def example(
         return
     if name not in names():
         hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"
-        raise EddiError(problem("G012.example", hint=hint, name=name))
+        raise EddiError(problem("G008.example", hint=hint, name=name))
     target = folder or Path(name)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        case = "G013.not_empty" if target.is_dir() else "G013.file"
+        case = "G006.not_empty" if target.is_dir() else "G006.file"
         raise EddiError(problem(case, Place(str(target))))
     files = example_files(name)
     write(target, files)

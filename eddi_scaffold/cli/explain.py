@@ -28,7 +28,7 @@ def explain(
     if diagnostic is None:
         similar = catalogue.similar(code)
         hint = f"did you mean {' or '.join(similar)}?" if similar else "a code is like K007"
-        raise EddiError(problem("G023.code", hint=hint, code=code))
+        raise EddiError(problem("G008.code", hint=hint, code=code))
     if json:
         console.json(diagnostic.as_json())
         return

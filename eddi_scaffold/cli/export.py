@@ -58,10 +58,10 @@ def export(
     from eddi_scaffold.packages.transaction import FileState, write
 
     if (output is None) == (into is None):
-        raise EddiError(problem("G020.one_destination"))
+        raise EddiError(problem("G000.one_destination"))
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
-        raise EddiError(problem("G009.kind", hint=hint, kind=kind))
+        raise EddiError(problem("G008.kind", hint=hint, kind=kind))
     wanted = kinds()[kind] if kind else None
     alone = is_config(read_source(model))
     configs = [model, *(config or ())] if alone else config
@@ -87,7 +87,7 @@ def export(
         for file, text in kinds()[item.kind].functions.export(item).items():
             # Upper and lower case are the same on some disks.
             if file.lower() in map(str.lower, files):
-                raise EddiError(problem("G021.one_file", item.place, file=file, model=item.name))
+                raise EddiError(problem("G004.one_file", item.place, file=file, model=item.name))
             files[file] = FileState(text.encode())
     write(output, files)
     for file in sorted(files):

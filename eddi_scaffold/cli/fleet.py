@@ -30,13 +30,13 @@ def generate_fleet(
         dry_run: print the difference, change nothing.
 
     Raises:
-        EddiError: it cannot be used (G028), or options are missing (G006) or too many (G014).
+        EddiError: it cannot be used (K001), or options are missing (G006) or too many (G000).
     """
     source = read_source(deployment)
     if not is_fleet(source):
-        raise EddiError(problem("G028.deployment", Place(str(deployment))))
+        raise EddiError(problem("K001.deployment", Place(str(deployment))))
     if others:
-        raise EddiError(problem("G014.deployment", others=", ".join(others)))
+        raise EddiError(problem("G000.deployment", others=", ".join(others)))
     if folder is None:
         raise EddiError(problem("G006.deployment"))
     sites, problems = sites_of(source, checked_models)

@@ -61,14 +61,14 @@ def for_pictures(path: Path | None) -> Path | None:
     """Refuse the same, and a name of a picture of another format.
 
     Raises:
-        EddiError: there is no such folder (F002), or the name is not that of an SVG (G022).
+        EddiError: there is no such folder (F002), or the name is not that of an SVG (G000).
     """
     if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
         from eddi_scaffold.common.problems import EddiError, Place, problem
 
         raise EddiError(
             problem(
-                "G022.picture", Place(str(path)), suffix=path.suffix, value=path.with_suffix(".svg")
+                "G000.picture", Place(str(path)), suffix=path.suffix, value=path.with_suffix(".svg")
             )
         )
     return in_a_folder(path)

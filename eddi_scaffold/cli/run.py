@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.recordings.playing import Playback, PlayedMonitor, StepRule
 
 
-CHECKED_BY_BAG = {"K039", "K049"}
+CHECKED_BY_BAG = {"K039"}
 """Warnings of what is unchecked because a message is not known: a bag knows its messages."""
 
 
@@ -107,9 +107,9 @@ def run(
     from eddi_scaffold.recordings.results import changes, picture, steps, table, watched
 
     if as_json and as_csv:
-        raise EddiError(problem("G016.formats"))
+        raise EddiError(problem("G000.formats"))
     if (inputs is None) == (bag is None):
-        raise EddiError(problem("G020.one_recording"))
+        raise EddiError(problem("G000.one_recording"))
     others = {"config": config, "name": name, "marks": default_guarantee}
     package = _package(files or [], **others, system=system, models=models)
     configs: list[Path] = []
@@ -164,21 +164,21 @@ def _package(files: Sequence[Path], **others: object) -> Packaged | None:
         if inside:
             raise EddiError(
                 problem(
-                    "G020.folder_of_packages",
+                    "G000.folder_of_packages",
                     Place(str(inside[0].parent.parent)),
                     inside=" or ".join(str(one.parent) for one in inside),
                 )
             )
         return None
     if len(files) > 1 or any(others.values()):
-        raise EddiError(problem("G020.package", Place(str(folder))))
+        raise EddiError(problem("G000.package", Place(str(folder))))
     from eddi_scaffold.recordings.packaged import load
 
     return load(folder)
 
 
 def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> list[Problem]:
-    """Warn of hand-written lines in the packages of these monitors (I022)."""
+    """Warn of hand-written lines in the packages of these monitors (I014)."""
     from eddi_scaffold.common.problems import Place, problem
     from eddi_scaffold.packages.handwritten import packages_of, written
 
@@ -188,7 +188,7 @@ def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> 
         for package in packages_of(monitor.package, near):
             lines = ", ".join(written(package))
             if lines:
-                found.append(problem("I022.lines", Place(str(package)), lines=lines))
+                found.append(problem("I014.lines", Place(str(package)), lines=lines))
     return found
 
 
@@ -212,7 +212,7 @@ def _models_and_configs(
             raise EddiError(*problems)
         if named_model_path(parsed) is None:
             raise EddiError(
-                problem("F008.configuration_without_model", Place(str(path)), path=path)
+                problem("F003.configuration_without_model", Place(str(path)), path=path)
             )
     return models, [*configs, *(path for path in sources if path not in models)]
 
@@ -228,7 +228,7 @@ def _check_number(
         only(monitors)
     if len(monitors) > 1 and one_only is not None:
         names = ", ".join(monitor.model.name for monitor in monitors)
-        raise EddiError(problem("G020.one_monitor", one_only=one_only, names=names))
+        raise EddiError(problem("G000.one_monitor", one_only=one_only, names=names))
 
 
 def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[StepRule]:
@@ -287,7 +287,7 @@ def _from_bag(
     from eddi_scaffold.recordings.parts import published
 
     if any(monitor.config is None for monitor in monitors):
-        raise EddiError(problem("G020.bag"))
+        raise EddiError(problem("G000.bag"))
     tape, problems = read_bag(path, monitors, published(monitors))
     for monitor in monitors if package is None else ():
         by_hand = written_by_hand(monitor)

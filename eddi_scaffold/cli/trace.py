@@ -37,7 +37,7 @@ def trace(
     from eddi_scaffold.packages.upgrading import groups
 
     if as_json and as_csv:
-        raise EddiError(problem("G016.formats"))
+        raise EddiError(problem("G000.formats"))
     chosen = groups(workspace, packages or [])
     found = [
         trace_of(answers)

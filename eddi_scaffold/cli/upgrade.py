@@ -55,7 +55,7 @@ def upgrade(
     from eddi_scaffold.packages.workspace import alone, linked_package
 
     if not config and (system is not None or models is not None):
-        raise EddiError(problem("U008.no_configuration"))
+        raise EddiError(problem("G000.no_configuration"))
     outcomes: list[WriteResult] = []
     template = own_template()
     places = roots(workspace, packages or [])

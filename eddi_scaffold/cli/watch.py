@@ -102,7 +102,7 @@ def _opened(
     given = {"--bag": bag, "--master": master, "--domain": domains}
     names = [name for name, value in given.items() if value]
     if len(names) > 1:
-        raise EddiError(problem("V003.exclude", options=" and ".join(names)))
+        raise EddiError(problem("G000.exclude", options=" and ".join(names)))
     if bag is not None:
         return Recording(bag, speed), seconds
     clock = time_of_day(time.time() - time.monotonic())
@@ -120,7 +120,7 @@ def _dds(domains: list[int]) -> Source:
     try:
         from eddi_scaffold.watch.dds_source import DdsGraphs
     except ImportError:
-        raise EddiError(problem("V004.cyclonedds")) from None
+        raise EddiError(problem("I010.cyclonedds")) from None
     return DdsGraphs(dict.fromkeys(domains))
 
 

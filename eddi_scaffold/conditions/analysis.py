@@ -163,7 +163,7 @@ def _warn(
             at = file.nodes[event.root].start
             findings.add("W004.constant", at)
         if event.polarity == "HAZARD" and file.nodes[event.root].op == "implies":
-            findings.add("W006.implies", file.nodes[event.root].at, event=event.name)
+            findings.add("W002.implies", file.nodes[event.root].at, event=event.name)
         if event.polarity is None and not event.anonymous:
             findings.add("W002.polarity", event.at, event=event.name)
 

@@ -275,7 +275,7 @@ class Checker:
         )
         unit = args[0].unit or args[1].unit
         self._findings.add(
-            "W007.decided",
+            "W004.decided",
             node.at,
             value="TRUE" if truth else "FALSE",
             left=left,

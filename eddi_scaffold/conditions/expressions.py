@@ -62,7 +62,7 @@ class ExpressionParser(Cursor):
             # IMPLIES groups to the right, all others to the left.
             while stack and stack[-1][0] >= strength + (strength == _IMPLIES):
                 if stack[-1][0] == strength == _COMPARISON:
-                    self._fail("E004.chain")
+                    self._fail("E001.chain")
                 self._reduce(stack.pop(), operands)
             if not op:
                 break
@@ -75,7 +75,7 @@ class ExpressionParser(Cursor):
         while self._token.word == "NOT" or self._is_symbol("-"):
             prefix = (_MINUS, "neg") if self._is_symbol("-") else (_NOT, "not")
             if prefix[0] == _NOT and stack and stack[-1][0] > _NOT:
-                self._fail("E002.operand_not", shown=self._token.shown)
+                self._fail("E001.operand_not", shown=self._token.shown)
             stack.append((*prefix, self._token))
             self._k += 1
 
@@ -108,18 +108,18 @@ class ExpressionParser(Cursor):
             return inside
         if token.kind == "word":
             return self._named(token)
-        return self._fail("E002.operand", shown=token.shown)
+        return self._fail("E001.operand", shown=token.shown)
 
     def _named(self, token: Token) -> int:
         if token.word == "UNKNOWN":
-            self._fail("E012.literal")
+            self._fail("E001.literal")
         if token.word in RESERVED:
             if self._declaration():
                 end = self._tokens[self._k - 1].end if self._k else 0
-                self._fail("E002.operand_before_declaration", end)
+                self._fail("E001.operand_before_declaration", end)
             if token.word in (*_WORDS, "NOT"):
-                self._fail("E002.operand", shown=token.shown)
-            self._fail("E012.reserved", shown=token.shown)
+                self._fail("E001.operand", shown=token.shown)
+            self._fail("E001.reserved", shown=token.shown)
         self._k += 1
         if self._is_symbol("("):
             return self._call(token)
@@ -143,7 +143,7 @@ class ExpressionParser(Cursor):
             self._k += 1
             args.append(self._expression())
         if not self._is_symbol(")"):
-            self._fail("E002.list_end", shown=self._token.shown)
+            self._fail("E001.list_end", shown=self._token.shown)
         self._k += 1
         if token.word in MORE:
             return self._nested(token, args)
@@ -223,13 +223,13 @@ class ExpressionParser(Cursor):
         self._k += 1
         number = self._token
         if number.kind != "number":
-            self._fail("E002.number", shown=number.shown)
+            self._fail("E001.number", shown=number.shown)
         share = self._number()
         if op in ("time", "once"):
-            self._findings.add("E014.not_here", word.start, word=function.word)
+            self._findings.add("E005.not_here", word.start, word=function.word)
         elif not 0 < share <= 1:
             hint = f"{word.word} {share / 100:g}" if 10 <= share <= 100 else None  # percent
-            self._findings.add("E014.range", number.start, hint=hint)
+            self._findings.add("E005.range", number.start, hint=hint)
         return share
 
     def _reduction(self, token: Token, argument: int) -> int:
@@ -243,7 +243,7 @@ class ExpressionParser(Cursor):
             self._k += 1
             options = self._list_option(token, options, args)
         if not self._is_symbol(")"):
-            self._fail("E002.list_end", shown=self._token.shown)
+            self._fail("E001.list_end", shown=self._token.shown)
         self._k += 1
         op = REDUCTIONS[token.word]
         return self._add(SyntaxNode(op, tuple(args), token.start, token.start, options=options))
@@ -256,7 +256,7 @@ class ExpressionParser(Cursor):
         if word.word not in LIST_OPTIONS:
             if word.kind == "number" and self._peek().text in DURATIONS:
                 self._fail("E006.list_duration", word=token.word)
-            self._fail("E002.list_option", list_options=" or ".join(LIST_OPTIONS), shown=word.shown)
+            self._fail("E001.list_option", list_options=" or ".join(LIST_OPTIONS), shown=word.shown)
         if word.word in dict(options.at):
             self._fail("E006.repeated", word=word.word)
         options = replace(options, at=(*options.at, (word.word, word.start)))
@@ -286,7 +286,7 @@ class ExpressionParser(Cursor):
     def _whole_number(self) -> int:
         token = self._token
         if not token.text.isdigit() or len(token.text) > 6:
-            self._fail("E002.count", shown=token.shown)
+            self._fail("E001.count", shown=token.shown)
         self._k += 1
         return int(token.text)
 

@@ -105,7 +105,7 @@ def _wrong_type(
     if analysis.form is None:
         return ()
     if len(analysis.events) != 1:
-        return (problem("E003.several_events", text.locate(0)),)
+        return (problem("E001.several_events", text.locate(0)),)
     place = text.locate(0 if text.event is None else analysis.events[0].at)
     wanted = "bool" if type_ in ("bool", "state") else "number"
     if analysis.events[0].type == wanted:

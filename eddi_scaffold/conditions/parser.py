@@ -35,7 +35,7 @@ ANONYMOUS = "event"
 def parse(text: str, findings: TextFindings) -> File:
     """Parse a text: declarations, an expression, or declarations and an expression behind them.
 
-    What is wrong goes to ``findings`` (E001 to E006, E012 to E014, W001); the declarations that
+    What is wrong goes to ``findings`` (E001 to E006, E001 to E005, W001); the declarations that
     could be read are returned.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:
@@ -79,7 +79,7 @@ class _Parser(ExpressionParser):
                 if not self._at_declaration():
                     hint = self._comparison_hint() or self._misspelt(before, readers)
                     hint = self._temporal_hint(self._k) or self._temporal_hint(self._k - 1) or hint
-                    self._fail("E003.rest", hint=hint, shown=self._token.shown)
+                    self._fail("E001.rest", hint=hint, shown=self._token.shown)
             except Wrong:
                 broken.add(self._declared)
                 self._skip(before)
@@ -155,7 +155,7 @@ class _Parser(ExpressionParser):
             self._k += 1
             rate = self._number()
             if self._token.text != "Hz" or not 0 < rate <= 1e9:
-                self._fail("E002.rate", after.start)
+                self._fail("E001.rate", after.start)
             self._k += 1
             return replace(found, rate=rate)
         if word == "TIMEOUT" and after.kind == "number":
@@ -178,11 +178,11 @@ class _Parser(ExpressionParser):
         wanted = _WANTED.get(word.word)
         if wanted is not None and (goes_on or after.word in _DECLARATIONS):
             self._fail(
-                "E002.behind", after.start, expected=wanted, word=word.word, shown=after.shown
+                "E001.behind", after.start, expected=wanted, word=word.word, shown=after.shown
             )
         hint = did_you_mean(word.word, _WANTED) if word.kind == "word" and goes_on else None
         if hint is not None and word.word not in RESERVED:
-            self._fail("E002.variable_option", hint=hint, shown=word.shown)
+            self._fail("E001.variable_option", hint=hint, shown=word.shown)
 
     def _constant(self) -> ConstDeclaration:
         self._k += 1
@@ -200,7 +200,7 @@ class _Parser(ExpressionParser):
             self._k += 1
             polarity = self._token.word
             if polarity not in ("EVIDENCE", "HAZARD"):
-                self._fail("E002.polarity", shown=self._token.shown)
+                self._fail("E001.polarity", shown=self._token.shown)
             self._k += 1
             self._expect(")")
         self._expect(":=")

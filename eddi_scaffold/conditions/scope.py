@@ -122,7 +122,7 @@ def build_scope(
 
     Args:
         file: the text.
-        findings: gets E008, E009, E010, E011, W003.
+        findings: gets E008, E009, E008, E008, W003.
         given: variables that the caller knows; ``None``: variables may be inferred.
         outer: declarations from elsewhere; problems in them are reported there.
     """
@@ -142,7 +142,7 @@ def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
 
     def new(named: Identifier) -> bool:
         if named.name in seen:
-            findings.add("E011.two_meanings", named.at, name=named.name)
+            findings.add("E008.two_meanings", named.at, name=named.name)
             return False
         seen.add(named.name)
         return True
@@ -242,7 +242,7 @@ def _in_order(file: File, scope: Scope, findings: TextFindings) -> list[EventDec
             first = min(members, key=lambda name: events[name].at)
             turn = members.index(first)
             listed = [*members[turn:], *members[:turn], first]
-            findings.add("E010.uses_itself", events[first].at, listed=" uses ".join(listed))
+            findings.add("E008.uses_itself", events[first].at, listed=" uses ".join(listed))
             for name in members:
                 uses[name] = []
                 events[name] = replace(events[name], root=-1)

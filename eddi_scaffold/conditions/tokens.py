@@ -168,7 +168,7 @@ class Cursor:
         if not self._is_symbol(symbol):
             wanted = shown or repr(symbol)
             hint = self._comparison_hint() if symbol in {")", ","} else None
-            self._fail("E002.word", hint=hint, expected=wanted, shown=self._token.shown)
+            self._fail("E001.word", hint=hint, expected=wanted, shown=self._token.shown)
         self._k += 1
 
     def _comparison_hint(self) -> str | None:
@@ -177,9 +177,9 @@ class Cursor:
     def _new_name(self, what: str) -> Identifier:
         token = self._token
         if token.kind != "word":
-            self._fail("E002.list_option", list_options=what, shown=token.shown)
+            self._fail("E001.list_option", list_options=what, shown=token.shown)
         if token.word in RESERVED:
-            self._fail("E012.reserved", shown=token.shown)
+            self._fail("E001.reserved", shown=token.shown)
         self._k += 1
         self._declared = self._declared or token.text
         return Identifier(token.text, token.start)
@@ -198,7 +198,7 @@ class Cursor:
         at, negative = self._token.start, self._is_symbol("-")
         self._k += negative
         if self._token.kind != "number":
-            self._fail("E002.number", shown=self._token.shown)
+            self._fail("E001.number", shown=self._token.shown)
         value = self._number()
         return NumberWithUnit(-value if negative else value, self._unit(), at)
 
@@ -272,7 +272,7 @@ class Cursor:
             field += self._token.text + self._peek().text
             self._k += 2
         if field.endswith("."):
-            self._fail("E002.key", shown=self._token.shown)
+            self._fail("E001.key", shown=self._token.shown)
         token = self._token
         if token.kind in ("word", "text"):
             key = key_text(token.text.strip('"'))
@@ -281,7 +281,7 @@ class Cursor:
         elif token.text.isdigit() and len(token.text) < 8 and int(token.text) < _PATH_INDEX:
             key = str(int(token.text)) + self._last_of_part()
         else:
-            self._fail("E002.index_or_key", shown=token.shown)
+            self._fail("E001.index_or_key", shown=token.shown)
         self._k += 1
         return field + key
 
@@ -291,7 +291,7 @@ class Cursor:
             return ""
         first, last = self._token, self._peek(2)
         if len(last.text) > 7 or int(last.text) < int(first.text) or int(last.text) >= _PATH_INDEX:
-            self._fail("E002.index", first=first.text, shown=last.shown)
+            self._fail("E001.index", first=first.text, shown=last.shown)
         self._k += 2
         return f"..{int(last.text)}"
 

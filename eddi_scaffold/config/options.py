@@ -118,7 +118,7 @@ def violations(
                 hint = "put the expression in quotes: inside { } a comma ends it"
             else:
                 hint = hint_for_decimals(key) or hint
-            yield problem("K004.unknown_key", places.get((*path, KEY), place), hint=hint, key=key)
+            yield problem("K003.unknown_key", places.get((*path, KEY), place), hint=hint, key=key)
         else:
             raised = found.get("ctx", {}).get("error")  # by our own checks
             own, hint = _TEXTS.get(found["type"]) or str(raised or found["msg"]), None
@@ -128,7 +128,7 @@ def violations(
                 hint = raised.hint
             own = own.replace("Input should be", "must be")  # of pydantic, for a literal
             yield problem(
-                "K005.value", place, hint=hint, key=_named_path(path) or "the file", reason=own
+                "K003.value", place, hint=hint, key=_named_path(path) or "the file", reason=own
             )
 
 
@@ -195,7 +195,7 @@ def _options_for(section: object) -> set[str]:
 def unknown_options(
     section: object, places: Mapping[tuple[str | int, ...], Place], file: str
 ) -> Iterable[Problem]:
-    """Find keys of the section ``Model`` that the kind of its model does not understand (K004)."""
+    """Find keys of the section ``Model`` that the kind of its model does not understand (K003)."""
     if not isinstance(section, Mapping):
         return
     known = {*ModelSection.model_fields, *_options_for(section)}
@@ -208,4 +208,4 @@ def unknown_options(
                 hint = (
                     f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
                 )
-            yield problem("K004.unknown_key", place, hint=hint, key=key)
+            yield problem("K003.unknown_key", place, hint=hint, key=key)

@@ -120,8 +120,8 @@ def read_block(source: Source) -> ConfigText:
     """Find the block in a configuration.
 
     Raises:
-        EddiError: the file is not a YAML mapping (K001), is written in one pair of braces (K037),
-            has the block under both of its names (K035), or uses an anchor of it elsewhere (K036).
+        EddiError: the file is not a YAML mapping (K001), is written in one pair of braces (K001),
+            has the block under both of its names (K001), or uses an anchor of it elsewhere (K001).
     """
     if _NOTHING.fullmatch(source.data):
         text = source.data.decode("utf-8-sig", "replace")
@@ -134,7 +134,7 @@ def read_block(source: Source) -> ConfigText:
         raise EddiError(problem("K001.map", node.place))
     root = spans(text, source.name)
     if root is None or root.is_flow:
-        raise EddiError(problem("K037.braces", node.place))
+        raise EddiError(problem("K001.braces", node.place))
     found = [(key, value) for key, value in root.entries() if key.text in _NAMES]
     required, used = _required(root), _used(root)
     if not found:
@@ -143,7 +143,7 @@ def read_block(source: Source) -> ConfigText:
     if len(found) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
         place = Place(source.name, found[1][0].line, 1)
-        raise EddiError(problem("K035.two_spellings", place, spellings=lines))
+        raise EddiError(problem("K001.two_spellings", place, spellings=lines))
     ((key, value),) = found
     _refuse_anchors(source.name, root, value)
     start = key.start
@@ -216,7 +216,7 @@ def _notes(
         place = Place(document.name, one.line, 1)
         what = f"{one.id!r} ({one.topic}) {absent.why}"
         if one not in kept:
-            problems.append(problem("M027.dropped", place, subject=what))
+            problems.append(problem("M026.dropped", place, subject=what))
         elif absent.stays:
             problems.append(problem("M026.stays", place, subject=what))
         else:
@@ -225,7 +225,7 @@ def _notes(
     lost = sorted({*document.comments, *(line for some in dropped for line in some)})
     if lost:
         lines = ", ".join(map(str, lost))
-        problems.append(problem("M028.comments", Place(document.name, lost[0], 1), lines=lines))
+        problems.append(problem("M026.comments", Place(document.name, lost[0], 1), lines=lines))
     return problems
 
 
@@ -235,7 +235,7 @@ def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
     for name, line in (document.required or {}).items():
         if name not in known:
             place = Place(document.name, line, 1)
-            yield problem("M025.requires", place, hint=near.hint(name), name=name)
+            yield problem("M023.requires", place, hint=near.hint(name), name=name)
 
 
 def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
@@ -352,7 +352,7 @@ def _refuse_anchors(name: str, root: Span, value: Span) -> None:
         if anchor in elsewhere:
             place = Place(name, line, 1)
             raise EddiError(
-                problem("K036.anchor", place, anchor=anchor, line=line, use=elsewhere[anchor])
+                problem("K001.anchor", place, anchor=anchor, line=line, use=elsewhere[anchor])
             )
 
 

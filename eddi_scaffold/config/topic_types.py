@@ -19,7 +19,7 @@ def check_types(config: ConfigFile, used: Collection[str]) -> Iterator[Problem]:
     """Check the types of ``SimulatorOutputs``.
 
     What does not exist in a package that is wholly known is an error (K048). Of a package that is
-    not known, it is reported what stays unchecked: a field (K039), else the package, once (K049).
+    not known, it is reported what stays unchecked: a field (K039), else the package, once (K039).
 
     Args:
         config: the configuration; its ``MessageTypes`` are known as well.
@@ -87,9 +87,9 @@ def _unknown_package(config: ConfigFile, index: int) -> Problem:
     declared = [name for name in config.config.MessageTypes if _package(name) == package]
     if declared:
         return problem(
-            "K049.undeclared", place, hint=_nearest(type_, declared) or _WHAT_TO_DO, type=type_
+            "K039.undeclared", place, hint=_nearest(type_, declared) or _WHAT_TO_DO, type=type_
         )
     packages = sorted({_package(name) for name in known_messages() if "/" in name})
     near = get_close_matches(package, packages, n=1, cutoff=_LIKE)
     hint = f"did you mean {near[0]!r}? Else {_WHAT_TO_DO}" if near else _WHAT_TO_DO
-    return problem("K049.package", place, hint=hint, package=package)
+    return problem("K039.package", place, hint=hint, package=package)

@@ -62,7 +62,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     """Return the text of a configuration with what it does not say yet.
 
     Raises:
-        EddiError: it is written so that nothing can be added (K037).
+        EddiError: it is written so that nothing can be added (K001).
     """
     text = document.text
     if text and not text.endswith("\n"):
@@ -163,7 +163,7 @@ class _Editor:
         new = [line for entry in entries if entry.id not in known for line in entry.lines()]
         if new and items and section.is_flow:
             place = Place(self.name, section.line, 1)
-            raise EddiError(problem("K037.brackets", place))
+            raise EddiError(problem("K001.brackets", place))
         if new and items:
             dash = self.text.rfind("-", 0, items[0].start)
             self.insert(self._line_end(section.end), new, dash - self._line_start(dash))
@@ -291,14 +291,14 @@ def _refuse_loss(document: ConfigText, before: str, after: str) -> None:
     """Refuse a text in which something that a person wrote would be gone or elsewhere.
 
     Raises:
-        EddiError: it is written in a way that was not foreseen (K037).
+        EddiError: it is written in a way that was not foreseen (K001).
     """
     old, _ = read_map(Source(document.name, before.encode()), "K001")
     new, problems = read_map(Source(document.name, after.encode()), "K001")
     lost = _lost(old, new) if old is not None and new is not None else None
     if problems or new is None or lost is not None:
         place = lost.place if lost is not None else Place(document.name)
-        raise EddiError(problem("K037.crowded", place))
+        raise EddiError(problem("K001.crowded", place))
 
 
 def _lost(old: Node, new: Node | None) -> Node | None:

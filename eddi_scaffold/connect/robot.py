@@ -122,7 +122,7 @@ def _check_system(
 
 
 def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
-    """Compare the topics of a configuration with those of a system (K040, K041)."""
+    """Compare the topics of a configuration with those of a system (K040)."""
     try:
         source = read_source(path)
     except EddiError:
@@ -138,7 +138,7 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
             yield problem("K040.topic", place, hint=hint, system=system, topic=entry.topic)
         elif topic.type.replace(".", "/") != entry.type:
             yield problem(
-                "K041.direction",
+                "K040.direction",
                 config.place("SimulatorOutputs", index, "type"),
                 topic=entry.topic,
                 actual=topic.type.replace(".", "/"),

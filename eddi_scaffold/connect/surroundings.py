@@ -147,7 +147,7 @@ def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequenc
 
 
 def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
-    """Warn of entries that the model has no input for (K061)."""
+    """Warn of entries that the model has no input for (K013)."""
     entries = root.get("EDDIInputs")
     there = [(item, text_of(item, "id")) for item in items_of(entries)]
     new = sorted({*ids} - {id_ for _, id_ in there})
@@ -160,4 +160,4 @@ def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
             if near is not None
             else f"its inputs: {shortened_list(ids)}"
         )
-        yield problem("K061.entry_stays", one.place, hint=hint, input=id_)
+        yield problem("K013.entry_stays", one.place, hint=hint, input=id_)

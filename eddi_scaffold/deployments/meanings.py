@@ -162,7 +162,7 @@ _UNLISTED = Meaning()
 
 
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
-    """Report what gains from silence: D001, D002; D007 and D020 are warnings."""
+    """Report what gains from silence: D001, D002; D007 and D002 are warnings."""
     for member in deployment.members:
         found = readings(member.monitor)
         for input_ in found.inverted:
@@ -193,7 +193,7 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
     if meaning.silent is not None and not any(reading.holds(value) for value in meaning.silent):
         if meaning.bad is not None and list(map(reading.holds, meaning.bad)) == [True, False]:
             yield problem(
-                "D020.good_while_hazard",
+                "D002.good_while_hazard",
                 reading.place,
                 input=reading.input,
                 reading=reading.text,

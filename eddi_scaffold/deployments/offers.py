@@ -97,7 +97,7 @@ class DemandBinding:
 def bonds_of(
     file: FleetFile, seats: Sequence[RobotMonitor]
 ) -> tuple[list[DemandBinding], list[Problem]]:
-    """Return every bound demand, and what is wrong with the bindings (D011 to D013, D018)."""
+    """Return every bound demand, and what is wrong with the bindings (D011 to D013, D004)."""
     binder = _Binder(file, seats)
     for index, binding in enumerate(file.form.Bindings):
         if not binder.add(index, binding):
@@ -143,7 +143,7 @@ class _Binder:
             self._bind(index, binding, user)
             if self.offers > _MOST_OFFERS:
                 self.problems.append(
-                    problem("D018.too_many", self._place(index, "from"), limit=_MOST_OFFERS)
+                    problem("D004.too_many", self._place(index, "from"), limit=_MOST_OFFERS)
                 )
                 return False
         return True
@@ -208,7 +208,7 @@ class _Binder:
         hint = _COMPOSE if reasons else None
         self.problems.append(
             problem(
-                "D012.never",
+                "D004.never",
                 self._place(index, key),
                 hint=hint,
                 who=who,

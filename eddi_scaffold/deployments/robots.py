@@ -138,14 +138,14 @@ def graph_of(form: Robot | StationSection, platform: Platform) -> MeetingPlace |
 def misplaced(
     file: FleetFile, form: Robot | StationSection, platform: Platform, *path: str | int
 ) -> Iterator[Problem]:
-    """Report a ``master``, ``domain`` or ``partition`` that the platform does not have (K005)."""
+    """Report a ``master``, ``domain`` or ``partition`` that the platform does not have (K003)."""
     meeting = platform.meeting
     own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
     for key in ("master", "domain", "partition"):
         if key not in own and getattr(form, key) is not None:
             hint = f"name its `{own[0]}`" if own else "leave it out"
             yield problem(
-                "K005.platform", file.place(*path, key), hint=hint, platform=platform.name, key=key
+                "K003.platform", file.place(*path, key), hint=hint, platform=platform.name, key=key
             )
 
 

@@ -163,7 +163,7 @@ def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
-    """Report topics that monitors read, or read and publish, with different types (D019)."""
+    """Report topics that monitors read, or read and publish, with different types (D005)."""
     first: dict[str, tuple[str, str]] = {}
     several = set()
     for topic, found in deployment.publishers.items():
@@ -177,7 +177,7 @@ def check_types(deployment: Deployment) -> Iterator[Problem]:
             if source.type != type_ and topic not in several:
                 place = member.config.place("SimulatorOutputs", index, "topic")
                 yield problem(
-                    "D019.topic_type",
+                    "D005.topic_type",
                     place,
                     topic=topic,
                     type=type_,

@@ -58,7 +58,7 @@ def _output(publisher: Publisher, reading: FieldReading) -> str | None:
 
 
 def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
-    """Report what is told to other robots and rests by topics on a word of one (D017).
+    """Report what is told to other robots and rests by topics on a word of one (D003).
 
     Args:
         participants: the monitors that read each other's topics.
@@ -86,7 +86,7 @@ def _tells(one: WiredMonitor) -> bool:
 
 def _hidden(one: WiredMonitor, claim: str, hidden: str) -> Problem:
     return problem(
-        "D017.hidden_circle", one.config.place("Fleet"), claim=claim, monitor=hidden, name=one.name
+        "D003.hidden_circle", one.config.place("Fleet"), claim=claim, monitor=hidden, name=one.name
     )
 
 
@@ -143,7 +143,7 @@ def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D017, D019).
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D003, D005).
 
     Args:
         members: the monitors that are at hand.

@@ -108,7 +108,7 @@ class EddiDocument:
         """Resolve the references of one feature, written as attribute or as ``href`` children.
 
         Returns:
-            The elements pointed at, the problems X003, X007, X008, X012, and whether there was
+            The elements pointed at, the problems X003, X007, X007, X007, and whether there was
             any reference at all.
         """
         name = self.attribute_name(element, spelling)
@@ -146,7 +146,7 @@ class EddiDocument:
         token = parse_token(text)
         if token.resource:
             return problem(
-                "X012.resource",
+                "X007.resource",
                 self.place(element),
                 feature=feature,
                 token=token.text,
@@ -163,7 +163,7 @@ class EddiDocument:
             return problem("X007.token", self.place(element), feature=feature, token=token.text)
         if target is None:
             return problem(
-                "X008.nothing", self.place(element), feature=feature, token=token.text, reason=why
+                "X007.nothing", self.place(element), feature=feature, token=token.text, reason=why
             )
         return target
 

@@ -84,7 +84,7 @@ def extension_maps(document: EddiDocument, *keys: str) -> Iterator[ExtensionMap]
 
 
 def check_maps(document: EddiDocument) -> list[Problem]:
-    """Check what does not depend on the kind of a model: keys, names and sizes (X030, X031)."""
+    """Check what does not depend on the kind of a model: keys, names and sizes (X010, X031)."""
     problems: list[Problem] = []
     first: dict[str, Place] = {}
     for extension_map in extension_maps(document):
@@ -109,10 +109,10 @@ def _check_name(one: ExtensionMap, first: dict[str, Place]) -> Iterator[Problem]
     named = one.of(MODEL)
     if one.model is None:
         place = named[-1].place if named else one.place
-        yield problem("X030.model", place, key=one.key)
+        yield problem("X010.model", place, key=one.key)
     elif one.model in first:
         before = first[one.model].line
-        yield problem("X030.same_name", named[0].place, model=one.model, before=before)
+        yield problem("X010.same_name", named[0].place, model=one.model, before=before)
     else:
         first[one.model] = named[0].place
 

@@ -81,7 +81,7 @@ def load(
     """Parse a document from a seekable stream.
 
     Returns:
-        The tree, or ``None`` after an error, and the problems X001, X002, X003, X005.
+        The tree, or ``None`` after an error, and the problems X001, X001, X003, X006.
     """
     size = stream.seek(0, 2)
     if size > limits.file_bytes:
@@ -102,7 +102,7 @@ def load(
         count = len(crowded.attrib)
         return None, [_limit("the number of attributes", count, limits.attributes, place)]
     return XmlDocument(document, _roots(document)), [
-        problem("X005.prefix", Place(name, line_of(document)), prefix=prefix)
+        problem("X006.prefix", Place(name, line_of(document)), prefix=prefix)
         for prefix in undeclared
     ]
 
@@ -301,7 +301,7 @@ def _has_gap(stream: BinaryIO) -> bool:
 
 
 def _doctype(place: Place) -> Problem:
-    return problem("X002.declaration", place)
+    return problem("X001.declaration", place)
 
 
 def _limit(what: str, value: int, limit: int, place: Place) -> Problem:

@@ -162,13 +162,13 @@ def unused_design(document: EddiDocument) -> Iterator[Problem]:
 
 
 def foreign(document: EddiDocument) -> Problem | None:
-    """Return F010 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
+    """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     if any(_may_be_ours(document, root) for root in document.roots):
         return None
     root = document.roots[0] if document.roots else document.document
     name = feature_of(root)
     looks = _LOOKS_LIKE.get(local_name(name))
-    case = "F010.foreign" if looks else "F010.root"
+    case = "F003.foreign" if looks else "F003.root"
     return problem(case, document.place(root), name=name, **({"format": looks} if looks else {}))
 
 
@@ -240,7 +240,7 @@ def _described(document: EddiDocument, stated: str, same: Sequence[Element]) -> 
 
 
 def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
-    """Yield a warning (X015) for each element of a package whose class looks like a misspelt one.
+    """Yield a warning (X006) for each element of a package whose class looks like a misspelt one.
 
     In the packages that hold chains, trees and networks every unknown class is named.
     """
@@ -260,7 +260,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             what = feature_of(element) + (f' "{name}"' if name else "")
             unread = not any(kind_of_model(document, one) in MONITORED for one in element.iter())
             yield problem(
-                "X015.unread_class" if unread else "X015.unknown_class",
+                "X006.unread_class" if unread else "X006.unknown_class",
                 document.place(element),
                 hint=f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}",
                 subject=what,
@@ -278,7 +278,7 @@ def _nearest(name: str) -> str | None:
 
 
 def check_features(document: EddiDocument) -> Iterator[Problem]:
-    """Yield X011 for two spellings of one thing, and X007, X008, X012 for references."""
+    """Yield X011 for two spellings of one thing, and X007, X007, X007 for references."""
     waiting = list(reversed(document.roots))
     while waiting:
         element = waiting.pop()
@@ -312,6 +312,6 @@ def _references(document: EddiDocument, part: Element) -> Iterator[Problem]:
         found = document.target(element, name, token)
         if isinstance(found, Problem):
             # what a monitor needs not be there: a requirement in a file of its own, for example
-            if found.code == "X012" and fold(name) in word.LINKS:
+            if found.case == "X007.resource" and fold(name) in word.LINKS:
                 found = replace(found, level="warning")
             yield found

@@ -347,7 +347,7 @@ def _repeated_attributes(bindings: Sequence[InputBinding]) -> Iterable[Problem]:
         other = first.setdefault(binding.attribute, binding.model.id)
         if other != binding.model.id:
             yield problem(
-                "K025.inputs", first=other, second=binding.model.id, name=binding.attribute
+                "K015.inputs", first=other, second=binding.model.id, name=binding.attribute
             )
 
 
@@ -406,15 +406,15 @@ class _InputBinder:
         """Check ``expression:`` and its like; what it reads becomes what the input requires."""
         entry = self.entry
         if entry.event is not None and entry.expression_file is None:
-            self._report("K043.event_without_file", "event", input=entry.id)
+            self._report("K003.event_without_file", "event", input=entry.id)
         if not entry.is_computed:
             if entry.polarity == "HAZARD":
                 place = self._place("polarity")
-                self.problems.append(problem("K043.useless_polarity", place, input=entry.id))
+                self.problems.append(problem("K003.useless_polarity", place, input=entry.id))
             return None
         if entry.field is not None:
             key = "expression" if entry.expression_file is None else "expression_file"
-            self._report("K043.field_and_expression", "field", input=entry.id, key=key)
+            self._report("K003.field_and_expression", "field", input=entry.id, key=key)
         found, problems = bind_expression(
             self.item, self.index, self.config, self._fields_of, self.types
         )
@@ -480,7 +480,7 @@ class _InputBinder:
             return self._numbers()
         if len(self.requires) != 1:
             if entry.field is not None:
-                self._report("K018.one_message", "field", input=entry.id, number=len(self.requires))
+                self._report("K019.one_message", "field", input=entry.id, number=len(self.requires))
             return None
         argument = self.arguments[0]
         of_type = self.fields.get(argument)
@@ -499,7 +499,7 @@ class _InputBinder:
             own = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
             package = package_name(self.config.config.Model.id)
             unfit = problem(
-                "K062.no_field",
+                "K038.no_field",
                 self._place("requires"),
                 input=self.item.id,
                 type=self.item.type,
@@ -532,7 +532,7 @@ class _InputBinder:
         try:
             path = field_paths.parse_field(field)
         except field_paths.FieldPathError as failure:
-            self._report("K019", "field", hint=failure.hint, reason=failure)
+            self._report("K019.path", "field", hint=failure.hint, reason=failure)
             return None
         return taken(argument, self._checked(path, message), message)
 
@@ -572,7 +572,7 @@ class _InputBinder:
         if not any(factors):
             reason = units.apart(given[0], wanted)
             self._report(
-                "K052.apart",
+                "K022.apart",
                 key,
                 hint=_shifted(given[0], wanted),
                 subject=what,
@@ -585,7 +585,7 @@ class _InputBinder:
         unit, exact = next(pair for pair in zip(given, factors, strict=True) if pair[1])
         times = f"1 {unit} is {float(exact or 0):g} {wanted or 'of a ratio'}"
         self._report(
-            "K052.unit",
+            "K022.unit",
             key,
             subject=what,
             actual=shown,
@@ -604,7 +604,7 @@ class _InputBinder:
         if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= one):
             self.problems.append(
                 problem(
-                    "K052.percent",
+                    "K022.percent",
                     self._place(self._given_by),
                     subject=what,
                     covered=self.item.covered,
@@ -635,7 +635,7 @@ class _InputBinder:
         if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
             return None
         if self.item.type not in {"float", "int"}:
-            self._report("K021.unit_of_other", "unit", input=self.entry.id)
+            self._report("K016.unit_of_other", "unit", input=self.entry.id)
             return None
         factor = (self.item.units or {}).get(given)
         if factor is None:
@@ -658,7 +658,7 @@ class _InputBinder:
         finite = not isinstance(value, float) or math.isfinite(value)
         fits = finite and isinstance(value, _PYTHON_TYPES.get(item.type, ()))
         if not fits or (item.type != "bool" and isinstance(value, bool)):
-            self._report("K023.default", "default", input=item.id, value=value, type=item.type)
+            self._report("K016.default", "default", input=item.id, value=value, type=item.type)
             return
         if factor is not None and isinstance(value, int | float):
             value = value * factor[0] / factor[1]

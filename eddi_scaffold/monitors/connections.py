@@ -28,7 +28,7 @@ def check_limits(config: ConfigFile) -> Iterable[Problem]:
 
 
 def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
-    """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K047)."""
+    """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K020)."""
     providers = {given: monitor for monitor in monitors for given in _given(monitor)}
     for monitor in monitors:
         if monitor.config is not None:

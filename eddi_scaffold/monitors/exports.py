@@ -28,7 +28,7 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
         models: events, or SafeML settings.
 
     Raises:
-        EddiError: a model is of another kind (X036), there is no such element (X008), or the EDDI
+        EddiError: a model is of another kind (X036), there is no such element (X007), or the EDDI
             has errors, now or with the models.
     """
     data = source.data
@@ -42,7 +42,7 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
             raise EddiError(*problems)
         element = document.at(at)
         if element is None:
-            raise EddiError(problem("X008.at", Place(source.name), path=at))
+            raise EddiError(problem("X007.at", Place(source.name), path=at))
         key, values = in_map(model)
         data = with_map(data, document, element, key, values)
     reading = read_models(Source(source.name, data))
@@ -93,7 +93,7 @@ def pictures(
 
     Raises:
         EddiError: the file cannot be used, no model in it can be drawn (G018), or one picture is
-            asked for and there are several models (G019).
+            asked for and there are several models (G005).
     """
     every = checked_models(path, default_guarantees).models
     models = select_models(every, name) if name is not None else every
@@ -111,5 +111,5 @@ def pictures(
         raise EddiError(problem("G018", Place(str(path)), kinds=names))
     if single and len(found) > 1:
         names = ", ".join(model.name for model in models)
-        raise EddiError(problem("G019.several_files", Place(str(path)), names=names))
+        raise EddiError(problem("G005.several_files", Place(str(path)), names=names))
     return found, unfit(models)

@@ -49,7 +49,7 @@ def bind_expression(
 ) -> tuple[CheckedExpression | None, list[Problem]]:
     """Check the expression of one entry of ``EDDIInputs``.
 
-    Problems are those of the language (E, W), K020, K033, K042 to K044 and K046.
+    Problems are those of the language (E, W), K020, K033, K003 to K016 and K020.
 
     Args:
         item: the input in the model.
@@ -83,7 +83,7 @@ class _ExpressionBinder:
 
     def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
         if self.item.type not in ("bool", "float", "int", "state"):
-            self._report("K044.result_type", "expression", type=self.item.type)
+            self._report("K016.result_type", "expression", type=self.item.type)
             return None, self.problems
         texts = self._texts()
         if not texts:
@@ -101,7 +101,7 @@ class _ExpressionBinder:
             polarity=self.polarity,
         )
         if self._has_polarity:
-            problems = [problem for problem in problems if problem.code != "W002"]
+            problems = [problem for problem in problems if problem.case != "W002.polarity"]
         self.problems += problems
         if compiled is None:
             return None, self.problems
@@ -129,7 +129,7 @@ class _ExpressionBinder:
         entry = self.entry
         given = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
         if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
-            self._report("K043.no_expression", given[-1])
+            self._report("K003.no_expression", given[-1])
             return []
         if entry.states is not None:
             return [
@@ -137,7 +137,7 @@ class _ExpressionBinder:
                 for state, text in entry.states.items()
             ]
         if self.item.type == "state":
-            self._report("K043.states", given[0], key=given[0])
+            self._report("K003.states", given[0], key=given[0])
             return []
         if entry.expression is not None:
             return [ExpressionText(entry.expression, self._locate("expression"))]
@@ -161,9 +161,9 @@ class _ExpressionBinder:
             there = ", ".join(events) or "none"
             hint = did_you_mean(wanted or "", events) or f"events: {there}"
             if wanted is None:
-                self._report("K046.no_event", "expression_file", hint=hint, file=name)
+                self._report("K020.no_event", "expression_file", hint=hint, file=name)
             else:
-                self._report("K046.unknown_event", "event", hint=hint, file=name, event=wanted)
+                self._report("K020.unknown_event", "event", hint=hint, file=name, event=wanted)
             return []
         self._take_polarity(events[wanted].polarity, name)
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
@@ -178,7 +178,7 @@ class _ExpressionBinder:
             return
         if self._has_polarity and self.entry.polarity != polarity:
             self._report(
-                "K043.polarity",
+                "K003.polarity",
                 "polarity",
                 name=name,
                 polarity=polarity,
@@ -225,7 +225,7 @@ class _ExpressionBinder:
         given = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
         for one in used:
             if self.entry.requires and one.id not in self.entry.requires:
-                self._report("K042.unknown_name", "requires", name=one.id)
+                self._report("K003.unknown_name", "requires", name=one.id)
         listed = [given[name] for name in self.entry.requires if name in given]
         return tuple(dict.fromkeys([*listed, *used]))
 

@@ -91,9 +91,9 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
             config, _ = read_config(source)
             named = named_model_path(config) if config is not None else None
             hint = f"name its model: {named}" if named is not None else hint
-        return ReadResult((), (problem("F008.configuration", Place(source.name), hint=hint),))
+        return ReadResult((), (problem("F003.configuration", Place(source.name), hint=hint),))
     if is_fleet(source):
-        return ReadResult((), (problem("F008.deployment", Place(source.name)),))
+        return ReadResult((), (problem("F003.deployment", Place(source.name)),))
     if is_mros(source):
         return ReadResult((), (problem("F003.nodes", Place(source.name)),))
     if source.name.lower().endswith(YAML_SUFFIXES):
@@ -240,7 +240,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     """Find the model that a configuration is about.
 
     Raises:
-        EddiError: there is no kind of its type (K027), or no model of its type and id (K026).
+        EddiError: there is no kind of its type (K010), or no model of its type and id (K026).
     """
     section = config.config.Model
     of_type = {kind.name for kind in _kinds_of(config)}
@@ -248,7 +248,7 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
         raise EddiError(
             problem(
-                "K027.unknown_kind", config.place("Model", "type"), type=section.type, known=known
+                "K010.unknown_kind", config.place("Model", "type"), type=section.type, known=known
             )
         )
     fitting = [model for model in models if model.kind in of_type]

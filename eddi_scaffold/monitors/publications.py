@@ -53,7 +53,7 @@ class Publication:
 def publications(
     monitor: BoundMonitor, config: ConfigFile
 ) -> tuple[list[Publication], list[Problem]]:
-    """Return what the node publishes, and what is wrong with it (K034, K045, K047, K085)."""
+    """Return what the node publishes, and what is wrong with it (K020, K029)."""
     messages = _messages(monitor)
     found: list[Publication] = []
     problems: list[Problem] = []
@@ -64,7 +64,7 @@ def publications(
         if deadline is not None and deadline * rate < 1:
             problems.append(
                 problem(
-                    "K085.deadline",
+                    "K029.deadline",
                     places("qos", "deadline"),
                     deadline=deadline,
                     rate=rate,
@@ -73,7 +73,7 @@ def publications(
             )
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
-            problems.append(problem("K045.event", places("event"), hint=hint, event=output.event))
+            problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))
             continue
         if output.field is None:
             found += _publish_messages(output, messages, places("topic"))
@@ -84,7 +84,7 @@ def publications(
             end = _value_at(path, messages[of])
         except FieldPathError as failure:
             problems.append(
-                problem("K034.field", places("field"), hint=failure.hint, reason=failure)
+                problem("K020.field", places("field"), hint=failure.hint, reason=failure)
             )
             continue
         plain = [plain_step(step) for step in path]
@@ -105,7 +105,7 @@ def publications(
 def check_path(
     text: str, path: Sequence[PlainStep], provider: BoundMonitor, place: Place
 ) -> Iterator[Problem]:
-    """Report the id that a path into a message asks for, and the monitor does not have (K047)."""
+    """Report the id that a path into a message asks for, and the monitor does not have (K020)."""
     ids = provider.kind.functions.ids(provider.model)
     before = ""
     for step in path:
@@ -117,7 +117,7 @@ def check_path(
         if known is not None and isinstance(wanted, str) and wanted not in known:
             hint = did_you_mean(wanted, known) or f"it gives: {', '.join(known) or 'none'}"
             yield problem(
-                "K047.part",
+                "K020.part",
                 place,
                 hint=hint,
                 reference=text,

@@ -105,7 +105,7 @@ def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -
     least = _PERIODS / config.config.Model.frequency
     if fleet.lease < least:
         yield problem(
-            "K082.lease",
+            "K029.lease",
             config.place("Fleet", "lease"),
             lease=fleet.lease,
             frequency=config.config.Model.frequency,

@@ -38,7 +38,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, lis
     except MrosSyntaxError as failed:
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
-        raise EddiError(problem("M003.references", Place(name, 1, 1)))
+        raise EddiError(problem("M001.references", Place(name, 1, 1)))
     return SystemFile(name, system), list(noticed(system.notices, name))
 
 

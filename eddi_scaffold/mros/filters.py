@@ -154,7 +154,7 @@ def give_ids(
                 )
             )
     problems += [
-        problem("M021.changed", entry.place, id=entry.id, topic=entry.topic, new=found[entry.topic])
+        problem("M020.changed", entry.place, id=entry.id, topic=entry.topic, new=found[entry.topic])
         for entry in old
         if entry.topic in found and found[entry.topic] != entry.id
     ]

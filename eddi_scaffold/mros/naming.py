@@ -57,10 +57,10 @@ class Naming:
             return None, [problem("M015.empty", one.place, name=given)]
         problems = []
         if found.glued:
-            problems.append(problem("M016.namespace", one.place, name=given, corrected=found.text))
+            problems.append(problem("M015.namespace", one.place, name=given, corrected=found.text))
         if found.illegal:
             problems.append(
-                problem("M017.illegal", one.place, name=found.text, illegal=found.illegal)
+                problem("M015.illegal", one.place, name=found.text, illegal=found.illegal)
             )
         return found.text, problems
 

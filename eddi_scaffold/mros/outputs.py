@@ -187,7 +187,7 @@ class _Collected:
             return
         if known.type != type_:
             fault = problem(
-                "M014.subscribed_types" if kind == "subscribed" else "M014.two_types",
+                "M012.subscribed_types" if kind == "subscribed" else "M012.two_types",
                 one.place,
                 topic=topic,
                 type=known.type,

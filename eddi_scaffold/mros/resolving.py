@@ -17,7 +17,7 @@ from eddi_scaffold.mros.interface_definitions import (
 from eddi_scaffold.mros.model import Component, Dialect, InterfaceKind, SystemInterface
 from eddi_scaffold.mros.topics import type_of
 
-LOST_TOPICS = ("M007.listed_only", "M024.missing")
+LOST_TOPICS = ("M007.listed_only", "M023.missing")
 """After which a system may have topics that are not found."""
 
 
@@ -118,7 +118,7 @@ class _Join:
             files = ", ".join(dict.fromkeys(other.file for other in models))
             self.problems.append(
                 problem(
-                    "M008.several_models", self.here, node=self.component.from_node, files=files
+                    "M007.several_models", self.here, node=self.component.from_node, files=files
                 )
             )
         for interface in model.node.interfaces:
@@ -171,7 +171,7 @@ class _Join:
         found = nearer or found
         if not found:
             reason, hint = self.definitions.reason(reference, interface.kind)
-            self.problems.append(problem("M010.undefined", place, hint=hint, reason=reason))
+            self.problems.append(problem("M009.undefined", place, hint=hint, reason=reason))
             return
         if self._are_different(found):
             types = ", ".join(dict.fromkeys(one.interface.type for one in found))
@@ -186,7 +186,7 @@ class _Join:
         return len(types) > 1
 
     def _unresolved_name(self, name: str, place: Place) -> None:
-        self.problems.append(problem("M011.question_mark", place, name=name))
+        self.problems.append(problem("M009.question_mark", place, name=name))
 
     def _take(
         self, label: str | None, ns: str | None, found: Sequence[Definition], place: Place
@@ -200,7 +200,7 @@ class _Join:
         if of is None:
             there = Place(first.of.file, interface.type_line, interface.type_col)
             self.problems.append(
-                problem("M013.type", there, type=interface.type, interface=interface.name)
+                problem("M012.type", there, type=interface.type, interface=interface.name)
             )
             return
         self.found.append(
@@ -253,7 +253,7 @@ def _add(system: SystemFile, known: dict[str, SystemFile], path: tuple[str, ...]
             )
         elif part.name not in known:
             hint = did_you_mean(part.name, known)
-            to.problems.append(problem("M024.missing", place, hint=hint, system=part.name))
+            to.problems.append(problem("M023.missing", place, hint=hint, system=part.name))
         elif known[part.name] not in to.systems:
             found = known[part.name]
             to.problems += noticed(found.system.notices, found.file)

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from functools import cached_property
 from typing import Final, Literal
 
-Case = Literal["M001.syntax", "M002.empty", "M003.foreign"]
+Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
 SYNTAX: Final = "M001.syntax"
-EMPTY_FILE: Final = "M002.empty"
-FOREIGN_FORMAT: Final = "M003.foreign"
+EMPTY_FILE: Final = "M001.empty"
+FOREIGN_FORMAT: Final = "M001.foreign"
 
 
 class MrosSyntaxError(ValueError):

@@ -184,7 +184,7 @@ def assemble(
         named = (name for name in before if name in renewed or name in gone)
         found += _drops_config(root, {name: before[name] for name in named})
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
-        found.append(problem("G014.single_process", platform=platform.name))
+        found.append(problem("G000.single_process", platform=platform.name))
     if has_errors(found):
         raise EddiError(*found)
     new = [package.folder for package in packages]

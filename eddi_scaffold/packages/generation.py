@@ -103,7 +103,7 @@ def write_packages(
 
     Raises:
         EddiError: hand edits are in the way (H010), a folder was not generated (H012), a model
-            cannot be compiled (K028), the destination (F002) or the place of the templates (T002)
+            cannot be compiled (K028), the destination (F002) or the place of the templates (T001)
             cannot be written, a file was saved meanwhile (F013), another run is at work (F012),
             or a later release made a package (T006); nothing was written.
     """

@@ -49,7 +49,7 @@ class Template:
         """Put the wheel's bundle where a package refers to its templates.
 
         Raises:
-            EddiError: it cannot be put there (T002).
+            EddiError: it cannot be put there (T001).
         """
         if self.bundle is None:
             return
@@ -63,7 +63,7 @@ class Template:
                 _replace(version, __version__.encode())
         except OSError as failure:
             raise EddiError(
-                problem("T002.not_written", target=target, reason=failure.strerror)
+                problem("T001.not_written", target=target, reason=failure.strerror)
             ) from None
 
 

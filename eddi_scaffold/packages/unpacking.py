@@ -80,7 +80,7 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         ref: git reference. ``HEAD`` of a checkout includes uncommitted changes, as with Copier.
 
     Raises:
-        EddiError: git is missing (T003) or refuses (T004).
+        EddiError: git is missing (T001) or refuses (T004).
     """
     place = location.expanduser()
     if ref is None:
@@ -142,7 +142,7 @@ def _git(templates: Path | None, *words: str, **environment: str) -> bytes:
     try:
         return git(*words, repository=templates, work_tree=work_tree, environment=environment)
     except FileNotFoundError:
-        raise EddiError(problem("T003.git")) from None
+        raise EddiError(problem("T001.git")) from None
     except GitError as refused:
         where = f" at {work_tree}" if work_tree else ""
         raise EddiError(problem("T004.git", where=where, reason=refused)) from None

@@ -69,7 +69,7 @@ def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
     """Return the folders in which ``groups`` looks; they need not be there.
 
     Raises:
-        EddiError: one leads out of the workspace (F011).
+        EddiError: one leads out of the workspace (F009).
     """
     named = _named(workspace, packages)
     if named:
@@ -180,7 +180,7 @@ def targets(
 
     Raises:
         EddiError: an input cannot be used, a new configuration comes without a model and names none
-            (U002) or belongs to no package (U005).
+            (G015) or belongs to no package (U005).
     """
     given, _ = read_configs(config_files, robot)
     configs = {package_name(one.config.Model.id): one for one in given}
@@ -239,13 +239,13 @@ def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:
     """Return the model files that configurations name, each once.
 
     Raises:
-        EddiError: one names none (U002).
+        EddiError: one names none (G015).
     """
     found: dict[Path, None] = {}
     for config in configs:
         path = named_model_path(config)
         if path is None:
-            raise EddiError(problem("U002.no_model", Place(config.name)))
+            raise EddiError(problem("G015.no_model", Place(config.name)))
         found[path] = None
     return list(found)
 
@@ -267,7 +267,7 @@ def _newer_models(
             raise EddiError(*first.problems)
         known = ", ".join(sorted({name for _, name in made_of.values()})) or "none"
         here = ", ".join(sorted(name for _, name in names)) or "none"
-        raise EddiError(problem("U006.of_other_models", Place(source.name), here=here, known=known))
+        raise EddiError(problem("U005.of_other_models", Place(source.name), here=here, known=known))
     marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
     reading = checked_models(model_file, tuple(marks))
     found = {(model.kind, model.name): model for model in reading.models}
@@ -286,7 +286,7 @@ def _made_of_unnamed(
     """Return the packages that were made of a file whose model has no name: by the file's name.
 
     Raises:
-        EddiError: several were, and no configuration selects one (U006).
+        EddiError: several were, and no configuration selects one (U005).
     """
     named = {model.kind: model.name for model in models if kinds()[model.kind].named_by_config}
     found = {
@@ -298,7 +298,7 @@ def _made_of_unnamed(
     if len(chosen) > 1:
         raise EddiError(
             problem(
-                "U006.several", Place(models[0].source.name), file=file, packages=", ".join(chosen)
+                "U005.several", Place(models[0].source.name), file=file, packages=", ".join(chosen)
             )
         )
     return chosen
@@ -307,7 +307,7 @@ def _made_of_unnamed(
 def _answers(package: Path) -> dict[str, Any]:
     answers = read_answers(package)
     if answers is None:
-        raise EddiError(problem("U003.not_a_package", Place(str(package))))
+        raise EddiError(problem("U001.not_a_package", Place(str(package))))
     check_answers(package, answers)
     return answers
 

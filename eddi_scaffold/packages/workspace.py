@@ -139,7 +139,7 @@ def packages_root(platform: Platform, place: Path) -> Path:
         place: its workspace, or any folder if it has none.
 
     Raises:
-        EddiError: this is not a workspace (G007), or the folder leads out of it (F011).
+        EddiError: this is not a workspace (G007), or the folder leads out of it (F009).
     """
     expected = platform.workspace
     if expected is not None and not place.is_dir():
@@ -169,11 +169,11 @@ def root_below(place: Path, name: str) -> Path:
         name: the folder in it.
 
     Raises:
-        EddiError: a link in it leads out of it (F011).
+        EddiError: a link in it leads out of it (F009).
     """
     root = place / name
     if not stays(place, root):
-        raise EddiError(problem("F011.link", Place(str(root)), folder=place))
+        raise EddiError(problem("F009.link", Place(str(root)), folder=place))
     return root
 
 

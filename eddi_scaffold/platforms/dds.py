@@ -88,7 +88,7 @@ def _full(name: str) -> str:
 def definitions_of(
     node: MonitorNode, known: MessageFields
 ) -> tuple[list[JsonValue], list[Problem]]:
-    """Return the types of a node, each after those that it is made of, and those that lack (K070).
+    """Return the types of a node, each after those that it is made of, and those that lack (K048).
 
     Args:
         node: of the monitor.
@@ -107,9 +107,9 @@ def definitions_of(
                 continue
             place = places.get(type_, Place())
             if name == type_:
-                problems.append(problem("K070.type", place, type=type_))
+                problems.append(problem("K048.dds_type", place, type=type_))
             else:
-                problems.append(problem("K070.part", place, part=name, type=type_))
+                problems.append(problem("K048.part", place, part=name, type=type_))
     written = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
         for name, fields in found.items()

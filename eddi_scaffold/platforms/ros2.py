@@ -83,7 +83,7 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
     for topic in dict.fromkeys([*used, *node.between_robots]):
         if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
             yield problem(
-                "K005.ros2_name", places.get(topic, node.config.place("Model")), key=topic
+                "K003.ros2_name", places.get(topic, node.config.place("Model")), key=topic
             )
 
 

@@ -189,7 +189,7 @@ def _type(node: Any, of: Any) -> str:
 def check_fields(
     monitor: BoundMonitor, known: MessageFields, there: Collection[str]
 ) -> Iterator[Problem]:
-    """Report fields that the messages of a bag do not have, or not of that type (I017).
+    """Report fields that the messages of a bag do not have, or not of that type (I012).
 
     Args:
         monitor: it has a configuration.
@@ -209,11 +209,11 @@ def check_fields(
             try:
                 of = resolve(path, source.type, known.get).type
             except FieldPathError as failure:
-                yield problem("I017.value", place, hint=failure.hint, shown=shown, problem=failure)
+                yield problem("I012.value", place, hint=failure.hint, shown=shown, problem=failure)
                 continue
             if is_value and of is not None and not fits(of, binding.model.type):
                 message = f"{shown}: {path_text(path)!r} is a {of}"
-                yield problem("I017.value_type", place, message=message, type=binding.model.type)
+                yield problem("I012.value_type", place, message=message, type=binding.model.type)
 
 
 def _place(config: ConfigFile, index: int) -> Any:

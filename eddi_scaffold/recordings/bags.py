@@ -69,7 +69,7 @@ def read_bag(
     Raises:
         EddiError: rosbags is not installed (I010), the bag cannot be read (I011), holds a topic
             with another type than in a configuration (I012), or messages without a field that
-            an input needs (I017).
+            an input needs (I012).
     """
     place = Place(str(path))
     wanted = _wanted(monitors)
@@ -287,7 +287,7 @@ def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
 def _absent(
     place: Place, topics: Mapping[str, str], wanted: Mapping[str, Sequence[_Wanted]]
 ) -> list[Problem]:
-    """Warn of topics without a message (I013), with the near ones, of the same type if there are.
+    """Warn of topics without a message (I004), with the near ones, of the same type if there are.
 
     Args:
         place: of the bag.
@@ -296,7 +296,7 @@ def _absent(
     """
     lacking = {topic: of[0].source for topic, of in wanted.items() if topic not in topics}
     if not lacking:
-        return [problem("I013.all_topics", place)]
+        return [problem("I004.all_topics", place)]
     hints = []
     for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
         alike = [name for name, of in topics.items() if of == source.type]
@@ -304,7 +304,7 @@ def _absent(
         hints += [f"the bag has {near} ({topics[near]})"] if near else []
     return [
         problem(
-            "I013.no_message",
+            "I004.no_message",
             place,
             hint=", ".join(dict.fromkeys(hints)) or None,
             lacking=", ".join(one.topic for one in lacking.values()),
@@ -313,10 +313,10 @@ def _absent(
 
 
 def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
-    """Report which topics are not taken from the bag (I018)."""
+    """Report which topics are not taken from the bag (I003)."""
     if not topics:
         return []
-    return [problem("I018.published", place, topics=", ".join(sorted(topics)))]
+    return [problem("I003.published", place, topics=", ".join(sorted(topics)))]
 
 
 def _wrong_types(

@@ -142,7 +142,7 @@ def read_tape(
         The recording, and warnings.
 
     Raises:
-        EddiError: a problem is an error (I001 to I003, I005 to I009, I015).
+        EddiError: a problem is an error (I001 to I003, I001 to I001, I001).
     """
     recording, problems = read_recording(source, types, others)
     if recording is None:
@@ -169,7 +169,7 @@ def read_recording(
             called where a column is not known.
 
     Returns:
-        The recording, ``None`` when a problem is an error, and all problems (I001 to I009, I015).
+        The recording, ``None`` when a problem is an error, and all problems (I001 to I001, I001).
     """
     try:
         text = source.text("I001")
@@ -208,11 +208,11 @@ class _Reader:
                 rows.append(row)
                 last = row.t
         if not rest and not self._errors:
-            self._report("I015.no_rows", header[0], 1)
+            self._report("I001.no_rows", header[0], 1)
         if self._errors > MAX_PROBLEMS:
             self.problems.append(
                 problem(
-                    "I009.more", Place(self._file, self._cut), number=self._errors - MAX_PROBLEMS
+                    "I001.more", Place(self._file, self._cut), number=self._errors - MAX_PROBLEMS
                 )
             )
         time_at = columns.index(TIME) if TIME in columns else -1
@@ -258,7 +258,7 @@ class _Reader:
             if k == time_at or cell is meant:
                 continue
             if cell.text in seen or (cell.text == TIME and TIME not in self._types):
-                self._report("I002.duplicate_column", number, cell.col, column=cell.text)
+                self._report("I001.duplicate_column", number, cell.col, column=cell.text)
             elif cell.text not in self._types:
                 others = self._others() if others is None else others
                 hint = others.get(cell.text) or did_you_mean(cell.text, self._types)
@@ -279,7 +279,7 @@ class _Reader:
             if self._errors == before:
                 hint = _POINT if len(cells) > len(columns) else None
                 self._report(
-                    "I005.cells", number, 1, hint=hint, actual=len(cells), expected=len(columns)
+                    "I001.cells", number, 1, hint=hint, actual=len(cells), expected=len(columns)
                 )
             return None
         time_at = columns.index(TIME)
@@ -294,13 +294,13 @@ class _Reader:
     def _time(self, cell: _Cell, number: int, last: float) -> float | None:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
-            self._report("I007.time", number, cell.col, hint=_hint(cell), cell=cell.text)
+            self._report("I001.time", number, cell.col, hint=_hint(cell), cell=cell.text)
             return None
         if abs(t) > MAX_TIME:
-            self._report("I007.time_range", number, cell.col, cell=cell.text)
+            self._report("I001.time_range", number, cell.col, cell=cell.text)
             return None
         if t <= last:
-            self._report("I008.time_order", number, cell.col, cell=cell.text, last=last)
+            self._report("I001.time_order", number, cell.col, cell=cell.text, last=last)
             return None
         return t
 
@@ -333,7 +333,7 @@ class _Reader:
         while True:
             match = pattern.match(line, position)
             if match is None:
-                self._report("I009.quote", number, position + 1)
+                self._report("I001.quote", number, position + 1)
                 return []
             quoted, plain, end = match.groups()
             if quoted is None:

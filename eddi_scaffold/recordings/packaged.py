@@ -85,7 +85,7 @@ class Packaged:
         return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
 
     def without_lines(self) -> list[Problem]:
-        """Warn of hand-written lines that a CSV file cannot reach (I021)."""
+        """Warn of hand-written lines that a CSV file cannot reach (I001)."""
         left = [
             input_.model.id
             for input_ in self.monitor.inputs
@@ -94,10 +94,10 @@ class Packaged:
         if not left:
             return []
         message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
-        return [problem("I021.bodies", message=message)]
+        return [problem("I001.bodies", message=message)]
 
     def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
-        """Warn of the first exception of each hand-written method when it was raised (I023)."""
+        """Warn of the first exception of each hand-written method when it was raised (I014)."""
         said: set[str] = set()
         for part, frame in play:
             for name in sorted(part.node.raised.keys() - said):
@@ -113,7 +113,7 @@ class Packaged:
         if own:
             path, line = own[-1]
             place = Place(str(self.folder / path.relative_to(root)), line)
-        return problem("I023.raises", place, name=name, time=t, reason=reason)
+        return problem("I014.raises", place, name=name, time=t, reason=reason)
 
     def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
         name = binding.attribute

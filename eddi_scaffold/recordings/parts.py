@@ -50,7 +50,7 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
     """Return input -> type of those whose values a recording has: what no other monitor publishes.
 
     Raises:
-        EddiError: inputs of one name are not the same in two monitors (G020).
+        EddiError: inputs of one name are not the same in two monitors (G000).
     """
     shared = published(monitors)
     owners: dict[str, tuple[str, object]] = {}
@@ -70,7 +70,7 @@ def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
             )
             first, same = owners.setdefault(id_, (monitor.id, meaning))
             if same != meaning:
-                raise EddiError(problem("G020.one_column", id=id_, first=first, monitor=monitor.id))
+                raise EddiError(problem("G000.one_column", id=id_, first=first, monitor=monitor.id))
             found[id_] = input_.model.type
     return found
 
@@ -80,7 +80,7 @@ _WHOLE = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
 
 
 def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Iterator[Problem]:
-    """Warn of inputs that are more than all of what they are a part of (I024)."""
+    """Warn of inputs that are more than all of what they are a part of (I006)."""
     units = {input_.model.id: input_.unit for monitor in monitors for input_ in monitor.inputs}
     told = set()
     for sample in tape.samples:
@@ -91,7 +91,7 @@ def beyond_whole(monitors: Sequence[BoundMonitor], tape: Tape, file: str) -> Ite
         if sample.message > most:
             told.add(sample.topic)
             message = f"{sample.topic!r} is {sample.message:g} {unit} at {sample.t / SECOND:.3f} s"
-            yield problem("I024.more_than_all", Place(file), message=message, most=most, unit=unit)
+            yield problem("I006.more_than_all", Place(file), message=message, most=most, unit=unit)
 
 
 def _is_received(binding: InputBinding, monitor: BoundMonitor, shared: Collection[str]) -> bool:

@@ -54,7 +54,7 @@ def keep_regions(new: str, old: str, name: str) -> Kept:
         name: of the file, for messages.
 
     Raises:
-        EddiError: the file is not ours (E020), or its markers are broken (E021).
+        EddiError: the file is not ours (E020), or its markers are broken (E020).
     """
     if HEADER not in "\n".join(old.split("\n")[:5]):
         raise EddiError(problem("E020.exists", Place(name)))
@@ -80,7 +80,7 @@ def _parsed(text: str, name: str) -> MarkedFile:
     if faults:
         message = "the markers of its editable regions are broken"
         problems = [
-            problem("E021.unreadable", Place(name, f.line), file=message, reason=f.reason)
+            problem("E020.unreadable", Place(name, f.line), file=message, reason=f.reason)
             for f in faults
         ]
         raise EddiError(*problems)
@@ -96,7 +96,7 @@ def keep_in_folder(files: Mapping[str, str], folder: Path) -> tuple[dict[str, st
         The files to write, and the names of those that hold what was lost.
 
     Raises:
-        EddiError: a file there is not ours (E020), is not text, or its markers are broken (E021).
+        EddiError: a file there is not ours (E020), is not text, or its markers are broken (E020).
     """
     found: dict[str, str] = {}
     lost: list[str] = []
@@ -122,4 +122,4 @@ def _text(path: Path) -> str:
         with inputs_noted():  # an output of the run before, and of this one
             return read_source(path).data.decode("utf-8")
     except UnicodeDecodeError:
-        raise EddiError(problem("E021.encoding", Place(str(path)))) from None
+        raise EddiError(problem("E020.encoding", Place(str(path)))) from None

@@ -54,7 +54,7 @@ def check_module_name(name: str) -> None:
     """Refuse a name that files and functions cannot begin with as it is.
 
     Raises:
-        EddiError: with one that they can begin with (E025).
+        EddiError: with one that they can begin with (G002).
     """
     usable = module_name(name)
     if usable == name:
@@ -64,7 +64,7 @@ def check_module_name(name: str) -> None:
         if name == _plain_word(name)
         else "lower-case ASCII letters, digits and single underscores are expected"
     )
-    raise EddiError(problem("E025.unusable_name", name=name, reason=why, usable=usable))
+    raise EddiError(problem("G002.unusable_name", name=name, reason=why, usable=usable))
 
 
 def _plain_word(name: str) -> str:

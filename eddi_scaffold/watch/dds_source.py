@@ -69,7 +69,7 @@ class DdsGraphs:
         domains: their ids; with several, a topic has ``/domain<id>`` before its name.
 
     Raises:
-        EddiError: there is no such domain, or no network (V004).
+        EddiError: there is no such domain, or no network (I010).
     """
 
     def __init__(self, domains: Collection[int]) -> None:
@@ -127,7 +127,7 @@ class _Domain:
         try:
             self._participant: Any = DomainParticipant(domain)
         except DDSException as failure:
-            raise EddiError(problem("V004.domain", domain=domain, reason=failure)) from None
+            raise EddiError(problem("I010.domain", domain=domain, reason=failure)) from None
         self._shown = prefix
         self._known: Any = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
         self._gone = ReadCondition(

@@ -116,14 +116,14 @@ def wanted_robots(words: Sequence[str]) -> dict[str, str]:
     """Return namespace -> name of each ``NAME`` or ``NAME=/namespace``.
 
     Raises:
-        EddiError: a word is neither (V001).
+        EddiError: a word is neither (G008).
     """
     found: dict[str, str] = {}
     for word in words:
         name, equals, namespace = word.partition("=")
         namespace = (namespace if equals else f"/{name.strip('/')}").rstrip("/") or "/"
         if not name or not namespace.startswith("/"):
-            raise EddiError(problem("V001.robot", value=word))
+            raise EddiError(problem("G008.robot", value=word))
         found[namespace] = name if equals else namespace
     return found
 

@@ -164,9 +164,9 @@ DEEP = f"x = {'-' * 200_000}1\n"
         ({"scripts/EDDIInput.py": f"x = 1{' + 1' * 900}\n"}, "A001", "nested too deeply"),
         ({"scripts/RosNode.py": f"x = 0x{'f' * 9000}\n"}, "A001", "a number with too many digits"),
         ({"scripts/EDDIInput.py": None}, "A002", "neither an EDDIInput.py nor"),
-        ({"other/EDDIInput.py": "x = 1\n"}, "A003", "several EDDIInput.py"),
-        ({"ConSertA.yml": None}, "A004", "the package contains no model"),
-        ({"ConSertA.yml": "guarantees: [\n"}, "A004", "old/ConSertA.yml:2:1: error: this is not"),
+        ({"other/EDDIInput.py": "x = 1\n"}, "A002", "several EDDIInput.py"),
+        ({"ConSertA.yml": None}, "A002", "the package contains no model"),
+        ({"ConSertA.yml": "guarantees: [\n"}, "A002", "old/ConSertA.yml:2:1: error: this is not"),
     ],
 )
 def test_what_cannot_be_adopted(
@@ -210,7 +210,7 @@ def test_carriage_returns_alone_end_lines_as_in_python(old: Path) -> None:
 def test_a_second_adoption_is_refused(old: Path) -> None:
     run("adopt", "old", "-w", "ws", cwd=old.parent)
     result = run("adopt", "old", "-w", "ws", cwd=old.parent)
-    assert (result.status, "[A005]" in result.err) == (2, True)
+    assert (result.status, "[G003]" in result.err) == (2, True)
 
 
 def test_a_file_of_a_person_in_the_way_is_not_overwritten(old: Path, tmp_path: Path) -> None:
@@ -222,7 +222,7 @@ def test_a_file_of_a_person_in_the_way_is_not_overwritten(old: Path, tmp_path: P
         (place / "src").mkdir(parents=True)
         (place / name).write_text("mine\n")
         result = run("adopt", "old", "-w", place, cwd=old.parent)
-        assert (result.status, "[A005]" in result.err) == (2, True)
+        assert (result.status, "[G003]" in result.err) == (2, True)
         assert files_below(place) == {name: b"mine\n"}
 
 

@@ -179,7 +179,7 @@ def test_check_json_is_one_object(folder: Path) -> None:
     problems = json.loads(result.out)["problems"]
     (problem,) = (problem for problem in problems if problem["level"] == "error")
     assert list(problem) == ["level", "code", "message", "hint", "file", "line", "col"]
-    assert (problem["code"], problem["file"], problem["line"]) == ("K005", CONFIG, 12)
+    assert (problem["code"], problem["file"], problem["line"]) == ("K003", CONFIG, 12)
 
 
 @pytest.mark.parametrize(
@@ -232,7 +232,7 @@ def test_export_does_not_write_one_model_over_another(folder: Path) -> None:
     result = run("export", "alike.xml", "-o", "both", cwd=folder)
     assert result.status == 2
     assert (
-        "two models would be written to conserta.yml; 'conserta' is the second [G021]" in result.err
+        "two models would be written to conserta.yml; 'conserta' is the second [G004]" in result.err
     )
     assert "--name NAME -o FOLDER" in result.err
     assert not (folder / "both").exists()
@@ -468,7 +468,7 @@ def test_data_that_cannot_be_written_is_an_error(folder: Path) -> None:
     with Path("/dev/full").open("wb") as full:
         result = finished("show", MODEL, cwd=folder, stdout=full)
     assert result.status == 2
-    assert_reported("F007", result.err)
+    assert_reported("F002", result.err)
 
 
 @pytest.mark.parametrize(
@@ -547,7 +547,7 @@ def test_what_the_system_refuses_is_no_bug(folder: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", refuse)
     result = run("check", MODEL, cwd=folder)
     assert result.status == 2
-    assert_reported("F006", result.err)
+    assert_reported("F001", result.err)
 
 
 def test_a_bug_is_one_line_unless_more_is_asked(

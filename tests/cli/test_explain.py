@@ -22,10 +22,13 @@ def test_a_code_in_words(code: str, tmp_path: Path) -> None:
     assert why.replace("\n", " ") == diagnostic.why
     assert fix.replace("\n", " ") == f"What to do: {diagnostic.fix}"
     assert title == "Printed as:"
-    assert texts.split("\n")[:2] == [
-        "  error: demand INPUT is not fulfilled: REASON",
-        "    hint: `eddi-scaffold compose` shows which guarantees would",
-    ]
+    text = "  error: demand INPUT is not fulfilled: REASON"
+    assert f"{text}\n    hint: `eddi-scaffold compose` shows which guarantees would" in texts
+
+
+def test_a_code_of_before_names_the_one_that_took_it_in(tmp_path: Path) -> None:
+    result = run("explain", "K082", cwd=tmp_path)
+    assert result.out == f"K082 is K029 now\n\n{run('explain', 'K029', cwd=tmp_path).out}"
 
 
 def test_a_code_for_programs(tmp_path: Path) -> None:
@@ -44,7 +47,7 @@ def test_a_code_for_programs(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("code", "hint"),
     [
-        ("L088", "did you mean L008 or L014"),
+        ("L088", "did you mean L008 or L013"),
         ("surplus brace", "a code is like K007"),
         ("", "a code is"),
     ],
@@ -52,7 +55,7 @@ def test_a_code_for_programs(tmp_path: Path) -> None:
 def test_an_unknown_code_names_the_nearest(code: str, hint: str, tmp_path: Path) -> None:
     result = run("explain", code, cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
-    assert f"error: there is no code {code!r} [G023]\n  hint: {hint}" in result.err
+    assert f"error: there is no code {code!r} [G008]\n  hint: {hint}" in result.err
 
 
 def test_nothing_but_a_code(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
     without = MODEL.replace("percent", '""')
     (cart / "cart.yml").write_text(without)
     told = run("check", "cart_config.yml", cwd=cart)
-    assert (told.status, "[K052]" in told.err, "`uom: percent`" in told.err) == (0, True, True)
+    assert (told.status, "[K022]" in told.err, "`uom: percent`" in told.err) == (0, True, True)
     for ends, is_told in (
         ("start: 0.999, end: 100", False),
         ("start: 0.50001, end: 0.50002", False),
@@ -81,7 +81,7 @@ def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
         assert "start: 20, end: 100" in without
         (cart / "cart.yml").write_text(without.replace("start: 20, end: 100", ends))
         told = run("check", "cart_config.yml", cwd=cart)
-        assert ("[K052]" in told.err) is is_told, ends
+        assert ("[K022]" in told.err) is is_told, ends
 
 
 def test_help_and_version_may_be_words(cart: Path) -> None:
@@ -96,7 +96,7 @@ def test_a_type_of_another_language_is_named(cart: Path) -> None:
         f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: 'double[3]'}}}}\n"
     )
     refused = run("check", "typed.yml", cwd=cart)
-    assert "'double' is no type of ROS messages; write float64[3] [K005]" in refused.err
+    assert "'double' is no type of ROS messages; write float64[3] [K003]" in refused.err
     (cart / "typed.yml").write_text(f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: float64}}}}\n")
     assert run("check", "typed.yml", cwd=cart).status == 0
 

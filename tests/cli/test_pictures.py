@@ -64,6 +64,6 @@ def test_a_configuration_is_as_good_as_the_model_that_it_names(tmp_path: Path) -
     without = tmp_path / "without_config.yml"
     text = (robot / "warehouse_config.yml").read_text("utf-8")
     without.write_text(text.replace("parameters: [{model: warehouse.yml}]", "mode: rate"))
-    for command, code in {"diagram": "F008", "export": "G015"}.items():
+    for command, code in {"diagram": "F003", "export": "G015"}.items():
         refused = run(command, without, "-o", "out", cwd=tmp_path)
         assert (refused.status, f"[{code}]" in refused.err) == (2, True), refused.err

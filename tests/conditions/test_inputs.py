@@ -78,11 +78,11 @@ def test_hazard_numbers_and_states() -> None:
 @pytest.mark.parametrize(
     ("kind", "expression", "code", "column"),
     [
-        ("bool", "battery.percentage > ", "E002", 18 + 20),
+        ("bool", "battery.percentage > ", "E001", 18 + 20),
         ("bool", "battery.percent > 1", "E008", 18),
         ("bool", "load * 2", "E007", 18),
         ("float", "load > 2", "E007", 18),
-        ("bool", "EVENT a (HAZARD) := link.up EVENT b (HAZARD) := link.up", "E003", 18),
+        ("bool", "EVENT a (HAZARD) := link.up EVENT b (HAZARD) := link.up", "E001", 18),
     ],
 )
 def test_places_are_those_of_the_configuration(

@@ -38,11 +38,11 @@ def problems(text: str, *, rate: float | None = 10, known: bool = True) -> list[
 
 CASES = {
     "x > 5 & a": ["1:7 E001 unexpected character '&' (write AND)"],
-    "x > 5 AND": ["1:10 E002 an operand is expected, found the end of the text"],
-    "(x > 5": ["1:7 E002 ')' is expected, found the end of the text"],
-    "a == NOT b": ["1:6 E002 an operand is expected, found 'NOT' (put it in parentheses: (NOT a))"],
-    "x > 5 y": ["1:7 E003 unexpected 'y': the text before is complete"],
-    "x < 5 < y": ["1:7 E004 comparisons do not chain (write a < b AND b < c)"],
+    "x > 5 AND": ["1:10 E001 an operand is expected, found the end of the text"],
+    "(x > 5": ["1:7 E001 ')' is expected, found the end of the text"],
+    "a == NOT b": ["1:6 E001 an operand is expected, found 'NOT' (put it in parentheses: (NOT a))"],
+    "x > 5 y": ["1:7 E001 unexpected 'y': the text before is complete"],
+    "x < 5 < y": ["1:7 E001 comparisons do not chain (write a < b AND b < c)"],
     "MAX(x, y) > 1": [
         (
             "1:8 E005 a duration such as 5s is expected, found 'y' "
@@ -82,25 +82,25 @@ CASES = {
     ],
     "d > 5mmm": ["1:6 E009 there is no unit 'mmm' (did you mean 'mm'?)"],
     "EVENT p (HAZARD) := q EVENT q (HAZARD) := NOT p": [
-        "1:7 E010 the event uses itself: p uses q uses p"
+        "1:7 E008 the event uses itself: p uses q uses p"
     ],
-    "CONST k = 5 CONST k = 6 x > k": ["1:19 E011 the name 'k' has two meanings"],
+    "CONST k = 5 CONST k = 6 x > k": ["1:19 E008 the name 'k' has two meanings"],
     "UNKNOWN == a": [
         (
-            "1:1 E012 UNKNOWN is not a literal, use KNOWN(...) "
+            "1:1 E001 UNKNOWN is not a literal, use KNOWN(...) "
             "(KNOWN(x) tests whether a value is known)"
         ),
     ],
-    "coverage > 5": ["1:1 E012 'coverage' is a reserved word, it cannot be a name"],
-    "VAR not : BOOL": ["1:5 E012 'not' is a reserved word, it cannot be a name"],
+    "coverage > 5": ["1:1 E001 'coverage' is a reserved word, it cannot be a name"],
+    "VAR not : BOOL": ["1:5 E001 'not' is a reserved word, it cannot be a name"],
     "x > 1e999": ["1:5 E013 the number does not fit into a double"],
     "x > 1e-999": ["1:5 E013 the number does not fit into a double"],
     "MAX(x, 1e30h) > 1": ["1:8 E013 the duration does not fit into 62 bits of nanoseconds"],
     "MAX(x, 90h) > 1": [
         "1:8 E013 the window has 3240000 samples, more than 524280 (TIME and ONCE need no buffer)"
     ],
-    "MAX(x, 5s, COVERAGE 0) > 1": ["1:21 E014 the coverage must be above 0 and at most 1"],
-    "ONCE(a, 5s, COVERAGE 0.5)": ["1:13 E014 ONCE takes no COVERAGE"],
+    "MAX(x, 5s, COVERAGE 0) > 1": ["1:21 E005 the coverage must be above 0 and at most 1"],
+    "ONCE(a, 5s, COVERAGE 0.5)": ["1:13 E005 ONCE takes no COVERAGE"],
     "x + y / 2 > 1": [
         (
             "1:5 W001 only this term is divided, not the whole sum "
@@ -121,7 +121,7 @@ CASES = {
     ],
     "EVENT e (HAZARD) := a IMPLIES b": [
         (
-            "1:23 W006 the HAZARD 'e' holds whenever the left side of IMPLIES does not "
+            "1:23 W002 the HAZARD 'e' holds whenever the left side of IMPLIES does not "
             "(a hazard is what must not be: write AND in place of IMPLIES)"
         )
     ],
@@ -145,14 +145,14 @@ def test_diagnostics(text: str) -> None:
         ("VAR v : NUMBER UNIT m RANGE 0 .. 5 degC TIMEOUT 1s", "1:34 E009 a bound in degC"),
         ("VAR v : NUMBER UNIT mm TIMEOUT 1s v > 1e308 km", "1:39 E013 the number does not fit"),
         ("VAR v : NUMBER UNIT mm RANGE 0 .. 1e308 km", "1:30 E013 the bounds do not fit"),
-        ("VAR v : NUMBER RATE 10", "1:21 E002 a rate such as 10 Hz is expected"),
-        ("VAR v : NUMBER TIMOUT 1s", "1:16 E002 'TIMOUT' is no option of a VAR (did you mean 'TIM"),
-        ("VAR v : NUMBER UNITS m", "1:16 E002 'UNITS' is no option of a VAR (did you mean 'UNIT'"),
-        ("VAR v : NUMBER ALLOW NAN", "1:22 E002 INF is expected behind ALLOW, found 'NAN'"),
-        ("VAR v : NUMBER UNIT\nVAR w : BOOL", "2:1 E002 a unit is expected behind UNIT, found"),
-        ("EVENT e (MAYBE) := TRUE", "1:10 E002 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
-        ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E011 the name 'A' has two meanings"),
-        ("x[1.5] > 2", "1:3 E002 an index from 0 on or a key is expected, found '1.5'"),
+        ("VAR v : NUMBER RATE 10", "1:21 E001 a rate such as 10 Hz is expected"),
+        ("VAR v : NUMBER TIMOUT 1s", "1:16 E001 'TIMOUT' is no option of a VAR (did you mean 'TIM"),
+        ("VAR v : NUMBER UNITS m", "1:16 E001 'UNITS' is no option of a VAR (did you mean 'UNIT'"),
+        ("VAR v : NUMBER ALLOW NAN", "1:22 E001 INF is expected behind ALLOW, found 'NAN'"),
+        ("VAR v : NUMBER UNIT\nVAR w : BOOL", "2:1 E001 a unit is expected behind UNIT, found"),
+        ("EVENT e (MAYBE) := TRUE", "1:10 E001 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
+        ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E008 the name 'A' has two meanings"),
+        ("x[1.5] > 2", "1:3 E001 an index from 0 on or a key is expected, found '1.5'"),
         ("x > 1 AND x", "1:11 E008 'x' is a number elsewhere, but AND needs a boolean"),
         ("KNOWN(x)", "1:7 E008 the type of 'x' is not known"),
         ("ENUM E { A } VAR v : E TIMEOUT 1s v < A", "1:37 E007 E cannot be ordered"),
@@ -169,7 +169,7 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
         (
             "VAR v : NUMBER UNIT m TIMOUT 1s\nVAR w : NUMBER UNIT mtr TIMEOUT 1s\nv < 1 m",
             [
-                "1:23 E002 'TIMOUT' is no option of a VAR (did you mean 'TIMEOUT'?)",
+                "1:23 E001 'TIMOUT' is no option of a VAR (did you mean 'TIMEOUT'?)",
                 "2:21 E009 there is no unit 'mtr' (did you mean 'meter'?)",
             ],
         ),
@@ -177,10 +177,10 @@ def test_more_diagnostics(text: str, wanted: str) -> None:
             "VAR v : BOOL TIMEOUT 1s rate > 3",
             ["1:25 E008 there is no variable 'rate' (there are: v)"],
         ),
-        ("x > 5 y", ["1:7 E003 unexpected 'y': the text before is complete"]),
+        ("x > 5 y", ["1:7 E001 unexpected 'y': the text before is complete"]),
         (
             "AVERAGE(x, 5s, COVERAGE 2) > 1",
-            ["1:25 E014 the coverage must be above 0 and at most 1"],
+            ["1:25 E005 the coverage must be above 0 and at most 1"],
         ),
         ("VAR x : NUMBER TIMEOUT 1s\ny > 1", ["2:1 E008 there is no variable 'y' (there are: x)"]),
     ],
@@ -193,9 +193,9 @@ def test_every_error_of_a_file_is_told_at_once() -> None:
     lines = ("p (HAZARD) := x >", "q (HAZARD) := y + a", "r (HAZARD) := AND", "s (HAZARD) := p")
     text = "\n".join(f"EVENT {line}" for line in lines)
     assert [line.split(" ", 2)[:2] for line in problems(text)] == [
-        ["1:24", "E002"],
+        ["1:24", "E001"],
         ["2:25", "E007"],
-        ["3:21", "E002"],  # nothing on s: that p is not there follows from the first
+        ["3:21", "E001"],  # nothing on s: that p is not there follows from the first
     ]
 
 

@@ -96,7 +96,7 @@ def test_other_keys_stay_with_their_topic() -> None:
     )
     text, problems = written(old, SCAN)
     assert text == NEW + "    max_age: 0.5\n    note:\n      - x\n      - y\n"
-    assert problems == [("M027", 8)]
+    assert problems == [("M026", 8)]
 
 
 def test_an_entry_that_an_input_needs_stays() -> None:
@@ -110,7 +110,7 @@ def test_an_entry_that_an_input_needs_stays() -> None:
     text, problems = written(old + inputs, SCAN)
     kept = "  - id: other\n    type: eddi_messages.ConSertOutput\n    topic: /b\n"
     assert text == NEW + kept + inputs
-    assert problems == [("M026", 2), ("M025", 9)]
+    assert problems == [("M026", 2), ("M023", 9)]
     assert written(text, SCAN)[0] == text
 
 
@@ -140,7 +140,7 @@ def test_comments_of_an_entry_that_is_dropped_are_said() -> None:
     old = "SimulatorOutputs: # one\n  # two\n  - {id: gone, topic: /gone} # three\n"
     text, problems = written(old, SCAN)
     assert text == NEW.replace(":", ": # one", 1)
-    assert problems == [("M027", 3), ("M028", 2)]
+    assert problems == [("M026", 3), ("M026", 2)]
 
 
 def test_an_entry_that_an_expression_names_stays() -> None:
@@ -148,7 +148,7 @@ def test_an_entry_that_an_expression_names_stays() -> None:
     old = "SimulatorOutputs:\n  - {id: mine, topic: /mine}\n  - {id: gone, topic: /gone}\n"
     text, problems = written(old + inputs, SCAN)
     assert text == f"{NEW}  - {{id: mine, topic: /mine}}\n{inputs}"
-    assert problems == [("M026", 2), ("M027", 3)]
+    assert problems == [("M026", 2), ("M026", 3)]
 
 
 @pytest.mark.parametrize(
@@ -156,11 +156,11 @@ def test_an_entry_that_an_expression_names_stays() -> None:
     [
         ("- a\n", "K001", 1, "top level must be a map"),
         ("a: [\n", "K001", 2, "not YAML"),
-        ("{SimulatorOutputs: []}\n", "K037", 1, "one map in braces"),
-        ("SimulatorOutput: []\nSimulatorOutputs: []\n", "K035", 2, "SimulatorOutput in line 1"),
+        ("{SimulatorOutputs: []}\n", "K001", 1, "one map in braces"),
+        ("SimulatorOutput: []\nSimulatorOutputs: []\n", "K001", 2, "SimulatorOutput in line 1"),
         (
             "SimulatorOutputs:\n  - &s {id: a, topic: /a}\nEDDIInputs:\n  - *s\n",
-            "K036",
+            "K001",
             2,
             "is used in line 4",
         ),

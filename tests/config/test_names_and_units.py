@@ -42,7 +42,7 @@ def test_what_no_ros_takes(topic: str, tmp_path: Path) -> None:
 def test_ros2_says_what_its_rule_is(old: str, new: str, where: str, tmp_path: Path) -> None:
     found = near(tmp_path, "--platform", "ros2", old=old, new=new)
     assert found.status == 1
-    assert f"{where}: on ROS 2 no part of a name may begin with a digit [K005]" in found.err
+    assert f"{where}: on ROS 2 no part of a name may begin with a digit [K003]" in found.err
 
 
 def test_a_draft_passes_check(tmp_path: Path) -> None:
@@ -61,7 +61,7 @@ def test_a_draft_passes_check(tmp_path: Path) -> None:
     text = (tmp_path / "near.yml").read_text("utf-8")
     assert "/entity/1/nearest" in text
     assert "/not-ros" not in text
-    assert "K005" not in run("check", "near.events", "near.yml", cwd=tmp_path).err
+    assert "K003" not in run("check", "near.events", "near.yml", cwd=tmp_path).err
 
 
 def soc(folder: Path, unit: str, *, field: str = "percentage", declared: str = "") -> Result:
@@ -92,4 +92,4 @@ def test_temperatures_are_shifted(unit: str, declared: str, sign: str, tmp_path:
 
 def test_a_temperature_in_degrees_is_not_one_in_kelvin(tmp_path: Path) -> None:
     found = soc(tmp_path, "K", field="temperature", declared="UNIT K")
-    assert "degC and K are 273.15 apart, and a unit is only a factor [K052]" in found.err
+    assert "degC and K are 273.15 apart, and a unit is only a factor [K022]" in found.err

@@ -65,7 +65,7 @@ def test_a_package_of_this_machine_is_known_with_its_actions(ros: Path) -> None:
 
 def test_a_package_that_nobody_knows_is_told_once() -> None:
     found = problems("acme.Health", "acme.Other")
-    assert [(one.code, one.level) for one in found] == [("K049", "warning")]
+    assert [(one.code, one.level) for one in found] == [("K039", "warning")]
 
 
 def test_every_common_message_exists() -> None:

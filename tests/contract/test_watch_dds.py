@@ -97,7 +97,7 @@ def test_without_the_wheel_it_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "eddi_scaffold.watch.dds_source", None)
     result = run("watch", "--text", "--domain", "3", cwd=tmp_path)
     assert result.status == 2
-    assert_reported("V004", result.err)
+    assert_reported("I010", result.err)
 
 
 def named(participant, writer, node, size):

@@ -73,16 +73,16 @@ def test_no_class_of_the_public_metamodel_is_taken_for_a_slip(name: str) -> None
 )
 def test_a_model_of_an_unknown_class_is_named(model: str, hint: str) -> None:
     what = f'failureModels "M" is of the unknown class "{model}", so that nothing is read from it'
-    assert said("f:FailureLogicPackage", model) == [f"5: warning X015 {what} | {hint}"]
+    assert said("f:FailureLogicPackage", model) == [f"5: warning X006 {what} | {hint}"]
 
 
 def test_a_package_of_an_unknown_class_whose_models_are_read_is_named() -> None:
     (one,) = said("f:BayesianNetworkList", "b:BayesianNetwork")
-    assert one.startswith('4: warning X015 odeProductPackages "P" is of the unknown class')
+    assert one.startswith('4: warning X006 odeProductPackages "P" is of the unknown class')
     assert "nothing is read" not in one
 
 
 def test_a_package_of_an_unknown_class_is_named() -> None:
     (one,) = said("f:FailureLogicPakage", "f:FaultTree")
-    assert one.startswith('4: warning X015 odeProductPackages "P" is of the unknown class')
+    assert one.startswith('4: warning X006 odeProductPackages "P" is of the unknown class')
     assert one.endswith("| did you mean 'FailureLogicPackage'?")

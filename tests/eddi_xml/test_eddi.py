@@ -148,8 +148,8 @@ def test_references_by_href_by_id_and_into_other_files() -> None:
     assert (found, present) == ([], True)
     assert texts(problems) == [
         'm.xml:3: error X007: to "//@a[k]" is not a reference',
-        'm.xml:3: error X008: to "_2" points at nothing: no element has xmi:id "_2"',
-        'm.xml:3: error X012: to "x.xml#//@a.0" points into another file, x.xml',
+        'm.xml:3: error X007: to "_2" points at nothing: no element has xmi:id "_2"',
+        'm.xml:3: error X007: to "x.xml#//@a.0" points into another file, x.xml',
     ]
     assert doc.targets(empty, to) == ([], [], False)
 

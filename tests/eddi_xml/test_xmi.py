@@ -98,25 +98,25 @@ def _entities(count: int) -> str:
 ATTACKS = {
     "external entity in text": (
         b'<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]><r>&x;</r>',
-        "X002",
+        "X001",
     ),
     "external entity in an attribute": (
         b'<!DOCTYPE r [<!ENTITY x "boo">]><r a="&x;"/>',
-        "X002",
+        "X001",
     ),
     "parameter entity": (
         b'<!DOCTYPE r [<!ENTITY % x SYSTEM "http://localhost:1/x.dtd"> %x;]><r/>',
-        "X002",
+        "X001",
     ),
-    "external DTD": (b'<!DOCTYPE r SYSTEM "http://localhost:1/x.dtd"><r/>', "X002"),
-    "empty DOCTYPE": (b"<!DOCTYPE r><r/>", "X002"),
-    "DOCTYPE behind a comment": (b"<!-- c --><?p i?>\n<!DOCTYPE r><r/>", "X002"),
-    "DOCTYPE in UTF-16": ("<!DOCTYPE r><r/>".encode("utf-16"), "X002"),
-    "billion laughs in text": (f"{_entities(12)}<r>&e11;</r>".encode(), "X002"),
-    "billion laughs in an attribute": (f'{_entities(12)}<r a="&e11;"/>'.encode(), "X002"),
+    "external DTD": (b'<!DOCTYPE r SYSTEM "http://localhost:1/x.dtd"><r/>', "X001"),
+    "empty DOCTYPE": (b"<!DOCTYPE r><r/>", "X001"),
+    "DOCTYPE behind a comment": (b"<!-- c --><?p i?>\n<!DOCTYPE r><r/>", "X001"),
+    "DOCTYPE in UTF-16": ("<!DOCTYPE r><r/>".encode("utf-16"), "X001"),
+    "billion laughs in text": (f"{_entities(12)}<r>&e11;</r>".encode(), "X001"),
+    "billion laughs in an attribute": (f'{_entities(12)}<r a="&e11;"/>'.encode(), "X001"),
     "quadratic blow-up": (
         f'<!DOCTYPE r [<!ENTITY x "{"y" * 50_000}">]><r>{"&x;" * 5000}</r>'.encode(),
-        "X002",
+        "X001",
     ),
     "depth": (b"<a>" * 5000 + b"</a>" * 5000, "X003"),
     "long attribute": (b'<a b="' + b"x" * 10_500_000 + b'"/>', "X003"),
@@ -139,7 +139,7 @@ def test_attacks_are_refused(name: str) -> None:
 
 def test_a_doctype_far_behind_is_refused_after_parsing() -> None:
     data = b"<!--" + b"x" * 100_000 + b"-->\n<!DOCTYPE r><r/>"
-    assert [p.code for p in read(data)[1]] == ["X002"]
+    assert [p.code for p in read(data)[1]] == ["X001"]
 
 
 def test_xinclude_is_not_followed() -> None:
@@ -184,9 +184,9 @@ def test_undeclared_prefixes_are_declared() -> None:
     document, problems = read_document(Source("m.xml", text.encode()))
     assert document is not None
     assert sorted(texts(problems)) == [
-        'm.xml:2: warning X005: the prefix "p" is not declared; it is read as if it were',
-        'm.xml:2: warning X005: the prefix "q" is not declared; it is read as if it were',
-        'm.xml:2: warning X005: the prefix "x" is not declared; it is read as if it were',
+        'm.xml:2: warning X006: the prefix "p" is not declared; it is read as if it were',
+        'm.xml:2: warning X006: the prefix "q" is not declared; it is read as if it were',
+        'm.xml:2: warning X006: the prefix "x" is not declared; it is read as if it were',
     ]
     assert document.class_of(document.roots[0]).package == "p"
     assert [document.place(child).line for child in document.roots[0]] == [3, 4]
@@ -195,7 +195,7 @@ def test_undeclared_prefixes_are_declared() -> None:
 def test_a_warning_of_the_parser_does_not_forbid_undeclared_prefixes() -> None:
     document, problems = read_document(Source("m.xml", b'<r xmlns="drone">\n<p:a/></r>'))
     assert document is not None
-    assert codes(problems) == {"X005"}
+    assert codes(problems) == {"X006"}
 
 
 def test_undeclared_xsi_and_xmi_are_the_well_known_ones() -> None:
@@ -203,7 +203,7 @@ def test_undeclared_xsi_and_xmi_are_the_well_known_ones() -> None:
         ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"', ""
     )
     conserts, problems = read(text)
-    assert codes(problems) == {"X005"}
+    assert codes(problems) == {"X006"}
     assert conserts == read(ROVER)[0]
 
 

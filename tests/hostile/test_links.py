@@ -233,7 +233,7 @@ def test_a_workspace_whose_folders_lie_elsewhere(tmp_path: Path, outside: Path, 
     for command in (CATKIN, ("upgrade", "-w", "ws"), ("status", "-w", "ws")):
         result = run(*command, cwd=folder)
         assert result.status == 2
-        assert_reported("F011", result.err)
+        assert_reported("F009", result.err)
     assert look(outside) == before
 
 

@@ -190,7 +190,7 @@ def test_export_refuses_what_yaml_cannot_say(file: str, name: str, word: str, li
     with pytest.raises(EddiError) as failure:
         FUNCTIONS.export(consert(file, name))
     problem = failure.value.problems[0]
-    assert (problem.code, problem.place.line) == ("G021", line)
+    assert (problem.code, problem.place.line) == ("G004", line)
     assert word in problem.message
 
 

@@ -55,9 +55,9 @@ def test_what_is_known_is_proposed_as_inputs() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "code"),
     [
-        ('@nodes.0" event=', '@nodes.9" event=', "X008"),
-        ("/@events.0", "/@events.9", "X008"),
-        ("/@actions.0", "/@actions.9", "X008"),
+        ('@nodes.0" event=', '@nodes.9" event=', "X007"),
+        ("/@events.0", "/@events.9", "X007"),
+        ("/@actions.0", "/@actions.9", "X007"),
         ('@nodes.3" action=', '@nodes.3/@nodeStates.0" action=', "X009"),
     ],
 )

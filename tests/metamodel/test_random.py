@@ -23,7 +23,9 @@ from tests.metamodel.expected import FOLDER, expected
 IS_LONG = settings().max_examples > 1000
 SEEDS = range(500 if IS_LONG else 100)
 DAMAGES = 300 if IS_LONG else 15
-NOT_OURS = {"X008", "X009", "X010", "X011", "X015", "X017", "R016"}
+NOT_OURS = {"X009", "X010", "X011"}
+NOT_THESE = {"X006.unknown", "X014.no_input", "R013.not_compared", "R013.cut_sets_differ"}
+NOT_THESE |= {"X007.at", "X007.nothing", "X007.token"}
 
 pytestmark = pytest.mark.slow
 
@@ -39,6 +41,7 @@ def test_random_eddis_give_what_truth_tables_say(seed: int) -> None:
         *(p for model in reading.models for p in kinds()[model.kind].functions.check(model)),
     ]
     assert not {one.code for one in problems} & NOT_OURS
+    assert not {one.case for one in problems} & NOT_THESE
     monitor, inputs = monitor_of(consert)
     for row in product([False, True], repeat=len(eddi.leaves)):
         true = dict(zip(eddi.leaves, row, strict=True))

@@ -74,7 +74,7 @@ EDDIOutputs: [{{id: rover, topic: /rover/guarantees}}]
     network.write_text(text.replace("pedestrian_prediction_example", "PedestrianRisk"), "utf-8")
     names = (NETWORK / "pedestrian.xml", network, ROVER / "Rover.yml", config)
     problems = check_files(names)
-    (problem,) = [one for one in problems if one.code == "K047"]
+    (problem,) = [one for one in problems if one.code == "K020"]
     assert (problem.message, problem.place.line) == (wanted, 6)
 
 
@@ -90,6 +90,6 @@ def test_an_output_of_what_the_network_does_not_have(tmp_path: Path, field: str,
     text = (NETWORK / "eddi_config.yml").read_text("utf-8")
     network.write_text(f"{text}  - {{id: one, topic: one, field: '{field}'}}\n", "utf-8")
     problems = check_files((NETWORK / "pedestrian.xml", network))
-    (problem,) = [one for one in problems if one.code == "K047"]
+    (problem,) = [one for one in problems if one.code == "K020"]
     assert problem.hint == f"did you mean {hint!r}?"
     assert problem.place.line == len(text.splitlines()) + 1

@@ -131,13 +131,13 @@ def test_another_input_may_be_named() -> None:
         ("expression: battery.presnt", "K020", 7, 17, "has no field 'presnt'"),
         ("expression: battery.present.x", "K020", 7, 17, "a bool has no field 'x'"),
         ("expression: battery.header", "K020", 7, 17, "is a std_msgs/Header"),
-        ('expression: "battery.present AND"', "E002", 7, 37, ""),
+        ('expression: "battery.present AND"', "E001", 7, 37, ""),
         ("expression: battery.percentage", "E007", 7, 17, "the input needs a boolean"),
         ("expression: battery.present > 2", "E007", 7, 17, ""),
-        ("expression: motor.data > 2\n    requires: [battery]", "K042", 8, 5, "`requires`"),
-        ("expression: motor.data > 2\n    field: data", "K043", 8, 12, "`field:`"),
-        ("states: {High: motor.data > 2}", "K043", 7, 5, "give `expression:`"),
-        ("event: hot", "K043", 7, 12, "no `expression_file:`"),
+        ("expression: motor.data > 2\n    requires: [battery]", "K003", 8, 5, "`requires`"),
+        ("expression: motor.data > 2\n    field: data", "K003", 8, 12, "`field:`"),
+        ("states: {High: motor.data > 2}", "K003", 7, 5, "give `expression:`"),
+        ("event: hot", "K003", 7, 12, "no `expression_file:`"),
         ("expression: MotorIsCool", "E008", 7, 17, "the input 'MotorIsCool' stands below"),
         ("expression: >-\n      battery.present\n      AND batery.present", "E008", 9, 11, ""),
     ],
@@ -227,7 +227,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
             "\n    event: coll",
             SAFETY,
             (
-                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'coll' "
+                "c.yml:10:12 K020 input 'MotorIsCool': safety.events has no event 'coll' "
                 "(did you mean 'cool'?)"
             ),
         ),
@@ -235,7 +235,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
             "\n    event: tepid",
             "EVENT a (HAZARD) := motor.data > 1\nEVENT b (HAZARD) := a",
             (
-                "c.yml:10:12 K046 input 'MotorIsCool': safety.events has no event 'tepid' "
+                "c.yml:10:12 K020 input 'MotorIsCool': safety.events has no event 'tepid' "
                 "(events: a, b)"
             ),
         ),
@@ -243,7 +243,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
             "",
             SAFETY,
             (
-                "c.yml:9:22 K046 input 'MotorIsCool': `event:` must name an event of "
+                "c.yml:9:22 K020 input 'MotorIsCool': `event:` must name an event of "
                 "safety.events (events: hot, weak, cool, elsewhere)"
             ),
         ),
@@ -274,26 +274,26 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
         (
             "\n    event: hot",
             "EVENT cold (HAZARD) := TRUE\nEVENT hot (HAZARD) := motor.data >",
-            "safety.events:2:35 E002 an operand is expected, found the end of the text",
+            "safety.events:2:35 E001 an operand is expected, found the end of the text",
         ),
         ("", "// a number\nmotor.data", "safety.events:2:1 E007 the input needs a boolean"),
         (
             "\n    event: cool\n    polarity: EVIDENCE",
             SAFETY,
             (
-                "c.yml:11:15 K043 input 'MotorIsCool': safety.events declares HAZARD, "
+                "c.yml:11:15 K003 input 'MotorIsCool': safety.events declares HAZARD, "
                 "`polarity:` EVIDENCE (leave `polarity:` out)"
             ),
         ),
         (
             "\n    event: hot\n    expression: motor.data > 80",
             SAFETY,
-            "c.yml:9:22 K043 input 'MotorIsCool': give `expression:` or `expression_file:`",
+            "c.yml:9:22 K003 input 'MotorIsCool': give `expression:` or `expression_file:`",
         ),
         (
             "\n    event: hot\n    field: data",
             SAFETY,
-            "c.yml:11:12 K043 'MotorIsCool' has `field:` and `expression_file:`",
+            "c.yml:11:12 K003 'MotorIsCool' has `field:` and `expression_file:`",
         ),
     ],
 )

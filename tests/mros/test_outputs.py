@@ -42,7 +42,7 @@ def test_whole_systems(case: dict[str, Any]) -> None:
     wanted = yaml.safe_load(result.read_text("utf-8"))["SimulatorOutputs"]
     assert [{"id": t.id, "type": t.type, "topic": t.topic} for t in found.topics] == wanted
     assert sorted(
-        (p.level, p.place.file, p.place.line, as_word(p.code)) for p in problems
+        (p.level, p.place.file, p.place.line, as_word(p.case)) for p in problems
     ) == sorted((d["severity"], d["file"], d["line"], d["code"]) for d in case["diagnostics"])
     counts = (found.components, found.publishers, len(found.topics), int(has_errors(problems)))
     keys = ("components", "resolved_publishers", "topics", "exit")
@@ -212,7 +212,7 @@ def test_a_system_inside_of_itself(tmp_path: Path) -> None:
     _, problems = outputs_of(tmp_path / "a.rossystem", tmp_path)
     assert [(p.level, p.code, p.place.file, p.place.line) for p in problems] == [
         ("error", "M023", "b.rossystem", 3),
-        ("warning", "M024", "b.rossystem", 4),
+        ("warning", "M023", "b.rossystem", 4),
     ]
     assert "a -> b -> a" in problems[0].message
 
@@ -231,7 +231,7 @@ def test_ambiguity_is_said_and_the_first_counts(tmp_path: Path) -> None:
     )
     outputs, problems = outputs_of(tmp_path / "robot.rossystem", tmp_path)
     assert [(p.code, p.place.line) for p in problems] == [
-        ("M008", 3),
+        ("M007", 3),
         ("M007", 5),
         ("M012", 8),
         ("M012", 9),
@@ -306,8 +306,8 @@ def test_ids_that_are_there_stay() -> None:
     assert ids(wishes) == (["a_scan", "b_scan_2", "b_scan"], [])
     assert ids(wishes, ("laser", "/a/scan")) == (["laser", "b_scan_2", "b_scan"], [])
     assert ids(wishes, ("scan", "/b/scan")) == (["a_scan", "scan", "b_scan"], [])
-    assert ids({"/a": "x"}, ("1st", "/a")) == (["x"], ["M021"])
-    assert ids({"/a": "x"}, ("y", "/a"), ("y", "/b")) == (["x"], ["M021"])
+    assert ids({"/a": "x"}, ("1st", "/a")) == (["x"], ["M020"])
+    assert ids({"/a": "x"}, ("y", "/a"), ("y", "/b")) == (["x"], ["M020"])
     assert ids({"/a": "x"}, ("x", "/gone")) == (["x"], ["M020"])
 
 

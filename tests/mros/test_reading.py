@@ -194,9 +194,9 @@ def test_brace_model() -> None:
 @pytest.mark.parametrize(
     ("text", "case", "why"),
     [
-        ('<?xml version="1.0"?><x/>', "M003.foreign", "xmi"),
-        ("---\nmy:\n  systems:\n    a:\n", "M003.foreign", "rossdl"),
-        ("  // nothing\n/* at all */ # here\n", "M002.empty", ""),
+        ('<?xml version="1.0"?><x/>', "M001.foreign", "xmi"),
+        ("---\nmy:\n  systems:\n    a:\n", "M001.foreign", "rossdl"),
+        ("  // nothing\n/* at all */ # here\n", "M001.empty", ""),
     ],
 )
 def test_what_is_something_else_is_said_by_name(text: str, case: str, why: str) -> None:

@@ -80,7 +80,7 @@ def test_contents(installed: Installed) -> None:
 
 
 def test_the_codes_are_explained(installed: Installed) -> None:
-    assert "What to do: " in installed.eddi("explain", "X008")
+    assert "What to do: " in installed.eddi("explain", "X007")
 
 
 def test_the_bundle_holds_every_release(installed: Installed) -> None:

@@ -101,7 +101,7 @@ def test_a_definition_comes_after_those_that_it_is_made_of(tmp_path: Path) -> No
     )
     own["my_msgs/Part"]["again"] = "my_msgs/Range"
     _, (problem,) = answers(tmp_path, given | {"type": "my_msgs/Range", "field": "one[0].value"})
-    assert problem.startswith("K070 my_msgs/Range in itself is not known")
+    assert problem.startswith("K048 my_msgs/Range in itself is not known")
 
 
 def test_a_hand_edit_and_the_order_of_fields_survive_an_upgrade(tmp_path: Path) -> None:

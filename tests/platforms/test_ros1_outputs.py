@@ -18,7 +18,7 @@ def answers(tmp_path: Path, field: str) -> tuple[dict, list[str]]:
     config.write_text(f"{text.rstrip()}\n{extra}", "utf-8")
     (monitor,), _ = monitors_of(EXAMPLE / "two_conserts.xml", [config])
     package, problems = monitor_answers(monitor)
-    assert {p.code for p in problems} <= {"K034"}
+    assert {p.code for p in problems} <= {"K020"}
     return dict(package.answers), [
         f"{p.place.line}: {p.message}" + (f"; {p.hint}" if p.hint else "") for p in problems
     ]

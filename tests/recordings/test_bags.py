@@ -159,7 +159,7 @@ def test_a_topic_without_messages_is_said(folder: Path) -> None:
         cwd=folder,
     )
     assert result.status == 0
-    assert_reported("I013", result.err)
+    assert_reported("I004", result.err)
     assert result.out.splitlines()[-1] == "0.2,true,false"
 
 
@@ -273,13 +273,13 @@ def test_the_definitions_of_the_bag_are_the_ones_that_count(
     result = battery(tmp_path, declared, text)
     assert (result.status, result.out) == (2, "")
     assert words in result.err
-    assert "[I017]" in result.err
+    assert "[I012]" in result.err
     assert place in result.err
 
 
 def test_the_definitions_of_the_bag_are_told(tmp_path: Path) -> None:
     text = "requires: [battery], field: charged"
-    assert_reported("I017", battery(tmp_path, "voltage: float32, charged: bool", text).err)
+    assert_reported("I012", battery(tmp_path, "voltage: float32, charged: bool", text).err)
 
 
 @pytest.mark.parametrize(
@@ -355,7 +355,7 @@ def test_what_a_monitor_here_publishes_is_not_taken_from_the_bag(folder: Path) -
     rows = [healthy(0, True), evidence_b(0, False), demand(0, True), healthy(0.2, True)]
     written(folder / "a.bag", rows)
     result = run("run", *BOTH, "--bag", "a.bag", "--json", "-v", cwd=folder)
-    assert_reported("I018", result.err)
+    assert_reported("I003", result.err)
     steps = [json.loads(line) for line in result.out.splitlines()]
     assert [(step["t"], step["monitor"]) for step in steps] == [
         (t, name) for t in (0.0, 0.1, 0.2) for name in ("ConSertB", "ConSertA")
@@ -379,8 +379,8 @@ def test_each_steps_at_its_own_rhythm_and_at_once_for_what_another_says(folder: 
 @pytest.mark.parametrize(
     ("words", "code"),
     [
-        ((*BOTH, "--inputs", "recording.csv"), "G020"),
-        ((*BOTH, "--bag", "a.bag", "--csv"), "G020"),
+        ((*BOTH, "--inputs", "recording.csv"), "G000"),
+        ((*BOTH, "--bag", "a.bag", "--csv"), "G000"),
         (("two_conserts.xml", "--bag", "a.bag"), "G005"),
     ],
 )

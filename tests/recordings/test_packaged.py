@@ -61,7 +61,7 @@ def test_hand_written_lines_get_the_message_of_a_value(folder: Path, package: Pa
 def test_lines_that_need_more_than_a_value_are_named(folder: Path, package: Path) -> None:
     write(package, DEMAND, ANY_DEMAND)
     result = run("run", package, "--inputs", "recording.csv", cwd=folder)
-    assert_reported("I021", result.err)
+    assert_reported("I001", result.err)
     assert states(result.out)[2] == "11"
 
 
@@ -80,8 +80,8 @@ def test_a_bag_reaches_every_line(folder: Path, package: Path) -> None:
 def test_lines_that_raise_are_told_once(folder: Path, package: Path) -> None:
     write(package, BODY, "self.RtE_A_E0 = RtE_E0.value")
     result = run("run", package, "--inputs", "recording.csv", cwd=folder)
-    assert_reported("I023", result.err)
-    assert result.err.count("[I023]") == 1
+    assert_reported("I014", result.err)
+    assert result.err.count("[I014]") == 1
     assert "waits for RtE_A_E0" in result.out
 
 
@@ -91,7 +91,7 @@ def test_a_configuration_says_that_lines_are_not_used_and_executes_none(
     trap = folder / "executed"
     write(package, BODY, f"open({str(trap)!r}, 'w'); self.RtE_A_E0 = False")
     result = run("run", *SOURCES, "--inputs", "recording.csv", cwd=folder)
-    assert_reported("I022", result.err)
+    assert_reported("I014", result.err)
     assert states(result.out)[1] == "10"
     assert not trap.exists()
     assert run("run", package, "--inputs", "recording.csv", cwd=folder).status == 0
@@ -124,7 +124,7 @@ def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     new = f"{line}\n        outcome_range_0_to_1_m = 1.0"
     write(package, f"{line}\n        pass", new, module.name)
     by_config = run("run", *words, "--inputs", "recording.csv", cwd=tmp_path)
-    assert "are not used here: node_Distance_to_Pedestrian [I022]" in by_config.err
+    assert "are not used here: node_Distance_to_Pedestrian [I014]" in by_config.err
     result = run("run", package, "--inputs", "recording.csv", cwd=tmp_path)
     assert result.status == 0, result.err
     first = result.out.splitlines()[0]
@@ -156,4 +156,4 @@ def test_what_is_no_package_of_a_monitor_or_has_more_beside_it(folder: Path, pac
     other = run("run", package.parent / "eddi_messages", "--inputs", "recording.csv", cwd=folder)
     assert_reported("I020", other.err)
     more = run("run", package, "-c", "consert_a_config.yml", "--inputs", "r.csv", cwd=folder)
-    assert "a package has its model and its configuration, and runs alone [G020]" in more.err
+    assert "a package has its model and its configuration, and runs alone [G000]" in more.err

@@ -110,7 +110,7 @@ def test_what_was_missed_and_still_counts_is_told(tmp_path: Path) -> None:
 def test_a_configuration_without_its_model_says_what_to_do() -> None:
     done = run("consert_a_config.yml", "--inputs", "recording.csv")
     assert done.returncode == 2
-    assert "not a model, and it names none [F008]" in done.stderr
+    assert "not a model, and it names none [F003]" in done.stderr
     assert "hint: run MODEL -c consert_a_config.yml, or name it" in done.stderr
     assert "give a model, or a configuration" in run("--inputs", "recording.csv").stderr
 

@@ -24,7 +24,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 def check_network(
     name: str, drafts: Sequence[Draft], place: Place
 ) -> tuple[Network | None, list[Problem]]:
-    """Check the drafts of a network's nodes (B101 to B114)."""
+    """Check the drafts of a network's nodes (B101 to B113)."""
     if not drafts:
         return None, [problem("B101.empty", place)]
     known = {draft.id: draft for draft in reversed(drafts)}
@@ -53,26 +53,26 @@ class _Check:
                 self._report("B101.unnamed_node", draft.place)
             elif draft.id in first:
                 line = first[draft.id].place.line
-                self._report("B102.duplicate_node", draft.place, draft=draft.id, line=line)
+                self._report("B101.duplicate_node", draft.place, draft=draft.id, line=line)
             first.setdefault(draft.id, draft)
 
     def states(self, draft: Draft) -> None:
         counts = Counter(state.text for state in draft.states)
         for state in draft.states:
             if not state.text:
-                self._report("B104.unnamed_state", state.place, draft=draft.id)
+                self._report("B101.unnamed_state", state.place, draft=draft.id)
             elif counts[state.text] > 1:
-                self._report("B104.duplicate_state", state.place, draft=draft.id, state=state.text)
+                self._report("B101.duplicate_state", state.place, draft=draft.id, state=state.text)
                 counts[state.text] = 1
         if not draft.states:
-            self._report("B103.no_states", draft.place, draft=draft.id)
+            self._report("B101.no_states", draft.place, draft=draft.id)
 
     def parents(self, draft: Draft) -> None:
         seen: set[str] = set()
         for parent in draft.parents:
             if parent.text not in self.known:
                 self._report(
-                    "B108.unknown_parent",
+                    "B105.unknown_parent",
                     parent.place,
                     hint=self.near.hint(parent.text),
                     draft=draft.id,
@@ -124,7 +124,7 @@ class _Check:
         if len(draft.values) != math.prod(counts):
             expected = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")
             self._report(
-                "B111.table_length",
+                "B110.table_length",
                 draft.values_place,
                 draft=draft.id,
                 actual=len(draft.values),
@@ -169,7 +169,7 @@ class _Check:
                 largest, at = off, place
             found += values if total == 1.0 else [value / total for value in values]
         if largest > _ROUNDING:
-            self.problems.append(problem("B114.normalised", at, draft=draft.id, largest=largest))
+            self.problems.append(problem("B113.normalised", at, draft=draft.id, largest=largest))
         return tuple(found)
 
     def _number(self, text: str, node: str, where: str, place: Place) -> float | None:
@@ -221,13 +221,13 @@ def unsupported(of: str, nodes: Sequence[Named], hint: str) -> Problem:
 
 
 def no_variable(name: str, place: Place, hint: str | None = None) -> Problem:
-    """Return the problem with a table of a variable that the file does not have (B222)."""
-    return problem("B222.unknown_variable", place, hint=hint, name=name)
+    """Return the problem with a table of a variable that the file does not have (B205)."""
+    return problem("B205.unknown_variable", place, hint=hint, name=name)
 
 
 def defined_twice(name: str, line: int | None, place: Place) -> Problem:
-    """Return the problem with the second table of a variable; the first is in a line (B232)."""
-    return problem("B232.duplicate_definition", place, name=name, line=line)
+    """Return the problem with the second table of a variable; the first is in a line (B110)."""
+    return problem("B110.duplicate_definition", place, name=name, line=line)
 
 
 def first_missing(

@@ -26,7 +26,7 @@ Case = Mapping[str, "str | list[float]"]
 
 
 def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCheck:
-    """Compare posteriors of the engine that will run with those of pgmpy (B306, B307)."""
+    """Compare posteriors of the engine that will run with those of pgmpy (B306)."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # it warns of its own modules
@@ -43,7 +43,7 @@ def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCh
     for case in cases:
         largest = max(largest, _difference(monitor, peer, settings.inferred, case))
     if largest > TOLERANCE:
-        return CrossCheck("", (problem("B307.differs", model.place, largest=largest),))
+        return CrossCheck("", (problem("B306.differs", model.place, largest=largest),))
     # Digits below that differ between machines; what is written must not.
     bound = 10.0 ** math.ceil(math.log10(max(largest, _ROUNDING)))
     tried = f"{len(cases)} sets of evidence"

@@ -153,7 +153,7 @@ def read_discretisation(
         at = _at(options, name)
         if name not in names:
             problems.append(
-                problem("B403.discretised_node", at(), hint=did_you_mean(name, names), name=name)
+                problem("B303.discretised_node", at(), hint=did_you_mean(name, names), name=name)
             )
         elif not isinstance(entry, Mapping):
             problems.append(problem("B404.declaration", at(), name=name))
@@ -254,7 +254,7 @@ class _Entry:
         elif state not in self.node.states:
             hint = did_you_mean(state, self.node.states)
             hint = hint or f"its states: {', '.join(self.node.states)}"
-            self._report("B403.bin_state", *path, hint=hint, state=state)
+            self._report("B303.bin_state", *path, hint=hint, state=state)
 
     def _bins(self, order: Sequence[str]) -> list[float] | None:
         given = self.given.get("bins")
@@ -271,7 +271,7 @@ class _Entry:
         for number, edge in enumerate(edges):
             rising = number == 0 or edges[number - 1] < edge
             if not math.isfinite(edge) or not rising:
-                self._report("B402.edge_order", "bins", number)
+                self._report("B401.edge_order", "bins", number)
                 break
         return edges
 

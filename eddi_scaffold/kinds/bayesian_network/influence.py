@@ -59,13 +59,13 @@ def doubts(
     observed: Sequence[str],
     options: Options,
 ) -> Iterable[Problem]:
-    """Warn of evidence that is of little use (B424, B425)."""
+    """Warn of evidence that is of little use (B305, B425)."""
     if not thresholds:
         return
     for threshold in thresholds:
         if threshold.node in observed:
             yield problem(
-                "B424.perhaps_observed",
+                "B305.perhaps_observed",
                 threshold.place,
                 threshold=threshold.id,
                 node=threshold.node,

@@ -51,7 +51,7 @@ def is_config_module(name: str) -> bool:
 
 
 def lint(source: Source) -> list[Problem]:
-    """Return what looks wrong (B406, B412, B414, B417), or that the file is not Python (B418)."""
+    """Return what looks wrong (B406, B412), or that the file is not Python (B418)."""
     try:
         tree = parse_shallow(source.data)
     except SyntaxError as fault:
@@ -96,7 +96,7 @@ def _faults(method: _Method) -> Iterator[Problem]:
         yield problem("B406", Place(line=real[0].line), method=method.name)
     flags = [statement for statement in _statements(method.body) if _flags_output(statement)]
     if real and flags:
-        yield problem("B414.echo", Place(line=flags[0].lineno), method=method.name)
+        yield problem("B412.echo", Place(line=flags[0].lineno), method=method.name)
 
 
 def _names(method: _Method) -> Iterator[Problem]:
@@ -116,7 +116,7 @@ def _values(method: _Method) -> Iterator[Problem]:
     for assignment in _assignments(method.body):
         if assignment.value is not None and not 0.0 <= assignment.value <= 1.0:
             place, value = Place(line=assignment.line), assignment.value
-            yield problem("B417.outside", place, method=method.name, value=value)
+            yield problem("B412.outside", place, method=method.name, value=value)
 
 
 def _statements(body: Iterable[ast.stmt]) -> Iterator[ast.stmt]:

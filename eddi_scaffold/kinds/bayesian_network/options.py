@@ -72,7 +72,7 @@ NetworkModel = TypedModel[Network, NetworkOptions]
 
 
 def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405, B420 to B426)."""
+    """Take the configuration into the model (B301 to B305, B401 to B405, B404 to B404)."""
     network = model.data
     settings, problems = _settings(network, options)
     if settings is not None:
@@ -268,7 +268,7 @@ def _outputs(
     given = _named(network, options, "outputs", problems)
     if given is not None:
         if not given and not has_errors(problems):
-            problems.append(problem("B304.no_output", options.place("outputs")))
+            problems.append(problem("B303.no_output", options.place("outputs")))
         return given
     marked = [node.id for node in network.nodes if node.target]
     if marked:
@@ -298,7 +298,7 @@ def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
         return
     shown = ", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else "")
     yield problem(
-        "B302.too_large" if width.too_large else "B301.large",
+        "B301.too_large" if width.too_large else "B301.large",
         options.place(),
         entries=in_digits(width.largest),
         limit=TOO_LARGE if width.too_large else LARGE,

@@ -29,7 +29,7 @@ from eddi_scaffold.kinds.bayesian_network.checks import (
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, in_digits
 from eddi_scaffold.kinds.bayesian_network.read_xdsl import LARGEST
 
-CODE = "B231"
+CODE = "B201"
 _CONTROL = re.compile(r"[\0-\x08\x0e-\x1f\x7f]")
 
 
@@ -50,7 +50,7 @@ class Words:
             space and comments are in no group.
 
     Raises:
-        EddiError: the file is not UTF-8, or holds control characters (B231).
+        EddiError: the file is not UTF-8, or holds control characters (B201).
     """
 
     def __init__(self, source: Source, pattern: re.Pattern[str]) -> None:
@@ -60,7 +60,7 @@ class Words:
         control = _CONTROL.search(self._text)
         if control is not None:
             word = Word(control[0], control.start(), is_name=False)
-            raise self.fault("B231.character", word, character=control[0])
+            raise self.fault("B201.character", word, character=control[0])
         self._rest = self._words(pattern)
         self.next = next(self._rest)
 
@@ -71,7 +71,7 @@ class Words:
                 continue
             word = Word(match[group], match.start(), group in (1, 3))
             if group == 4:
-                raise self.fault("B231.unfinished", word, text=word.text)
+                raise self.fault("B201.unfinished", word, text=word.text)
             yield word
         while True:
             yield Word("", len(self._text), is_name=False)
@@ -141,10 +141,10 @@ class Words:
     def expected(self, what: str) -> EddiError:
         """Return the problem that the next word is something else."""
         found = "the end of the file" if self.at_end else repr(self.next.text)
-        return self.fault("B231.expected", self.next, expected=what, actual=found)
+        return self.fault("B201.expected", self.next, expected=what, actual=found)
 
     def fault(self, case: str, word: Word, /, **fields: Any) -> EddiError:
-        """Return a problem with the form of the text (B231)."""
+        """Return a problem with the form of the text (B201)."""
         return EddiError(problem(case, self.place(word), **fields))
 
 
@@ -205,7 +205,7 @@ class _Reader:
         """Read all blocks.
 
         Raises:
-            EddiError: the text does not have the form of the format (B231).
+            EddiError: the text does not have the form of the format (B201).
         """
         blocks = {"network": self._network, "variable": self._variable, "probability": self._table}
         while not self.words.at_end:
@@ -236,7 +236,7 @@ class _Reader:
                 self._property("`type`, `property` or `}`")
                 continue
             if of:
-                raise self.words.fault("B231.two_types", self.words.next, name=name.text)
+                raise self.words.fault("B201.two_types", self.words.next, name=name.text)
             self.words.take()
             of = self.words.name("the type of the variable").text
             if of == "discrete":
@@ -247,7 +247,7 @@ class _Reader:
         if name.text in self.variables:
             line = self.variables[name.text][0].line
             self.problems.append(
-                problem("B102.duplicate_node", name.place, draft=name.text, line=line)
+                problem("B101.duplicate_node", name.place, draft=name.text, line=line)
             )
             return
         self.variables[name.text] = (name.place, states)
@@ -262,7 +262,7 @@ class _Reader:
         self.words.mark(";")
         if number.text != str(len(states)):
             raise self.words.fault(
-                "B231.states", announced, announced=number.text, actual=len(states)
+                "B201.states", announced, announced=number.text, actual=len(states)
             )
         return tuple(states)
 
@@ -305,7 +305,7 @@ class _Reader:
                 or getattr(table, word.text)
                 or (word.text == "table" and (table.rows or table.default))
             ):
-                raise self.words.fault("B231.two_tables", word, name=name)
+                raise self.words.fault("B201.two_tables", word, name=name)
             self.words.take()
             setattr(table, word.text, self.words.values())
         else:
@@ -313,13 +313,13 @@ class _Reader:
 
     def _row(self, name: str, table: _Table, word: Word) -> None:
         if table.table is not None:
-            raise self.words.fault("B231.two_tables", word, name=name)
+            raise self.words.fault("B201.two_tables", word, name=name)
         states = tuple(s.text for s in self._names_of_states("the state of a parent", ")"))
         place = self.words.place(word)
         if states in table.rows:
             line = table.rows[states][1].line
             self.problems.append(
-                problem("B123.duplicate_row", place, row=", ".join(states), name=name, line=line)
+                problem("B110.duplicate_row", place, row=", ".join(states), name=name, line=line)
             )
         table.rows[states] = self.words.values(), place
 
@@ -357,7 +357,7 @@ class _Reader:
         for states, (numbers, place) in table.rows.items():
             if len(states) != len(names):
                 counts = f"{len(states)} states, it has {len(names)} parents"
-                self.problems.append(problem("B122.row_parents", place, name=name, listed=counts))
+                self.problems.append(problem("B110.row_parents", place, name=name, listed=counts))
             for parent, state, (of, near) in zip(names, states, known, strict=False):
                 if state not in of:
                     self.problems.append(
@@ -376,7 +376,7 @@ class _Reader:
                 size = in_digits(count * own)
                 self.problems.append(
                     problem(
-                        "B111.table_too_large", table.place, name=name, size=size, limit=LARGEST
+                        "B110.table_too_large", table.place, name=name, size=size, limit=LARGEST
                     )
                 )
         elif not has_errors(self.problems[before:]):
@@ -386,7 +386,7 @@ class _Reader:
                 more = ", ..." if lacking > len(shown) else ""
                 self.problems.append(
                     problem(
-                        "B125.missing_rows",
+                        "B110.missing_rows",
                         table.place,
                         name=name,
                         number=lacking,
@@ -404,7 +404,7 @@ class _Reader:
     def _check_width(self, name: str, numbers: tuple[str, ...], own: int, place: Place) -> None:
         if len(numbers) != own:
             self.problems.append(
-                problem("B111.row_length", place, name=name, actual=len(numbers), expected=own)
+                problem("B110.row_length", place, name=name, actual=len(numbers), expected=own)
             )
 
 

@@ -168,7 +168,7 @@ class _Reader:
             if key in found:
                 first = self.document.place(found[key][0]).line
                 self.findings.report(
-                    "B123.duplicate_row",
+                    "B110.duplicate_row",
                     row,
                     row=self._shown(parents, key),
                     name=node.name,
@@ -206,7 +206,7 @@ class _Reader:
         if count:
             more = ", ..." if count > len(shown) else ""
             self.findings.report(
-                "B125.missing_rows",
+                "B110.missing_rows",
                 node.element,
                 name=node.name,
                 number=count,
@@ -237,14 +237,14 @@ class _Reader:
                 wrong = True
             elif owner in chosen:
                 self.findings.report(
-                    "B121.parent_twice", row, node=node.name, parent=self.nodes[owner].name
+                    "B105.parent_twice", row, node=node.name, parent=self.nodes[owner].name
                 )
                 wrong = True
             else:
                 chosen[owner] = state
         lacking = [self.nodes[parent].name for parent in parents if parent not in chosen]
         if lacking and not wrong:
-            self.findings.report("B122.no_state", row, node=node.name, parent=", ".join(lacking))
+            self.findings.report("B110.no_state", row, node=node.name, parent=", ".join(lacking))
         return None if wrong or lacking else tuple(chosen[parent] for parent in parents)
 
     def _values(self, node: _Node, row: Element) -> list[str]:
@@ -261,7 +261,7 @@ class _Reader:
                     self.findings.report("X009.state_of_other", value, node=node.name, subject=what)
                 elif state in texts:
                     self.findings.report(
-                        "B124.duplicate_value", value, node=node.name, state=node.states[state]
+                        "B110.duplicate_value", value, node=node.name, state=node.states[state]
                     )
                 else:
                     text = self.document.attribute(value, word.VALUE)

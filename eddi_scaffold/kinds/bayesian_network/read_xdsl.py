@@ -145,7 +145,7 @@ def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list
 def _refused(root: Element, file: str) -> list[Problem]:
     """Return a problem for each sort of what is in the file and no monitor can have."""
     problems = [
-        problem("B207.dynamic", Place(file, line_of(one))) for one in select(root, "dynamic")
+        problem("B201.dynamic", Place(file, line_of(one))) for one in select(root, "dynamic")
     ]
     others: dict[str, list[Named]] = {}
     for element in select(root, "nodes/*"):
@@ -156,7 +156,7 @@ def _refused(root: Element, file: str) -> list[Problem]:
     several = [one for one in select(root, "nodes/*/parents") if len(text_of(one).split()) > 1]
     if several and select(root, 'extensions/genie[starts-with(@app, "aGrUM")]'):
         place = Place(file, line_of(several[0]))
-        problems.append(problem("B209.pyagrum", place))
+        problems.append(problem("B201.pyagrum", place))
     for of, nodes in others.items():
         advice = _ADVICE.get(of, "GeNIe: change the node type to General, or remove it")
         problems.append(unsupported(of, nodes, advice))
@@ -236,14 +236,14 @@ class _Reader:
         try:
             values, leaks = noisy_max_table(words, strengths, cards, len(states))
         except NoisyMaxError as fault:
-            self._report("B206.noisy_max", element, hint=_GENERAL, name=name, reason=fault)
+            self._report("B202.noisy_max", element, hint=_GENERAL, name=name, reason=fault)
             return None
         if leaks:
             self.warnings.append(problem("B208.diez", self._place(element), name=name))
         return values
 
     def _only(self, node: Element, tag: str) -> Element | None:
-        first, problems = only(select(node, tag), "B232.twice", self._place)
+        first, problems = only(select(node, tag), "B110.twice", self._place)
         self.problems += problems
         return first
 

@@ -20,7 +20,7 @@ from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network
 def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
     """Read the network of a parsed XMLBIF file, whose root must be ``BIF``."""
     if feature_of(root) != "BIF":
-        return None, [problem("B221.bif_root", Place(file, line_of(root)), root=feature_of(root))]
+        return None, [problem("B201.bif_root", Place(file, line_of(root)), root=feature_of(root))]
     others: dict[str, list[Named]] = {}
     for variable in select(root, "NETWORK/VARIABLE"):
         of = variable.get("TYPE") or "nature"
@@ -46,8 +46,8 @@ class _Reader:
         self.problems: list[Problem] = []
 
     def only(self, parent: Element, path: str) -> Element | None:
-        """Return what may be there once; report others (B232)."""
-        first, problems = only(select(parent, path), "B232.twice", self._place)
+        """Return what may be there once; report others (B110)."""
+        first, problems = only(select(parent, path), "B110.twice", self._place)
         self.problems += problems
         return first
 
@@ -104,6 +104,6 @@ def without_doctype(source: Source) -> tuple[Source, list[Problem]]:
     match = _DOCTYPE.match(data, start)
     if match is None or not _HARMLESS.fullmatch(match["inner"] or b""):
         line = data.count(b"\n", 0, start) + 1
-        return Source(source.name, b""), [problem("X002.declarations", Place(source.name, line))]
+        return Source(source.name, b""), [problem("X001.declarations", Place(source.name, line))]
     blank = re.sub(rb"[^\n]", b" ", match.group())
     return Source(source.name, data[:start] + blank + data[match.end() :]), []

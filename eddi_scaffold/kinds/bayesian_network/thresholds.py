@@ -60,7 +60,7 @@ class Threshold:
 def read_thresholds(
     network: Network, options: Options, discretised: Collection[str]
 ) -> tuple[list[Threshold], list[Problem]]:
-    """Check the section ``evidence`` (B420 to B424, B426).
+    """Check the section ``evidence`` (B404 to B305, B404).
 
     Args:
         network: whose nodes it names.
@@ -71,7 +71,7 @@ def read_thresholds(
     if given is None:
         return [], []
     if not isinstance(given, list) or not all(isinstance(one, Mapping) for one in given):
-        return [], [problem("B420.evidence_list", options.place(KEY))]
+        return [], [problem("B404.evidence_list", options.place(KEY))]
     found: list[Threshold] = []
     problems: list[Problem] = []
     for number, entry in enumerate(given):
@@ -91,10 +91,10 @@ def _repeated(found: Sequence[Threshold]) -> Iterable[Problem]:
     for number, one in enumerate(found):
         before = found[:number]
         if one.id in [other.id for other in before]:
-            yield problem("B426.duplicate_id", one.place, name=one.id)
+            yield problem("B404.duplicate_id", one.place, name=one.id)
         other = next((two.id for two in before if one.topic and two.topic == one.topic), None)
         if other is not None:
-            yield problem("B426.same_topic", one.place, other=other, name=one.id, topic=one.topic)
+            yield problem("B404.same_topic", one.place, other=other, name=one.id, topic=one.topic)
 
 
 @dataclass
@@ -132,18 +132,18 @@ class _Entry:
         for key in self.given:
             if key not in _KEYS:
                 hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
-                self._report("B420.threshold_key", key, hint=hint, key=key)
+                self._report("B404.threshold_key", key, hint=hint, key=key)
 
     def _id(self) -> str:
         name = self.given.get("id")
         if not isinstance(name, str) or _ID.fullmatch(name) is None:
             if name is None:
-                self._report("B420.no_id", "id")
+                self._report("B404.no_id", "id")
             else:
-                self._report("B420.id", "id", name=_shown(name))
+                self._report("B404.id", "id", name=_shown(name))
             return ""
         if name in _RESERVED:
-            self._report("B420.reserved_id", "id", name=name)
+            self._report("B404.reserved_id", "id", name=name)
         return name
 
     def _node(self) -> str:
@@ -151,19 +151,19 @@ class _Entry:
         if not isinstance(name, str) or name not in names:
             hint = did_you_mean(str(name), names)
             if name is None:
-                self._report("B421.node_missing", "node", hint=hint)
+                self._report("B303.node_missing", "node", hint=hint)
             else:
-                self._report("B421.threshold_node", "node", hint=hint, name=_shown(name))
+                self._report("B303.threshold_node", "node", hint=hint, name=_shown(name))
             return ""
         if name in self.discretised:
-            self._report("B424.observed", "node", name=name)
+            self._report("B305.observed", "node", name=name)
         return name
 
     def _states(self, node: str) -> tuple[str, ...]:
         given = self.given.get("state")
         items = given if isinstance(given, list) else [given]
         if given is None or not items:
-            self._report("B421.no_threshold_state", "state")
+            self._report("B303.no_threshold_state", "state")
             return ()
         known = self.network.node(node).states if node else ()
         for state in items if node else ():
@@ -171,9 +171,9 @@ class _Entry:
                 self._unknown_state(state, known)
         chosen = tuple(str(item) for item in items)
         if len(set(chosen)) < len(chosen):
-            self._report("B421.state_twice", "state")
+            self._report("B303.state_twice", "state")
         elif set(chosen) == set(known):
-            self._report("B421.every_state", "state", node=node)
+            self._report("B303.every_state", "state", node=node)
         return chosen
 
     def _unknown_state(self, state: object, known: Sequence[str]) -> None:
@@ -181,19 +181,19 @@ class _Entry:
             hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
         else:
             hint = "quote it, if a text is meant"
-        self._report("B421.threshold_state", "state", hint=hint, state=_shown(state))
+        self._report("B303.threshold_state", "state", hint=hint, state=_shown(state))
 
     def _limit(self) -> tuple[str, float]:
         keys = [key for key in _LIMITS if key in self.given]
         if len(keys) != 1:
-            self._report("B422.one_limit", *keys[1:])
+            self._report("B404.one_limit", *keys[1:])
             return "at_most", 0.0
         return keys[0], self._probability(keys[0])
 
     def _probability(self, key: str) -> float:
         value: JsonValue = self.given[key]
         if not is_number(value) or not 0.0 <= value <= 1.0:
-            self._report("B422.probability", key, key=key, value=_shown(value))
+            self._report("B404.probability", key, key=key, value=_shown(value))
             return 0.0
         return float(value)
 
@@ -205,7 +205,7 @@ class _Entry:
         wrong = release > limit if key == "at_least" else release < limit
         if wrong and sound:
             self._report(
-                "B422.release", "release", release=release, side=side, key=key, limit=limit
+                "B404.release", "release", release=release, side=side, key=key, limit=limit
             )
         return release
 
@@ -214,18 +214,18 @@ class _Entry:
         try:
             hours, has_unit = duration(given)
         except QuantityError as failure:
-            self._report("B423.hold", "hold", hint=failure.hint, problem=failure)
+            self._report("B404.hold", "hold", hint=failure.hint, problem=failure)
             return 0.0
         if not has_unit and hours:
-            self._report("B423.hold_unit", "hold", actual=_shown(given), number=given)
+            self._report("B404.hold_unit", "hold", actual=_shown(given), number=given)
         elif hours * 3600.0 > _LONGEST_S:
-            self._report("B423.hold_long", "hold", actual=_shown(given))
+            self._report("B404.hold_long", "hold", actual=_shown(given))
         return hours * 3600.0
 
     def _topic(self) -> str | None:
         given = self.given.get("topic")
         if given is not None and (not isinstance(given, str) or not is_ros_name(given)):
-            self._report("B420.topic", "topic", actual=_shown(given))
+            self._report("B404.topic", "topic", actual=_shown(given))
         return None if given is None else str(given)
 
 

@@ -30,7 +30,7 @@ WIDE = 200_000
 """Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
 _PATTERNS = 24
 TOO_LARGE = 10_000_000
-"""Entries above which a network is refused (B302)."""
+"""Entries above which a network is refused (B301)."""
 
 
 class Plan(NamedTuple):

@@ -1,4 +1,4 @@
-"""Checks of ConSerts: what is wrong with a model by itself (C006 to C026)."""
+"""Checks of ConSerts: what is wrong with a model by itself (C006 to C014)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 NodeKind = Literal["evidence", "demand", "gate", "guarantee"]
 LEAF_KINDS: tuple[NodeKind, ...] = ("evidence", "demand")
 _LONGEST_CHAIN = 12
-_LOOSE_ENDS = frozenset({"C008", "C009"})
+_LOOSE_ENDS = frozenset({"C008.no_source", "C008.no_target"})
 """An edge that leads nowhere leaves alone what it was meant to join: that is not reported again."""
 
 
@@ -47,7 +47,7 @@ def check_graph(consert: ConSert) -> list[Problem]:
     reachable = reached(inputs, (g.id for g in consert.guarantees))
     fed = {edge.target for edge in consert.tree_propagations}
     problems += _cycles(consert, inputs)
-    loose = any(problem.code in _LOOSE_ENDS for problem in problems)
+    loose = any(problem.case in _LOOSE_ENDS for problem in problems)
     if loose:
         fed |= {node.id for node in consert.gates}
         fed |= {guarantee.id for guarantee in consert.guarantees if not guarantee.default}
@@ -127,7 +127,7 @@ def _edge(
         )
     if edge.target not in kinds:
         yield problem(
-            "C009.no_target",
+            "C008.no_target",
             edge.place,
             hint=near.hint(edge.target),
             text=text,
@@ -155,16 +155,16 @@ def _cycles(consert: ConSert, inputs: Graph) -> Iterator[Problem]:
 def _support(guarantee: Guarantee, fed: set[str]) -> Iterator[Problem]:
     name = f"guarantee {shown(guarantee.id)}"
     if guarantee.default and guarantee.id in fed:
-        yield problem("C012.default_with_support", guarantee.place, name=name)
+        yield problem("C011.default_with_support", guarantee.place, name=name)
     elif not guarantee.default and guarantee.id not in fed:
         mark = "" if guarantee.place.path else "`default: true` or "  # an EDDI has no such flag
         yield problem(
-            "C012.no_support", guarantee.place, name=name, mark=mark, guarantee=guarantee.id
+            "C011.no_support", guarantee.place, name=name, mark=mark, guarantee=guarantee.id
         )
 
 
 def _unreached(consert: ConSert, reachable: set[str]) -> Iterator[Problem]:
-    if not consert.guarantees:  # C026 reports it once
+    if not consert.guarantees:  # C014 reports it once
         return
     for kind, id_, place in _nodes(consert):
         if id_ not in reachable:
@@ -173,15 +173,15 @@ def _unreached(consert: ConSert, reachable: set[str]) -> Iterator[Problem]:
 
 def _gate(gate: Gate, inputs: Graph, reachable: set[str], fed: set[str]) -> Iterator[Problem]:
     if len(inputs[gate.id]) == 1:
-        yield problem("C024.one_input", gate.place, gate=shown(gate.id))
+        yield problem("C023.one_input", gate.place, gate=shown(gate.id))
     if gate.id not in fed and gate.id in reachable:
         constant = {"And": "TRUE", "Or": "FALSE"}[gate.function]
-        yield problem("C013.gate_without_input", gate.place, gate=shown(gate.id), constant=constant)
+        yield problem("C011.gate_without_input", gate.place, gate=shown(gate.id), constant=constant)
 
 
 def _no_guarantees(consert: ConSert) -> Iterator[Problem]:
     if not consert.guarantees:
-        yield problem("C026.no_guarantees", consert.place, consert=shown(consert.name))
+        yield problem("C014.no_guarantees", consert.place, consert=shown(consert.name))
 
 
 _NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 for 20 %'
@@ -248,16 +248,16 @@ def _numeric(dimension: NumericDimension, what: str, place: Place) -> Iterator[P
 
 def _range(one: Range, what: str, place: Place) -> Problem | None:
     if is_nan(one.start) or is_nan(one.end):
-        return problem("C015.bound", place, subject=what)
+        return problem("C006.bound", place, subject=what)
     if is_empty(one):
-        return problem("C015.empty_range", place, name=range_text(one), subject=what)
+        return problem("C006.empty_range", place, name=range_text(one), subject=what)
     return None
 
 
 def _overlaps(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     for first, second in overlap(dimension.covered):
         yield problem(
-            "C025.overlap",
+            "C023.overlap",
             place if second.place.line is None else second.place,
             first=range_text(first),
             second=range_text(second),
@@ -268,7 +268,7 @@ def _overlaps(dimension: NumericDimension, what: str, place: Place) -> Iterator[
 def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     if dimension.uom is None:
         yield problem(
-            "C017.no_unit", place, hint=_NO_UNIT, type=shown(dimension.type), subject=what
+            "C016.no_unit", place, hint=_NO_UNIT, type=shown(dimension.type), subject=what
         )
     elif units.find(dimension.uom) is None:
         near = did_you_mean(dimension.uom, [s for s in units.spellings() if s])
@@ -283,8 +283,23 @@ def _unit(dimension: NumericDimension, what: str, place: Place) -> Iterator[Prob
         )
 
 
-FATAL = frozenset({"C006", "C007", "C008", "C010", "C015", "C016"})
-"""Codes after which nothing is built (those of reading, C001 to C005, build nothing anyway)."""
+FATAL = frozenset(
+    {
+        "C006.asks_nothing",
+        "C006.covers_nothing",
+        "C006.empty_gate",
+        "C006.empty_list",
+        "C006.no_dimension",
+        "C007.duplicate",
+        "C007.duplicate_name",
+        "C008.no_source",
+        "C010",
+        "C006.bound",
+        "C006.empty_range",
+        "C016.unknown_unit",
+    }
+)
+"""Cases after which nothing is built (those of reading, C001 to C002, build nothing anyway)."""
 
 
 def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
@@ -301,7 +316,7 @@ def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
         *check_names(consert),
         *check_services(consert),
     ]
-    if any(problem.code in FATAL for problem in problems):
+    if any(problem.case in FATAL for problem in problems):
         return None, problems
     return _repaired(consert), problems
 

@@ -36,7 +36,7 @@ class Composition:
             where several instances have a demand of that id.
         unmatched_services: ids of required services that no ConSert in the set provides, likewise.
         reasons: one sentence for each obstacle.
-        problems: instance names that are used twice (C027), services that a file allocates to one
+        problems: instance names that are used twice (C007), services that a file allocates to one
             that does not do (X009).
     """
 
@@ -114,7 +114,7 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
     names = [name for name, _ in instances]
     repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     problems = tuple(
-        problem("C027.same_instances", number=names.count(name), name=name) for name in repeated
+        problem("C007.same_instances", number=names.count(name), name=name) for name in repeated
     )
     if problems:
         return Composition(

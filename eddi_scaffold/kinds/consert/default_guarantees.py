@@ -29,7 +29,7 @@ def with_default_guarantees(
         file: the file, for messages.
 
     Returns:
-        The ConSerts with their marks; an error (C028) for each mark that fits none or several.
+        The ConSerts with their marks; an error (C008) for each mark that fits none or several.
     """
     chosen: set[tuple[str, str]] = set()
     problems: list[Problem] = []
@@ -67,10 +67,10 @@ def _unclear(
 ) -> Problem:
     if found:
         names = " or ".join("/".join(pair) for pair in found)
-        return problem("C028.several", place, mark=mark, names=names)
+        return problem("C008.several", place, mark=mark, names=names)
     known = [name for pair in _all(conserts) for name in (pair[1], "/".join(pair))]
     return problem(
-        "C028.no_guarantee", place, hint=did_you_mean(mark, known), mark=mark, guarantee=shown(mark)
+        "C008.no_guarantee", place, hint=did_you_mean(mark, known), mark=mark, guarantee=shown(mark)
     )
 
 

@@ -80,7 +80,7 @@ class NumericDimension:
     """A number with a unit, expected to lie in one of the ``covered`` ranges.
 
     Attributes:
-        uom: unit as written; ``""`` is a ratio, ``None`` means that none was given (C017).
+        uom: unit as written; ``""`` is a ratio, ``None`` means that none was given (C016).
     """
 
     type: str

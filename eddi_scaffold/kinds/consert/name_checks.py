@@ -1,4 +1,4 @@
-"""Checks of names that generated code derives from ids, and of services: C018 to C022."""
+"""Checks of names that generated code derives from ids, and of services: C018 to C014."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _reserved(id_: str, place: Place, *, is_input: bool) -> Iterator[Problem]:
 
 
 def _collisions(ids: dict[str, Place], inputs: set[str]) -> Iterator[Problem]:
-    """Report ids that would have one name, once per pair (C019)."""
+    """Report ids that would have one name, once per pair (C007)."""
     reported: set[str] = set()
     for title, image in (*_IMAGES, ("attribute", names.attribute)):
         first: dict[str, str] = {}
@@ -70,7 +70,7 @@ def _collisions(ids: dict[str, Place], inputs: set[str]) -> Iterator[Problem]:
             if name and before != id_ and id_ not in reported:
                 reported.add(id_)
                 yield problem(
-                    "C019.same_identifier",
+                    "C007.same_identifier",
                     place,
                     before=shown(before),
                     id=shown(id_),
@@ -97,12 +97,12 @@ def _members(
     name: str, kind: str, members: Sequence[str], known: Sequence[str], place: Place
 ) -> Iterator[Problem]:
     if not members:
-        yield problem("C022.nothing_inside", place, name=name, element=kind)
+        yield problem("C014.nothing_inside", place, name=name, element=kind)
     known_ids, near = set(known), SimilarNames(known)
     for member in dict.fromkeys(members):
         if member not in known_ids:
             yield problem(
-                "C020.unknown_member",
+                "C008.unknown_member",
                 place,
                 hint=near.hint(member),
                 name=name,
@@ -115,4 +115,4 @@ def _demands_alone(consert: ConSert) -> Iterator[Problem]:
     grouped = {id_ for service in consert.required_services for id_ in service.demands}
     for demand in consert.demands:
         if demand.id not in grouped:
-            yield problem("C021.no_service", demand.place, demand=shown(demand.id))
+            yield problem("C014.no_service", demand.place, demand=shown(demand.id))

@@ -88,18 +88,18 @@ def acceptances(model: ConSertModel, _inputs: object, frequency: float) -> Seque
 def _wrong(options: Options) -> Iterator[Problem]:
     ids, debounce, filter_ = (options.values.get(key) for key in KEYS)
     if ids is not None and ids not in ("source", "class"):
-        yield problem("K005.guarantee_ids", options.place("guarantee_ids"))
+        yield problem("K003.guarantee_ids", options.place("guarantee_ids"))
     if debounce is not None and (type(debounce) is not int or debounce < 1):
-        yield problem("K005.debounce", options.place("debounce"))
+        yield problem("K003.debounce", options.place("debounce"))
     elif isinstance(debounce, int) and debounce > _MAX_SAMPLES:
         place = options.place("debounce")
         yield problem("K028.steps", place, key="regain_after", limit=_MAX_SAMPLES)
     if debounce is not None and filter_ is not None:
-        yield problem("K011.debounce_and_filter", options.place("filter"))
+        yield problem("K003.debounce_and_filter", options.place("filter"))
     if filter_ is None:
         return
     if not isinstance(filter_, Mapping):
-        yield problem("K005.filter", options.place("filter"))
+        yield problem("K003.filter", options.place("filter"))
         return
     kind = filter_.get("kind")
     key = _FILTERS.get(kind) if isinstance(kind, str) else None

@@ -199,7 +199,7 @@ def check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
     for top in dict.fromkeys(_top(part, roots) for part in parts):
         texts += stray_texts(top)
     for element, text in texts:
-        findings.count("X013.text", element, text=text[:20])
+        findings.count("X006.text", element, text=text[:20])
 
 
 def _top(part: Element, roots: Container[Element]) -> Element:
@@ -218,7 +218,7 @@ def _match(
     if match is None:
         owner = element.getparent() if what == "child" else element
         place = findings.document.feature(owner) if owner is not None else "the root"
-        findings.count("X015.unknown", element, subject=what, name=name, owner=place)
+        findings.count("X006.unknown", element, subject=what, name=name, owner=place)
     elif not match.is_exact(name):
         case = "X006.misprint" if is_misprint(name) else "X006.spelling"
         findings.count(case, element, subject=what, name=name, meant=match.name)

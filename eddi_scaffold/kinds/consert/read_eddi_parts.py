@@ -153,7 +153,7 @@ def _evidence(element: Element, parts: ConSertParts, findings: EddiFindings) -> 
         # A dimension with an error of its own is not missing.
         if dimensions or findings.errors == errors:
             if dimensions:
-                findings.report("C003.dimensions", element, name=name, number=len(dimensions))
+                findings.report("C002.dimensions", element, name=name, number=len(dimensions))
             else:
                 findings.report("C006.no_dimension", element, name=name)
         return

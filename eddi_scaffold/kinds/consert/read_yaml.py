@@ -90,7 +90,7 @@ def _variant(
         found = y.describe(node)
         if isinstance(node, y.Map):
             found = f"a map with {len(node.entries)} keys"
-        shape.report("C003.map_with_keys", node.place, subject=what, keys=keys, actual=found)
+        shape.report("C002.map_with_keys", node.place, subject=what, keys=keys, actual=found)
         return None
     key, content = node.entries[0]
     if key.text not in allowed:
@@ -168,7 +168,7 @@ def _bound(shape: Shape, node: y.Node, key: str, what: str) -> Bound | None:
     if isinstance(node, y.Scalar):
         unquoted = y.as_number(y.Scalar(node.text, plain=True))
         hint = f"write {node.text} without quotes" if unquoted is not None else None
-    shape.report("C003.number", node.place, hint=hint, key=key, subject=what, node=y.describe(node))
+    shape.report("C002.number", node.place, hint=hint, key=key, subject=what, node=y.describe(node))
     return None
 
 

@@ -57,7 +57,7 @@ def _constant(consert: ConSert) -> Iterator[Problem]:
     inputs, values = inputs_of(consert), constants(consert)
     for guarantee in consert.guarantees:
         value = values[guarantee.id]
-        # without any input C012 is reported
+        # without any input C011 is reported
         if value is not None and not guarantee.default and inputs[guarantee.id]:
             fate = "always active" if value else "never active"
             yield problem("S001", guarantee.place, guarantee=shown(guarantee.id), fate=fate)
@@ -122,7 +122,7 @@ def _service(
     defaults = [g.id for g in members if g.default]
     if len(defaults) > 1:
         names = ", ".join(map(shown, defaults))
-        yield problem("S006.defaults", service.place, service=shown(service.id), names=names)
+        yield problem("S005.defaults", service.place, service=shown(service.id), names=names)
     others = [g for g in members if not g.default]
     yield from _implications(others[:_MOST_GUARANTEES], sets)
     yield from _single_points(consert, service, others, sets)
@@ -135,7 +135,7 @@ def _implications(members: list[Guarantee], sets: dict[str, Sets | None]) -> Ite
             continue
         if implies(first, second):
             ids = {"strong": shown(strong.id), "weak": shown(weak.id)}
-            yield problem("S004.implies", strong.place, **ids)
+            yield problem("S003.implies", strong.place, **ids)
             if None not in (strong.ranking, weak.ranking) and (weak.ranking or 0) < (
                 strong.ranking or 0
             ):

@@ -28,7 +28,7 @@ def to_yaml(consert: ConSert) -> str:
     """Return the YAML text of a ConSert; its name is that of the file and not inside.
 
     Raises:
-        EddiError: an EDDI says something of it that this format cannot say (G021).
+        EddiError: an EDDI says something of it that this format cannot say (G004).
     """
     problems = list(_unsayable(consert))
     if problems:
@@ -66,7 +66,7 @@ def _unsayable(consert: ConSert) -> Iterator[Problem]:
 
 
 def _lost(what: str, place: Place) -> Problem:
-    return problem("G021.yaml", place, subject=what)
+    return problem("G004.yaml", place, subject=what)
 
 
 def as_plain(consert: ConSert) -> Mapping[str, Any]:

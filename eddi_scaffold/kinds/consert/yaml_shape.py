@@ -59,7 +59,7 @@ class Shape:
         *,
         lists: bool = False,
     ) -> Element | None:
-        """Read a map: C003 for anything else, C002 for missing and C004 for unknown keys.
+        """Read a map: C002 for anything else, C002 for missing and C002 for unknown keys.
 
         Args:
             node: the content of the file.
@@ -70,7 +70,7 @@ class Shape:
             lists: whether the mandatory keys hold lists, which may be empty.
         """
         if not isinstance(node, y.Map):
-            self.report("C003.map", node.place, subject=what, node=y.describe(node))
+            self.report("C002.map", node.place, subject=what, node=y.describe(node))
             return None
         id_, place = self._id(node, what) if "id" in mandatory else (None, node.place)
         if id_ is not None and kind is not None:
@@ -113,25 +113,25 @@ class Shape:
             if name.text not in known and name.text not in instead:
                 hint = _comma_hint(node, index) or did_you_mean(name.text, absent)
                 self.report(
-                    "C004.unknown_key", name.place, hint=hint, name=y.shown(name.text), subject=what
+                    "C002.unknown_key", name.place, hint=hint, name=y.shown(name.text), subject=what
                 )
 
     def items(self, node: y.Node, what: str) -> tuple[y.Node, ...] | None:
-        """Read a list, C003 for anything else."""
+        """Read a list, C002 for anything else."""
         if isinstance(node, y.Items):
             return node.items
         hint = "write [] for an empty list" if y.is_null(node) else None
-        self.report("C003.list", node.place, hint=hint, subject=what, node=y.describe(node))
+        self.report("C002.list", node.place, hint=hint, subject=what, node=y.describe(node))
         return None
 
     def scalar(self, node: y.Node, what: str) -> str | None:
-        """Read a text, C003 for a list, a map and a plain null."""
+        """Read a text, C002 for a list, a map and a plain null."""
         text = y.as_text(node)
         if text is None:
             hint = None
             if y.is_null(node) and isinstance(node, y.Scalar) and node.text:
                 hint = f'if the text "{node.text}" is meant, put it in quotes'
-            self.report("C003.text", node.place, hint=hint, subject=what, node=y.describe(node))
+            self.report("C002.text", node.place, hint=hint, subject=what, node=y.describe(node))
         return text
 
     def text(self, item: Element, key: str) -> str | None:
@@ -154,7 +154,7 @@ class Shape:
         value = y.as_bool(node)
         if value is None:
             self.report(
-                "C003.boolean", node.place, key=key, subject=item.what, node=y.describe(node)
+                "C002.boolean", node.place, key=key, subject=item.what, node=y.describe(node)
             )
         return otherwise if value is None else value
 
@@ -166,7 +166,7 @@ class Shape:
         value = y.as_integer(node)
         if value is None:
             self.report(
-                "C003.integer", node.place, key=key, subject=item.what, node=y.describe(node)
+                "C002.integer", node.place, key=key, subject=item.what, node=y.describe(node)
             )
         return value
 
@@ -178,7 +178,7 @@ class Shape:
         title: str,
         hints: Mapping[str, str] | None = None,
     ) -> str | None:
-        """Read one of a closed set of words: C005 for any other, with a hint on the case."""
+        """Read one of a closed set of words: C002 for any other, with a hint on the case."""
         text = self.text(item, key)
         if text is None or text in allowed:
             return text
@@ -195,9 +195,9 @@ class Shape:
         place: Place,
         hint: str | None = None,
     ) -> None:
-        """Report a word outside of a closed set (C005)."""
+        """Report a word outside of a closed set (C002)."""
         self.report(
-            "C005.unknown_word",
+            "C002.unknown_word",
             place,
             hint=hint or did_you_mean(text, allowed),
             kind=title,

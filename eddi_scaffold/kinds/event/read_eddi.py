@@ -56,16 +56,16 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
 
 
 def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
-    """Yield what is wrong with values before they are one text (X032)."""
+    """Yield what is wrong with values before they are one text (X031)."""
     for value in one.of(*DECLARATIONS, COMMENT):
         if re.search(r"[\r\n]", value.text):
-            yield problem("X032.line_end", value.place, tag=value.tag)
+            yield problem("X031.line_end", value.place, tag=value.tag)
         elif value.tag == COMMENT:
             continue
         elif "//" in _TEXT.sub("", value.text):
-            yield problem("X032.comment", value.place, tag=value.tag, comment=COMMENT)
+            yield problem("X031.comment", value.place, tag=value.tag, comment=COMMENT)
         elif _WORD.match(value.text):
-            yield problem("X032.keyword", value.place, tag=value.tag, word=value.text.split()[0])
+            yield problem("X031.keyword", value.place, tag=value.tag, word=value.text.split()[0])
     for value in one.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
@@ -100,7 +100,7 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
     """Return the map that holds the events of a file.
 
     Raises:
-        EddiError: a comment is not on a line of its own, or there is a bare expression (X032).
+        EddiError: a comment is not on a line of its own, or there is a bare expression (X031).
     """
     text = model.data.text
     tokens = [
@@ -112,7 +112,7 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
         if token.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
     ]
     if not begins or begins[0] != 0:
-        raise EddiError(problem("X032.not_a_declaration", model.place))
+        raise EddiError(problem("X031.not_a_declaration", model.place))
     found: list[tuple[int, str, str]] = []
     for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
         start, end = tokens[first].end, tokens[last - 1].end
@@ -132,4 +132,4 @@ def _refuse_comments(model: EventModel, text: str, start: int, end: int) -> None
     for at, _ in comments_of(text):
         if start < at < (line if line >= 0 else len(text)):
             place = in_text(text, model.source.name)(at)
-            raise EddiError(problem("X032.comment_behind", place))
+            raise EddiError(problem("X031.comment_behind", place))

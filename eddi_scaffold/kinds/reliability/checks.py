@@ -84,7 +84,7 @@ _ALL = "\0"
 
 
 def check_system(system: ReliabilitySystem) -> list[Problem]:
-    """Return all problems of the models that the top uses (R001, R005 to R016)."""
+    """Return all problems of the models that the top uses (R001, R005 to R013)."""
     problems = list(_references(system))
     if has_errors(problems):
         return problems
@@ -166,7 +166,7 @@ def _tree(component: ComponentModel, tree: FaultTree) -> list[Problem]:
             place = tree.events[key].place
             problems.append(
                 problem(
-                    "R006.none",
+                    "R002.none",
                     place,
                     hint=_ways(in_eddi=place.path is not None),
                     event=tree.events[key].name,
@@ -208,7 +208,7 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
 
 
 def _empty(gate: Gate) -> Iterator[Problem]:
-    """Refuse a gate without inputs; a port of an EDDI is reported by the reader (X017)."""
+    """Refuse a gate without inputs; a port of an EDDI is reported by the reader (X014)."""
     if not gate.is_port:
         hint = "list its inputs, or take it out"
         if gate.place.path is None:
@@ -282,7 +282,7 @@ def _diagram(component: ComponentModel, tree: FaultTree) -> list[Problem]:
         return []
     return [
         problem(
-            "R016.cut_sets_differ",
+            "R013.cut_sets_differ",
             component.place,
             tree=component.name,
             actual=_sets(tree.cut_sets),

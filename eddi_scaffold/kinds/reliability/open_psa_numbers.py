@@ -63,7 +63,7 @@ class Numbers:
 
     @property
     def doubts(self) -> list[Problem]:
-        """What is assumed, once for the file (R003, R018)."""
+        """What is assumed, once for the file (R004, R018)."""
         return list(self._doubts.values())
 
     def law(self, element: Element, path: tuple[str, ...], name: str, *, house: bool) -> Law | None:
@@ -182,11 +182,11 @@ class Numbers:
         return found
 
     def _unit(self, element: Element, path: tuple[str, ...], assumed: str) -> None:
-        """Say once for the file that a unit is assumed (R003)."""
+        """Say once for the file that a unit is assumed (R004)."""
         is_named = feature_of(element) == "parameter"
         if is_named and self._definition(element, path)[0].get("unit") in _UNITS:
             return
-        doubt = problem("R003.no_unit_in_file", place_of(element, self._file), assumed=assumed)
+        doubt = problem("R004.no_unit_in_file", place_of(element, self._file), assumed=assumed)
         self._doubts.setdefault("unit", doubt)
 
     def _fault(self, case: str, element: Element, /, **fields: Any) -> EddiError:

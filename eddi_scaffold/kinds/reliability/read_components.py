@@ -214,7 +214,7 @@ def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
     model = entry.text("model")
     ways = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
     if len(ways) > 1:
-        entry.report("R006.several", ways[1], name=name, listed=" and ".join(ways))
+        entry.report("R002.several", ways[1], name=name, listed=" and ".join(ways))
     if value is not None:
         law = Law("exponential", (value,))
     elif scale is not None and shape is not None:

@@ -171,7 +171,7 @@ class _Reader:
         ]
         for feature, element in found:
             self.findings.count(
-                "X018.of_machine",
+                "X014.of_machine",
                 element,
                 machine=self.document.describe(machine),
                 feature=feature.name,
@@ -184,7 +184,7 @@ class _Reader:
         if rates:
             what = self.document.describe(element)
             self.findings.report(
-                "X018.no_chain", rates[0], machine=what, rates=len(rates), number=len(transitions)
+                "X014.no_chain", rates[0], machine=what, rates=len(rates), number=len(transitions)
             )
         self._unused(element, self.document.children(element, word.STATES))
 
@@ -385,7 +385,7 @@ class _Reader:
 
     def _empty(self, cause: Element) -> None:
         what = self.document.describe(cause)
-        self.findings.count("X017.no_input", cause, subject=what)
+        self.findings.count("X014.no_input", cause, subject=what)
 
     def _votes(self, cause: Element) -> int | None:
         found = {key: text for key in _K if (text := self.laws.key_value(cause, key))}
@@ -437,10 +437,10 @@ class _Reader:
         same = [f for f in failures if own and self.document.attribute(f, word.NAME) == own]
         what = self.document.describe(cause)
         if len(same) == 1:
-            self.findings.count("X018.same_name", cause)
+            self.findings.count("X014.same_name", cause)
             return same[0]
         count = "no" if not same else str(len(same))
-        self.findings.report("X018.no_failure", cause, subject=what, number=count)
+        self.findings.report("X014.no_failure", cause, subject=what, number=count)
         return None
 
     def _cut_sets(
@@ -454,7 +454,7 @@ class _Reader:
             if about and not set(about) & set(own):
                 if self.document.attribute(tree, word.TOP_EVENT):  # else it is another top
                     described = self.document.describe(tree)
-                    self.findings.count("R016.not_compared", group, tree=described)
+                    self.findings.count("R013.not_compared", group, tree=described)
                 continue
             for child in self._children(group, word.SETS):
                 causes = self._children(child, word.CAUSES)
@@ -469,5 +469,5 @@ class _Reader:
                 found.add(frozenset(name[0] for name in names))
         if left_out:
             described, number = self.document.describe(tree), len(left_out)
-            self.findings.count("R016.odd_sets", left_out[0], number=number, tree=described)
+            self.findings.count("R013.odd_sets", left_out[0], number=number, tree=described)
         return frozenset(found) if found and not left_out else None

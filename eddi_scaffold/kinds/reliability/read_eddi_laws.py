@@ -57,7 +57,7 @@ class Laws:
         result = (self._document.attribute(failure, word.UNAVAILABILITY) or "").strip()
         if result.strip("0. "):
             message = f"{what}: unavailability={result} is a result at a time that is not stated"
-            self._findings.report("X018.unused", failure, subject=message)
+            self._findings.report("X014.unused", failure, subject=message)
         if chain is not None:
             return Law("model", model=chain)
         given = self._document.attribute(failure, word.FAILURE_RATE)
@@ -87,7 +87,7 @@ class Laws:
                 if law is not None and law.kind == "exponential":
                     return law.values[0]
                 kind = self._document.attribute(distribution, word.DISTRIBUTION_TYPE)
-                self._findings.report("R008.distribution", element, arc=what, kind=kind)
+                self._findings.report("X020.distribution", element, arc=what, kind=kind)
                 return None
             if given is not None:
                 return self._rate(element, given, what)
@@ -108,7 +108,7 @@ class Laws:
             return None
         given = self._document.attribute(element, rate_)
         if found is not None and given and given.strip("0. "):  # EMF may write what is not given
-            self._findings.report("X018.rate", found, subject=what, rate=rate_.name)
+            self._findings.report("X014.rate", found, subject=what, rate=rate_.name)
         return found
 
     def _distribution(self, element: Element, what: str) -> Law | None:
@@ -142,7 +142,7 @@ class Laws:
                 return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
         shown = ", ".join(f"{name}={text}" for name, text in texts.items())
         self._findings.report(
-            "X018.distribution", element, subject=what, distribution=given, laws=shown
+            "X014.distribution", element, subject=what, distribution=given, laws=shown
         )
         return None
 
@@ -154,7 +154,7 @@ class Laws:
     def _assumed(self, found: Quantity, element: Element, what: str, unit: str) -> None:
         if not found.has_unit:
             self._findings.report(
-                "R003.no_unit_in_eddi", element, subject=what, value=found.value, unit=unit
+                "R004.no_unit_in_eddi", element, subject=what, value=found.value, unit=unit
             )
 
     def _unit(self, element: Element, *, of_rate: bool) -> str | None:

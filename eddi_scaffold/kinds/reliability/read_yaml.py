@@ -46,7 +46,7 @@ def read_system(
         base: the existing content, which is changed; None: nothing.
 
     Returns:
-        The system, None after an error (R001, R002, R004, R011, R015), and all problems.
+        The system, None after an error (R001, R002, R004, R005), and all problems.
     """
     components = dict(base.components) if base else {}
     models = values.map("models")
@@ -128,12 +128,12 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
             continue
         _check_id(entry, name)
         if name in found:
-            entry.report("R015.same_name", "id", name=name)
+            entry.report("R001.same_name", "id", name=name)
         other = owners.setdefault(topic, name) if topic else name
         if other != name:
-            entry.report("R015.same_topic", "topic", first=other, second=name, topic=topic)
+            entry.report("R001.same_topic", "topic", first=other, second=name, topic=topic)
         if release is not None and release < activate:
-            entry.report("R015.release", "release", name=name, release=release, activate=activate)
+            entry.report("R001.release", "release", name=name, release=release, activate=activate)
         release = activate if release is None else release
         seconds = 3600.0 * (hold or 0.0)
         found[name] = Threshold(name, activate, release, seconds, topic, entry.place())
@@ -142,9 +142,9 @@ def _thresholds(values: Values) -> tuple[Threshold, ...]:
 
 def _check_id(entry: Values, name: str) -> None:
     if _ID.fullmatch(name) is None:
-        entry.report("R015.id", "id", name=name)
+        entry.report("R001.id", "id", name=name)
     elif name in _RESULTS:
-        entry.report("R015.reserved", "id", name=name, results=", ".join(_RESULTS))
+        entry.report("R001.reserved", "id", name=name, results=", ".join(_RESULTS))
 
 
 def _component(
@@ -241,14 +241,14 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
         return None
     if rates is not None and len(rates) != motors:
         entry.report(
-            "R011.rates", "rates", rates=len(rates), configuration=configuration, motors=motors
+            "R005.rates", "rates", rates=len(rates), configuration=configuration, motors=motors
         )
         return None
     positions = entry.value("positions", list(range(motors)))
     if not isinstance(positions, list) or sorted(map(repr, positions)) != sorted(
         map(repr, range(motors))
     ):
-        entry.report("R011.positions", "positions", last=motors - 1)
+        entry.report("R005.positions", "positions", last=motors - 1)
         return None
     return {
         "configuration": configuration,

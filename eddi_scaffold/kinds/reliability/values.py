@@ -162,7 +162,7 @@ class Values:
     ) -> float | None:
         """Return a rate or a duration in 1/h or h.
 
-        A missing unit is a warning (R003), or, of durations of the clock, an error (R004).
+        A missing unit is a warning (R004), or, of durations of the clock, an error (R004).
         """
         found = self._data.get(key)
         if found is None:
@@ -202,7 +202,7 @@ class Values:
         unit, also = ("h", "") if read.__name__ == "duration" else ("1/h", f" or `{given} FIT`")
         self.problems.append(
             problem(
-                "R003.no_unit",
+                "R004.no_unit",
                 self.place(*keys),
                 key=keys[0],
                 value=found.value,

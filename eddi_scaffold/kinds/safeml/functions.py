@@ -82,13 +82,13 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
 
 def _more_inputs(options: Options) -> Iterator[Problem]:
     for item in options.inputs[1:]:
-        yield problem("L014.one_input", item.place, input=item.id)
+        yield problem("K013.one_input", item.place, input=item.id)
 
 
 def _wrong_field(options: Options) -> Iterator[Problem]:
     if options.values.get(VIOLATION_FIELD, VIOLATION_FIELDS[0]) not in VIOLATION_FIELDS:
         yield problem(
-            "K005.violation_field",
+            "K003.violation_field",
             options.place(VIOLATION_FIELD),
             key=VIOLATION_FIELD,
             allowed=" or ".join(VIOLATION_FIELDS),

@@ -78,7 +78,7 @@ class _Planner:
     def _plan(self) -> Plan | None:
         settings, problems = self.settings, self.problems
         if not np.isfinite(self.rows).all():
-            problems.append(problem("L005.float32", settings.place("input_dtype")))
+            problems.append(problem("L004.float32", settings.place("input_dtype")))
             return None
         _, other = split(self.rows, halves=self.halves)
         constant = self._look_at_features()
@@ -156,7 +156,7 @@ class _Planner:
             return None
         if np.abs(self.rows).max() > _LARGEST_SQUARED:
             where = settings.place("reference_sample_file")
-            self.problems.append(problem("L005.overflow", where))
+            self.problems.append(problem("L004.overflow", where))
             return None
         singular = principal_axes(other, wanted, standardize=settings.standardize).singular
         if singular[0] == 0.0:
@@ -234,10 +234,10 @@ class _Planner:
             return
         if made.threshold > 2 * made.theoretical:
             ratio = made.threshold / made.theoretical
-            yield problem("L012.raised", settings.place("window_size"), ratio=ratio)
+            yield problem("L011.raised", settings.place("window_size"), ratio=ratio)
         if made.calibration.is_last:
             yield problem(
-                "L012.resolution",
+                "L011.resolution",
                 settings.place("significance_level"),
                 significance_level=settings.significance_level,
                 windows=made.calibration.windows,

@@ -49,7 +49,7 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
         found += more
         if settings is not None:
             reference, more = read_named(source.name, settings)
-            found += [_at(problem, settings) for problem in more]
+            found += more
             if reference is not None:
                 found += _digest(extension_map, reference.source)
                 if not has_errors(found):
@@ -93,17 +93,10 @@ def _scalar(text: str) -> str:
     return text if _PLAIN.fullmatch(text) else json.dumps(text)
 
 
-def _at(problem: Problem, settings: SafeMLSettings) -> Problem:
-    """Report a path that leads out of the folder, or to nothing, at the value (X034)."""
-    if problem.code != "L004" or problem.place != settings.place(_REFERENCE):
-        return problem
-    return replace(problem, case="X034.reference")
-
-
 def _digest(one: ExtensionMap, reference: Source) -> Iterator[Problem]:
     for value in one.of(DIGEST):
         if value.text.lower() != reference.sha256:
-            yield problem("X034.digest", value.place, sha256=reference.sha256, expected=value.text)
+            yield problem("L004.digest", value.place, sha256=reference.sha256, expected=value.text)
 
 
 def _artifacts(one: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
@@ -111,5 +104,5 @@ def _artifacts(one: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
         gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
         if value.text not in gids:
             yield problem(
-                "X035.gid", value.place, hint=did_you_mean(value.text, gids), gid=value.text
+                "L004.gid", value.place, hint=did_you_mean(value.text, gids), gid=value.text
             )

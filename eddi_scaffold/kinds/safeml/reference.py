@@ -59,7 +59,7 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
     """Read a reference sample.
 
     Returns:
-        The reference, ``None`` when a problem is an error (L004, L005), and all problems. Line and
+        The reference, ``None`` when a problem is an error (L004), and all problems. Line and
         column of a place are the row and the column of the cell.
     """
     try:
@@ -211,7 +211,7 @@ def _not_finite(values: Rows, numbers: list[int], file: str) -> list[Problem]:
     return [
         _at(
             problem(
-                "L005.not_finite",
+                "L004.not_finite",
                 Place(file, row, column),
                 number=_cells(len(bad)),
                 row=row,

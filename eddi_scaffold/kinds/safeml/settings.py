@@ -36,7 +36,7 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     """Read a configuration.
 
     Returns:
-        The settings, ``None`` when a problem is an error (L001 to L003), and all problems.
+        The settings, ``None`` when a problem is an error (L001 to L001), and all problems.
     """
     root, problems = read_map(source, "L001")
     if root is None:
@@ -78,12 +78,12 @@ def _problem(key: str, node: Node, expected: str) -> Problem:
     if key != "distance_metric":
         hint = _INSTEAD.get((as_text(node) or "").lower()) if key == "array_backend" else None
         return problem(
-            "L002.value", node.place, hint=hint, key=key, expected=expected, actual=describe(node)
+            "L001.value", node.place, hint=hint, key=key, expected=expected, actual=describe(node)
         )
     given = as_text(node)
     near = did_you_mean(given, METRICS) if given is not None else None
     return problem(
-        "L003.metric",
+        "L001.metric",
         node.place,
         hint=near or f"there are: {', '.join(METRICS)}",
         key=key,

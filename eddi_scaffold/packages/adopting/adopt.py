@@ -76,7 +76,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         name: of the new package in place of the old one's, and which model of a file with several.
 
     Raises:
-        EddiError: the package or the model cannot be used (A001 to A004).
+        EddiError: the package or the model cannot be used (A001 to A002).
     """
     old = read_old_package(folder)
     wanted = name or old.name
@@ -190,7 +190,7 @@ def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]
         if reading.models and not has_errors(reading.problems):
             return path, reading.models
         damage += [problem for problem in reading.problems if problem.level == "error"][:1]
-    raise EddiError(*damage, problem("A004.no_model", Place(str(old.folder))))
+    raise EddiError(*damage, problem("A002.no_model", Place(str(old.folder))))
 
 
 def _chosen(models: Sequence[Model], name: str | None) -> Model:

@@ -269,7 +269,7 @@ def read_old_package(folder: Path) -> OldPackage:
 
     Raises:
         EddiError: it is not a folder (F001), holds nothing of an old package, is one of ours or is
-            a folder above packages (A002), holds one of its modules twice (A003), or a module is
+            a folder above packages (A002), holds one of its modules twice (A002), or a module is
             not Python (A001) or has damaged markers (H010).
     """
     if not folder.is_dir():
@@ -335,5 +335,5 @@ def _only(folder: Path, files: Sequence[Path], name: str) -> ParsedModule | None
     found = [file for file in files if file.name == name]
     if len(found) > 1:
         listed = ", ".join(map(str, found))
-        raise EddiError(problem("A003.several", Place(str(folder)), files=name, names=listed))
+        raise EddiError(problem("A002.several", Place(str(folder)), files=name, names=listed))
     return read_module(folder / found[0]) if found else None

@@ -37,7 +37,7 @@ def write_adopted(
 
     Raises:
         EddiError: the new package, or another file in the place of its model or configuration, is
-            there already (A005), the place is in the old package (G006), or it cannot be
+            there already (G003), the place is in the old package (G006), or it cannot be
             generated.
     """
     if place.resolve().is_relative_to(adoption.old.folder.resolve()):
@@ -45,7 +45,7 @@ def write_adopted(
     root = packages_root(platform, place)
     package = package_name(adoption.id)
     if os.path.lexists(root / package):
-        raise EddiError(problem("A005.package_exists", Place(str(root / package))))
+        raise EddiError(problem("G003.package_exists", Place(str(root / package))))
     config_name = f"{package}_config.yml"
     data = read_source(adoption.model_file).data
     files = {config_name: adoption.config().encode(), adoption.model_name: data}
@@ -79,7 +79,7 @@ def _is_new(file: Path, data: bytes) -> bool:
     if not os.path.lexists(file):
         return True
     if read_source(file).data != data:
-        raise EddiError(problem("A005.file_exists", Place(str(file))))
+        raise EddiError(problem("G003.file_exists", Place(str(file))))
     return False
 
 

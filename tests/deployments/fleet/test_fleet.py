@@ -79,7 +79,7 @@ def test_so_many_offers_are_not_looked_through(folder: Path) -> None:
     ]
     path.write_text("\n".join(["Robots:", *robots, "Bindings: [{demand: ArmIsParked}]\n"]), "utf-8")
     problems = read_whole_fleet(read_source(path), checked_models)[1]
-    assert_reported("D018", problems)
+    assert_reported("D004", problems)
 
 
 def test_the_example_has_no_problems_in_a_file_or_in_its_folder(folder: Path) -> None:

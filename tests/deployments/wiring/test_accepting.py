@@ -129,7 +129,7 @@ def test_show_of_what_accepts_nothing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "status", "code"),
     [
-        (["base_config.yml"], 2, "F008"),  # it does not name its model
+        (["base_config.yml"], 2, "F003"),  # it does not name its model
         (["base.yml", "-c", "base.yml"], 2, "K001"),
         (["base.yml", "-c", "nothere.yml"], 2, "F001"),
         (["base.yml", "-c", "wrong.yml"], 1, "K020"),

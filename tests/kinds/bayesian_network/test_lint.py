@@ -58,9 +58,9 @@ def said(source: Source) -> list[str]:
         ),
         (
             "is_bn_output = True\noutcome_low = 1.0\n",
-            "8: node_Speed is an output and evidence at once: it only echoes what is set [B414]",
+            "8: node_Speed is an output and evidence at once: it only echoes what is set [B412]",
         ),
-        ("outcome_low = 1.5\n", "8: node_Speed: an outcome of 1.5 is outside [0, 1] [B417]"),
+        ("outcome_low = 1.5\n", "8: node_Speed: an outcome of 1.5 is outside [0, 1] [B412]"),
     ],
 )
 def test_a_fault_is_told_with_its_line(body: str, wanted: str) -> None:

@@ -105,7 +105,7 @@ def test_a_leak_is_read_with_a_warning() -> None:
 )
 def test_what_is_no_noisy_max(inner: str, said: str) -> None:
     reading = read(network(inner), "n.xdsl")
-    assert [problem.code for problem in reading.problems] == ["B206"]
+    assert [problem.code for problem in reading.problems] == ["B202"]
     assert said in reading.problems[0].message
     assert reading.models == ()
 
@@ -125,4 +125,4 @@ def test_tables_that_would_be_too_large_are_refused() -> None:
 def test_without_states_that_is_the_only_complaint() -> None:
     text = f'{START}<noisymax id="C"><parents>A</parents><parameters>1</parameters></noisymax>'
     reading = read(f"{text}</nodes></smile>", "n.xdsl")
-    assert [problem.code for problem in reading.problems] == ["B103"]
+    assert [problem.code for problem in reading.problems] == ["B101"]

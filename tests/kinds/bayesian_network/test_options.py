@@ -113,7 +113,7 @@ def test_each_mistake_in_a_discretisation_is_told(case: str) -> None:
     assert monitor is None
     found = [one for one in problems if message in one.message]
     assert found, problems
-    assert found[0].code in ("B403", "B404")
+    assert found[0].code in ("B303", "B404")
     assert found[0].place.line is not None
 
 

@@ -166,7 +166,7 @@ def test_conserts_that_wait_for_each_other():
 def test_two_instances_need_two_names():
     model = user(BinaryDimension("X"))
     result = compose([("u", model), ("u", model)])
-    assert_reported("C027", result.problems)
+    assert_reported("C007", result.problems)
     assert result.reasons == ("2 ConSerts are called 'u'",)
     again = compose([("u", model), ("v", model)])
     assert again.unmatched_demands == ("u/D", "v/D")
@@ -258,10 +258,10 @@ def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> No
     found = run("compose", f"{name}A.yml", "B.yml", *marks, cwd=tmp_path)
     assert (found.status, found.out.splitlines()[0]) == (0, "composable"), found.err
     wrong = run("compose", "A.yml", "B.yml", *marks, "--default-guarantee", "Sit", cwd=tmp_path)
-    assert (wrong.status, wrong.err.count("[C028]")) == (2, 1)
+    assert (wrong.status, wrong.err.count("[C008]")) == (2, 1)
     assert "there is no guarantee 'Sit'" in wrong.err
     (tmp_path / "n.bif").write_text(
         "network N { } variable V { type discrete [2] { y, n }; } probability (V) { table 1 0; }"
     )
     wrong = run("compose", "A.yml", "n.bif", *marks, cwd=tmp_path)
-    assert (wrong.status, wrong.err.count("[C028]")) == (2, 1)
+    assert (wrong.status, wrong.err.count("[C008]")) == (2, 1)

@@ -279,30 +279,30 @@ def test_default_guarantees_are_marked() -> None:
     ((consert,), problems) = read(ROVER, "slow", "Drive/fast")
     assert [g.default for g in consert.guarantees] == [True, True]
     assert problems == []
-    assert codes(read(ROVER, "slaw")[1]) == {"C028"}
+    assert codes(read(ROVER, "slaw")[1]) == {"C008"}
 
 
 A = "//@odeProductPackages.0/@conSerts.0"
 ROWS = {
     # (what is changed, into what, the problems)
-    "X008 with suggestion": (
+    "X007 with suggestion": (
         f'target="{A}/@guarantees.1"',
         'target="//@odeProductPackages.0/@guarantees.1"',
         [
             (
-                'm.xml:7: error X008: target "//@odeProductPackages.0/@guarantees.1" points at '
+                'm.xml:7: error X007: target "//@odeProductPackages.0/@guarantees.1" points at '
                 'nothing: //@odeProductPackages.0 has no "guarantees", it has "conSerts" (1) and '
                 '"dependabilityPropertyTypes" (1); did you mean '
                 "//@odeProductPackages.0/@conSerts.0/@guarantees.1?"
             )
         ],
     ),
-    "X008 index": (
+    "X007 index": (
         f'target="{A}/@guarantees.1"',
         f'target="{A}/@guarantees.5"',
         [
             (
-                f'm.xml:7: error X008: target "{A}/@guarantees.5" points at nothing: {A} has 2 '
+                f'm.xml:7: error X007: target "{A}/@guarantees.5" points at nothing: {A} has 2 '
                 '"guarantees", the index 5 is out of range (0 to 1)'
             )
         ],
@@ -428,20 +428,20 @@ ROWS = {
         'ranking="best"',
         ['m.xml:28: error X011: ranking is "best", allowed: an integer'],
     ),
-    "X012": (
+    "X007 in another file": (
         f'target="{A}/@guarantees.1"',
         'target="other.xml#//@a.0"',
         [
-            'm.xml:7: error X012: target "other.xml#//@a.0" points into another file, other.xml',
+            'm.xml:7: error X007: target "other.xml#//@a.0" points into another file, other.xml',
         ],
     ),
-    "C003": (
+    "C002": (
         '<runtimeEvidence name="brakes">',
         (
             '<runtimeEvidence name="brakes"><dependabilityProperty><dimension '
             'xsi:type="consert_:Binary" type="Twice"/></dependabilityProperty>'
         ),
-        ['m.xml:44: error C003: evidence "brakes" has 2 dimensions, it needs one'],
+        ['m.xml:44: error C002: evidence "brakes" has 2 dimensions, it needs one'],
     ),
 }
 
@@ -500,20 +500,20 @@ ACCEPTED = {
         "",
         ["m.xml:12: warning X014: inclusive is absent, taken as true (the end lies inside)"],
     ),
-    "X015": (
+    "X006": (
         "<covered value",
         '<covered colour="red" value',
-        ['m.xml:20: info X015: unknown attribute "colour" of covered is ignored (3 times)'],
+        ['m.xml:20: info X006: unknown attribute "colour" of covered is ignored (3 times)'],
     ),
-    "X015 child": (
+    "X006 child": (
         '<conSerts name="Drive">',
         '<conSerts name="Drive"><extra/>',
-        ['m.xml:4: info X015: unknown child "extra" of conSerts is ignored'],
+        ['m.xml:4: info X006: unknown child "extra" of conSerts is ignored'],
     ),
-    "X013": (
+    "X006 text": (
         '<serviceType name="DrivingType"/>',
         '| <serviceType name="DrivingType"/> |',
-        ['m.xml:58: warning X013: unexpected text "|" (2 times)'],
+        ['m.xml:58: warning X006: unexpected text "|" (2 times)'],
     ),
     "X006 case": (
         "<conSerts name",
@@ -608,7 +608,7 @@ def test_folded_bodies() -> None:
     assert conserts == ()
     assert texts(problems) == [
         'm.xml:44: error C006: evidence "brakes" has no dimensions, it needs one',
-        'm.xml:44: warning X013: unexpected text "..."',
+        'm.xml:44: warning X006: unexpected text "..."',
     ]
 
 

@@ -60,8 +60,8 @@ def test_equal_functions_and_implication():
     model = consert(["G", "H", "I"], [], "a>G a>H b>H a>I b>I", services=["GHI"])
     assert found(model) == [
         ("info", "S003", "guarantees 'H' and 'I' are active under the same conditions"),
-        ("info", "S004", "guarantee 'H' implies 'G'"),
-        ("info", "S004", "guarantee 'I' implies 'G'"),
+        ("info", "S003", "guarantee 'H' implies 'G'"),
+        ("info", "S003", "guarantee 'I' implies 'G'"),
         (
             "info",
             "S007",
@@ -80,8 +80,8 @@ def test_ranking_against_implication_and_two_defaults():
         [weak, strong, *defaults], [("o", "Or")], "a>o b>o o>W a>S b>S", services=["WSDE"]
     )
     assert found(model) == [
-        ("warning", "S006", "provided service 'S0' has several default guarantees: 'D', 'E'"),
-        ("info", "S004", "guarantee 'S' implies 'W'"),
+        ("warning", "S005", "provided service 'S0' has several default guarantees: 'D', 'E'"),
+        ("info", "S003", "guarantee 'S' implies 'W'"),
         (
             "warning",
             "S005",

@@ -67,7 +67,7 @@ def test_what_the_rate_decides_is_checked_with_it(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "code"),
-    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E002"), ("", "E002")],
+    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")],
 )
 def test_wrong_files(text: str, code: str, folder: Path) -> None:
     (folder / "overheat.events").write_text(text)
@@ -93,7 +93,7 @@ def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) ->
     assert f"only={first!a}," in node.read_text()
     config.write_text(text.partition("EDDIOutputs:")[0] + outputs % "nothing")
     wrong = run(*words, cwd=folder)
-    assert (wrong.status, "[K045]" in wrong.err) == (2, True)
+    assert (wrong.status, "[K020]" in wrong.err) == (2, True)
     config.write_text(text)
     (folder / "overheat.events").write_text(TEXT.rpartition("EVENT")[0])
     alone = run("check", "overheat.events", "eddi_config.yml", cwd=folder)

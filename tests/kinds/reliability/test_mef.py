@@ -135,7 +135,7 @@ def test_what_is_assumed_is_told_once() -> None:
     more = f'<define-basic-event name="f">{law}</define-basic-event>\n'
     reading = event(law, more)
     assert [(one.code, one.level) for one in reading.problems] == [
-        ("R003", "warning"),
+        ("R004", "warning"),
         ("R018", "warning"),
     ]
     assert_reported("R018", reading.problems[1:])
@@ -278,7 +278,7 @@ def test_the_examples_of_the_codes() -> None:
 
 def test_an_event_without_a_probability_and_a_cycle() -> None:
     (model,) = event("").models
-    assert [problem.code for problem in FUNCTIONS.check(model)] == ["R006"]
+    assert [problem.code for problem in FUNCTIONS.check(model)] == ["R002"]
     inner = "<or><and><gate name='top'/><gate name='x'/></and><gate name='x'/></or>"
     for below in ('<gate name="top"/>', inner):  # also through a formula without a name
         text = tree('<gate name="x"/>', f'<define-gate name="x">{below}</define-gate>')

@@ -42,7 +42,7 @@ def test_motors() -> None:
         )
         if case.get("correct") == "config_error":
             assert CONFIGURATIONS[case["configuration"]] != count
-            assert [one.code for one in everything(text)] == ["R011"]
+            assert [one.code for one in everything(text)] == ["R005"]
             continue
         status = {f"m_motor_{i}": bool(works) for i, works in enumerate(case["status"])}
         check(at_start(sound(text), **status), case)
@@ -181,7 +181,7 @@ def test_evidence() -> None:
 def test_the_example_of_the_metamodel() -> None:
     path = data_file("monitors/eddi_reliability_example.xml")
     models, problems = models_of(path)
-    warned = [one.message.split("'")[1] for one in problems if one.code == "R003"]
+    warned = [one.message.split("'")[1] for one in problems if one.code == "R004"]
     for case in oracle()["ode_models"]:
         assert warned == case["no_unit_warnings"]
         for name in ("Propulsion", "MissionLoss"):

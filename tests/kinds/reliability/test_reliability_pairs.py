@@ -59,7 +59,7 @@ def test_a_consert_takes_thresholds_that_are_there(tmp_path: Path) -> None:
     problems = check_files([*(EXAMPLE / name for name in names), config])
     assert [(one.code, one.message, one.hint) for one in problems] == [
         (
-            "K047",
+            "K020",
             "'evidence[RtE_continu].active': MissionLoss publishes no 'RtE_continu'",
             "did you mean 'RtE_continue'?",
         )

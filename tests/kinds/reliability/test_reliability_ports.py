@@ -21,7 +21,7 @@ def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
     body = TREE.replace("$", PACKAGE)
     path.write_text(HEAD + body + "</odeProductPackages></i:DDIPackage>\n", "utf-8")
     models, problems = models_of(path)
-    assert [(one.level, one.code) for one in problems] == [("warning", "X017")]
+    assert [(one.level, one.code) for one in problems] == [("warning", "X014")]
     assert FUNCTIONS.configure(models["T"], Options())[0] is not None
     options = Options(values={"thresholds": [{"id": "go", "activate": 0.1}]})
     configured, problems = FUNCTIONS.configure(models["T"], options)
