@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Mapping, NamedTuple
 
 from ..monitor import Tree
 from .engine import Rows
-from .knowledge import Facts, Known
 from .monitor import BayesianNetworkMonitor
+from .outputs import Facts, Known
 
 if TYPE_CHECKING:
     from .claims import Claim

@@ -8,8 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from ..access import UNTOLD, NotGivenError, Step, follow, given
-from ..plain_values import one_line
+from ..plain_values import UNTOLD, NotGivenError, Step, follow, given, one_line
 from .conditions import Conditions, Value, reduced
 
 Path = Sequence[Step]

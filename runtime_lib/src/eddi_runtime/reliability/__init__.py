@@ -4,11 +4,9 @@ Each sort of model is a module of its own, which a compiled monitor imports wher
 """
 
 from ..thresholds import Threshold
-from .component import Importance
-from .explain import Explanation
+from .component import Importance, Rule
 from .monitor import Reliability
-from .result import ReliabilityResult
-from .values import Rule
+from .result import Explanation, ReliabilityResult
 
 FORMAT = 2
 

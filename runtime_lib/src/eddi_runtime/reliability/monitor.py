@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, Iterable, Mapping, Sequence
 
-from ..clock import NO_TIME, step_time
-from ..inputs import look_again
+from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
-from .component import NAN, NOTHING, Component, Estimate, Importance, Moment
-from .explain import Explanation
-from .result import ReliabilityResult
-from .values import Rule, Taken, take
+from .component import NAN, NOTHING, Component, Estimate, Importance, Moment, Rule, Taken, take
+from .result import Explanation, ReliabilityResult
 
 GRID = 256
 """How many horizons are prepared when the mission's end is an input."""
