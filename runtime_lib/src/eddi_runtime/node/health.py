@@ -11,7 +11,7 @@ from ..compatibility import __version__
 from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Output
 from ..plain_values import is_nan, one_line, read
-from .logs import LOG
+from .loop import LOG, Waker
 from .receipts import Receipt
 from .report import (
     FRESH,
@@ -29,7 +29,6 @@ from .report import (
     level_of,
     report,
 )
-from .schedule import Waker
 
 PERIOD_S = 1.0
 """Between two reports without a new level."""

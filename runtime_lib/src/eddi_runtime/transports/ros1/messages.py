@@ -13,7 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from ...inputs import UNKNOWN_AGE
 from ...node.health import Status
-from ...node.logs import LOG
+from ...node.loop import LOG
 from ...node.outputs import Converter, MessageClasses
 from ...node.receipts import Receipts
 

@@ -16,11 +16,9 @@ from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.node import Node
 from ...node.outputs import MessageError, Output, Publish
-from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input
+from ...node.receipts import DEFAULT_BUFFER_BYTES, MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
-from ...node.settings import Settings
-from ...node.silence import Topic
-from ...node.start import StartError, end_at_signals, write_to_stderr
+from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
 from .messages import Callback, converter, diagnostics_publisher, start_log
 from .process import RosEnding, node_name, options_of
 from .watchdog import LOST, TypeRefusals, Watchdog, standing, watch

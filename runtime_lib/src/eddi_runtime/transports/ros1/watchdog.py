@@ -17,10 +17,9 @@ import rosgraph
 import rospy
 import rospy.impl.registration
 
-from ...node.logs import LOG
-from ...node.settings import Settings
-from .master import Peer, Refused, Unreachable, answers_as
-from .process import MASTER_LOST, TAKEN_OVER, RosEnding
+from ...node.loop import LOG
+from ...node.start import Settings
+from .process import MASTER_LOST, TAKEN_OVER, Peer, Refused, RosEnding, Unreachable, answers_as
 
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
