@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Union
 
-from .expressions.conditions import Conditions, Value, reduced, scaled, stamp
+from .expressions import Conditions, Value, reduced, scaled, stamp
 from .inputs import accepted, look_again, step_time
 from .monitor import Monitor, Standing, Tree
 from .plain_values import Absent, is_nan, plain, read, show

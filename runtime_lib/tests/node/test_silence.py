@@ -4,8 +4,7 @@ import difflib
 import time
 
 import pytest
-from eddi_runtime.node.publications import fault
-from eddi_runtime.node.receipts import Input, Receipts, Silence, Topic
+from eddi_runtime.node.receipts import Input, Receipts, Silence, Topic, fault
 
 BOOL, TEXT = "std_msgs/Bool", "std_msgs/String"
 SILENT = "its publisher is there, and silent"

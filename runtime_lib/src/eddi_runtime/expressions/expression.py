@@ -9,7 +9,7 @@ import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
 from ..plain_values import UNTOLD, NotGivenError, Step, follow, given, one_line
-from .conditions import Conditions, Value, reduced
+from . import Conditions, Value, reduced
 
 Path = Sequence[Step]
 Check = Sequence[Any]

@@ -4,9 +4,8 @@ Each sort of model is a module of its own, which a compiled monitor imports wher
 """
 
 from ..thresholds import Threshold
-from .component import Importance, Rule
+from .component import Explanation, Importance, ReliabilityResult, Rule
 from .monitor import Reliability
-from .result import Explanation, ReliabilityResult
 
 FORMAT = 2
 

@@ -9,8 +9,19 @@ from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
-from .component import NAN, NOTHING, Component, Estimate, Importance, Moment, Rule, Taken, take
-from .result import Explanation, ReliabilityResult
+from .component import (
+    NAN,
+    NOTHING,
+    Component,
+    Estimate,
+    Explanation,
+    Importance,
+    Moment,
+    ReliabilityResult,
+    Rule,
+    Taken,
+    take,
+)
 
 GRID = 256
 """How many horizons are prepared when the mission's end is an input."""

@@ -26,8 +26,7 @@ from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
 from ...node.start import StartError, end_at_signals
 from ...plain_values import one_line
-from .messages import diagnostics_publisher, start_log
-from .node import MonitorNode
+from .node import MonitorNode, diagnostics_publisher, start_log
 from .process import RosEnding, node_name, options_of
 from .watchdog import TypeRefusals, Watchdog, watch
 
