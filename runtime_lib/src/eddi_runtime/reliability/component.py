@@ -225,17 +225,14 @@ class Explanation(NamedTuple):
 
     def text(self) -> str:
         """Return the explanation as lines for people, without a line end behind the last."""
-        return "\n".join(self._lines())
-
-    def _lines(self) -> list[str]:
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""
-        because = f": {one.reason}" if one.reason else ""
-        why = f"{'valid' if one.valid else 'not valid'}{because}"
+        why = f"{'valid' if one.valid else 'not valid'}{f': {one.reason}' if one.reason else ''}"
         lines = [f"p_fail {one.p_fail:.3g}{shown} within {one.horizon:g} h, {why}"]
         lines += [f"  {name} is {'' if on else 'not '}active" for name, on in one.evidence.items()]
-        lines += [f"  {name} is unknown{_because(why)}" for name, why in self.unknown.items()]
+        because = {name: f": {why}" if why else "" for name, why in self.unknown.items()}
+        lines += [f"  {name} is unknown{why}" for name, why in because.items()]
         lines += [f"  {name}: {why}" for name, why in self.faults.items() if name in self.known]
         for name, p in self.contributions[:_SHOWN]:
             lines.append(f"  model {name}: p_fail {p:.3g}")
@@ -245,8 +242,4 @@ class Explanation(NamedTuple):
         for name, count in self.ignored.items():
             times = "once" if count == 1 else f"{count} times"
             lines.append(f"  model {name}: ignored {times} that something failed works again")
-        return lines
-
-
-def _because(reason: str) -> str:
-    return f": {reason}" if reason else ""
+        return "\n".join(lines)

@@ -222,16 +222,13 @@ class SafeML(Monitor[SafeMLResult]):
         """
         if self._last.omission or self._statistics is None:
             return ()
-        outcomes = (
-            self._outcome(test, statistic) for test, statistic in enumerate(self._statistics)
-        )
-        return tuple(sorted(outcomes, key=lambda one: -one.statistic))
-
-    def _outcome(self, test: int, statistic: float) -> OneTest:
-        value = self._comparison.value(statistic)
-        violated, p_value = bool(statistic >= self.threshold), self.tail(value)
-        weights = () if self.axes is None else tuple(self.axes.weights(test))
-        return OneTest(test, self.labels[test], value, self._value, violated, p_value, weights)
+        tests = []
+        for test, statistic in enumerate(self._statistics):
+            value, violated = self._comparison.value(statistic), bool(statistic >= self.threshold)
+            weights = () if self.axes is None else tuple(self.axes.weights(test))
+            facts = (value, self._value, violated, self.tail(value), weights)
+            tests.append(OneTest(test, self.labels[test], *facts))
+        return tuple(sorted(tests, key=lambda one: -one.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
         """Return a result with its names; NaN becomes None."""

@@ -94,22 +94,22 @@ def diagnostics_publisher() -> Callable[[list[Status]], None]:
     publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
 
     def publish(statuses: list[Status]) -> None:
-        array = DiagnosticArray(status=[_status(status) for status in statuses])
+        array = DiagnosticArray(
+            status=[
+                DiagnosticStatus(
+                    level=status.report.level,
+                    name=status.name,
+                    message=status.report.message,
+                    hardware_id=status.node,
+                    values=[KeyValue(key=key, value=value) for key, value in status.report.values],
+                )
+                for status in statuses
+            ]
+        )
         array.header.stamp = stamp()
         publisher.publish(array)
 
     return publish
-
-
-def _status(status: Status) -> object:
-    report = status.report
-    return DiagnosticStatus(
-        level=report.level,
-        name=status.name,
-        message=report.message,
-        hardware_id=status.node,
-        values=[KeyValue(key=key, value=value) for key, value in report.values],
-    )
 
 
 def start_log() -> None:

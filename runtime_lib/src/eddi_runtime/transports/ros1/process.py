@@ -12,6 +12,7 @@ import http.client
 import sys
 import time
 import xmlrpc.client
+from contextlib import suppress
 from typing import Dict, Tuple, Union
 
 import rosgraph
@@ -152,22 +153,17 @@ def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
         StartError: a living node has our name, or a parameter is wrong.
     """
     master = wait_for_master(node)
-    _refuse_duplicate(master, node)
+    with suppress(Unreachable):
+        # The master would shut the other one down, with respawn on both sides for ever in turns.
+        uri = master.uri_of(node)
+        if uri is not None and answers_as(uri, node, node):
+            reason = f"a node with the name {node} is running at {uri}; nothing was started"
+            raise StartError(reason)
     given = _private_parameters(master, node)
     options, wrong = settings(given, frequency, startup_grace, ON_MASTER_LOSS)
     if wrong:
         raise StartError("; ".join(wrong))
     return options
-
-
-def _refuse_duplicate(master: Peer, node: str) -> None:
-    # The master would shut the other one down, with respawn on both sides for ever in turns.
-    try:
-        uri = master.uri_of(node)
-    except Unreachable:
-        return
-    if uri is not None and answers_as(uri, node, node):
-        raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
 
 
 def _private_parameters(master: Peer, node: str) -> dict[str, object]:
