@@ -19,7 +19,8 @@ from ...node.health import Status
 from ...node.loop import LOG
 from ...node.node import Node
 from ...node.outputs import MessageError, Output, Publish
-from ...node.receipts import MAX_QUEUED, Input, Topic, fault
+from ...node.publications import fault
+from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, settings, write_to_stderr
 from .graph import Graph, Publication, reading, writing

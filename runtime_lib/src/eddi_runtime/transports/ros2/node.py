@@ -22,7 +22,8 @@ from ...monitor import Steps
 from ...node.health import Status
 from ...node.node import Node
 from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
-from ...node.receipts import MAX_QUEUED, Input, Topic, fault
+from ...node.publications import fault
+from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
 from .parameters import deadline, declared_settings, keeps, reading, refused, writing
