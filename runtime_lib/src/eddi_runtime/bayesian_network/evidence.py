@@ -65,7 +65,8 @@ def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = 
             return [number / largest for number in numbers]
     checked = [_number(value, state) for value, state in zip(values, states)]
     if not virtual:
-        return _as_in_d72(checked)
+        sure = [k for k, number in enumerate(checked) if abs(number - 1.0) <= _EPSILON]
+        return sure[0] if len(sure) == 1 and abs(sum(checked) - 1.0) <= _EPSILON else None
     others = [k for k, number in enumerate(checked) if number]
     if len(others) < 2:
         return others[0] if others else None
@@ -100,11 +101,6 @@ def _number(value: object, state: str) -> float:
     if not 0.0 <= number < math.inf:
         raise EvidenceError(f"{state} is {show(value)}, not a finite number from 0 on")
     return float(number)
-
-
-def _as_in_d72(numbers: Sequence[float]) -> int | None:
-    sure = [k for k, number in enumerate(numbers) if abs(number - 1.0) <= _EPSILON]
-    return sure[0] if len(sure) == 1 and abs(sum(numbers) - 1.0) <= _EPSILON else None
 
 
 _Method = Tuple[int, str, Tuple[str, ...], Optional[Callable[[], Any]]]

@@ -290,7 +290,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         )
 
     def _prepare(self, outputs: set[int], observed: set[int]) -> None:
-        """Get ready for some outputs and observable nodes."""
         engine, nodes = self.engine_for(outputs, observed), self.nodes
         self.engine = engine
         self._missing, self._positions = engine.missing, engine.positions

@@ -74,8 +74,12 @@ def _array(message: Any) -> Any:
     if isinstance(message, (bytes, bytearray)):
         message = np.frombuffer(message, dtype=np.uint8)
     elif isinstance(message, (list, tuple)):
+        # What numpy would make numbers of in a list was not meant as a sample.
         types = set(map(type, message))
-        _check_elements(types)
+        if any(issubclass(type_name, (bool, np.bool_)) for type_name in types):
+            raise _NoNumbersError("Booleans")
+        if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
+            raise _NoNumbersError("lists in a list")
         if bytes in types:  # each is a ``byte``, in rclpy
             message = [plain(one) for one in message]
     found = np.asarray(message)
@@ -85,14 +89,6 @@ def _array(message: Any) -> Any:
         raise _NoNumbersError(of)
     found = found.astype(np.float64)
     return found if shape is None else found.reshape(shape)
-
-
-def _check_elements(types: set[type]) -> None:
-    """Refuse what numpy would make numbers of, in a list: it was not meant as a sample."""
-    if any(issubclass(type_name, (bool, np.bool_)) for type_name in types):
-        raise _NoNumbersError("Booleans")
-    if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
-        raise _NoNumbersError("lists in a list")
 
 
 def _laid_out(layout: Any, data: Any) -> Any:
@@ -156,17 +152,13 @@ class Axes:
         Numbers too large to multiply become infinite, which is beyond every reference.
         """
         with np.errstate(over="ignore", invalid="ignore"):
-            found = self._projected(sample)
+            centred = (sample - self.centre) / self.scale
+            found = self.vectors @ centred
+            if self._floor is not None:
+                rest = centred - found @ self.vectors
+                size = float(np.sqrt(rest @ rest))
+                found = np.append(found, size if size >= self._floor else 0.0)
         return found if np.isfinite(found).all() else np.where(np.isnan(found), np.inf, found)
-
-    def _projected(self, sample: Array) -> Array:
-        centred = (sample - self.centre) / self.scale
-        found = self.vectors @ centred
-        if self._floor is None:
-            return found
-        rest = centred - found @ self.vectors
-        size = float(np.sqrt(rest @ rest))
-        return np.append(found, size if size >= self._floor else 0.0)
 
     def series(self, rows: Array) -> Array:
         """Return the values of many samples, (K, rows).

@@ -234,7 +234,10 @@ class MonitorNode(Node):
         self.ending.install()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self.ending.begin())
-        _start_log(given.full_name)
+        style = "[%(levelname)s] [%(created).3f] %(message)s"
+        logging.basicConfig(stream=sys.stderr, level=logging.INFO, format=style)
+        log = logging.getLogger(given.full_name.strip("/").replace("/", "."))
+        LOG.start({"info": log.info, "warn": log.warning, "error": log.error})
         try:
             self.run_on(given.full_name, self._statuses, joined.start)
             self.withdraw()  # the last word
@@ -290,11 +293,3 @@ def _age(message: Any) -> float:
 def ros_type(name: str) -> str:
     """Return the ROS name of a type: ``std_msgs/Bool`` of ``std_msgs::msg::dds_::Bool_``."""
     return name.replace("::msg::dds_::", "/").rstrip("_")
-
-
-def _start_log(name: str) -> None:
-    logging.basicConfig(
-        stream=sys.stderr, level=logging.INFO, format="[%(levelname)s] [%(created).3f] %(message)s"
-    )
-    log = logging.getLogger(name.strip("/").replace("/", "."))
-    LOG.start({"info": log.info, "warn": log.warning, "error": log.error})
