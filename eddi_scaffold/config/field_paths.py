@@ -83,7 +83,7 @@ class FieldPathError(HintedError):
 Step = Attribute | Index | ByKey | Beside | Every
 FieldPath = tuple[Step, ...]
 PlainStep = str | int | list[str | int]
-"""A step as ``eddi_runtime.access.follow`` takes it."""
+"""A step as ``eddi_runtime.plain_values.follow`` takes it."""
 
 
 def parse_field(text: str, *, lists: bool = False) -> FieldPath:

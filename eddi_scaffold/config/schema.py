@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from eddi_runtime.node.settings import FREQUENCIES
+from eddi_runtime.node.start import FREQUENCIES
 from eddi_runtime.peers import LONGEST_LEASE
 from pydantic import (
     AfterValidator,

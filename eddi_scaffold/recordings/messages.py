@@ -12,8 +12,8 @@ from functools import cache
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from eddi_runtime.access import follow
 from eddi_runtime.monitor import Tree
+from eddi_runtime.plain_values import follow
 
 from eddi_scaffold.config.field_paths import PlainStep, plain_step
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, known_messages

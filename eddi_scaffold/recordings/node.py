@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from eddi_runtime.access import by_id, by_key, by_name, given, joined
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.pasted import understood
+from eddi_runtime.plain_values import by_id, by_key, by_name, given, joined
 
 from eddi_scaffold.monitors.binding import InputBinding
 

@@ -7,8 +7,16 @@ import re
 from collections.abc import Callable
 from functools import cache
 
-from eddi_runtime.expressions import hold, lists, stacks, window, windows
-from eddi_runtime.expressions.conditions import Conditions, Unknown, reduced
+from eddi_runtime.expressions import (
+    Conditions,
+    Unknown,
+    hold,
+    lists,
+    reduced,
+    stacks,
+    window,
+    windows,
+)
 
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read

@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 import pytest
 from eddi_runtime import InputSpec, look_again
-from eddi_runtime.event.monitor import EventMonitor
+from eddi_runtime.event import EventMonitor
 from eddi_runtime.expressions.expression import Expression
 from eddi_runtime.history import EDDIInputBase, Messages
 

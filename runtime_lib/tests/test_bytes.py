@@ -4,11 +4,10 @@ from types import SimpleNamespace as Give
 
 import numpy as np
 import pytest
-from eddi_runtime.access import by_key, joined
-from eddi_runtime.expressions.conditions import number
+from eddi_runtime.expressions import number
 from eddi_runtime.expressions.expression import Expression, read_path
 from eddi_runtime.expressions.lists import column
-from eddi_runtime.plain_values import plain
+from eddi_runtime.plain_values import by_key, joined, plain
 from eddi_runtime.safeml.samples import take
 
 LEVELS = (b"\x00", b"\x02", b"2", b"\xff")

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.clock import NO_TIME, step_time
+from eddi_runtime.inputs import NO_TIME, step_time
 
 from runtime_lib.tests.bayesian_network import networks
 from runtime_lib.tests.event import event_models

@@ -2,9 +2,9 @@
 
 import pytest
 from eddi_runtime import InputSpec, by_id, by_key, by_name
-from eddi_runtime.access import follow
 from eddi_runtime.history import EDDIInputBase, Messages
 from eddi_runtime.inputs import UNKNOWN_AGE
+from eddi_runtime.plain_values import follow
 
 from runtime_lib.tests.conserts import give
 

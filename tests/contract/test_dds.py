@@ -14,10 +14,9 @@ pytest.importorskip("cyclonedds", reason="no DDS here")
 from cyclonedds.qos import Policy
 from cyclonedds.util import duration
 from eddi_runtime.node.start import StartError
-from eddi_runtime.transports.dds.arguments import arguments, domain_id
 from eddi_runtime.transports.dds.graph import reading, told, writing
 from eddi_runtime.transports.dds.messages import OWN, Unreadable, converter, message_classes
-from eddi_runtime.transports.dds.node import MonitorNode
+from eddi_runtime.transports.dds.node import MonitorNode, arguments, domain_id
 
 from tests.contract.stages import CONFIG, DdsStage, environment, free_domain
 

@@ -156,8 +156,7 @@ def fill(message, inner, *, seconds="sec", nanoseconds="nanosec", one=int):
 
 def read(message, rename=lambda name: name):
     """Return what a configuration reads."""
-    from eddi_runtime.access import follow
-    from eddi_runtime.plain_values import plain
+    from eddi_runtime.plain_values import follow, plain
 
     found = {}
     for name, (path, _) in READS.items():

@@ -14,7 +14,7 @@ from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.outputs import MessageError
 from eddi_runtime.node.receipts import Receipts
 from eddi_runtime.ros1 import Input
-from eddi_runtime.transports.ros1.messages import Callback, converter
+from eddi_runtime.transports.ros1.node import Callback, converter
 
 
 def check_classes_of_genpy_are_filled_and_checked():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from eddi_runtime.bayesian_network.bounds import COMBINATIONS
+from eddi_runtime.bayesian_network.claims import COMBINATIONS
 
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.kinds import Options

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from eddi_runtime.reliability.result import ReliabilityResult
+from eddi_runtime.reliability.component import ReliabilityResult
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import is_ros_name

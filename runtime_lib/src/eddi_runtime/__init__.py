@@ -5,10 +5,10 @@ here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is belo
 ``eddi_runtime.transports`` knows ROS.
 """
 
-from .access import by_id, by_key, by_name, given, joined
 from .compatibility import ModelError, __version__, needs
 from .inputs import EDDIInputBase, InputSpec, InputState, look_again
 from .monitor import Monitor
+from .plain_values import by_id, by_key, by_name, given, joined
 
 FORMAT = 1
 """Of compiled monitors that the core of this runtime runs."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Callable, List, Mapping, Sequence
 
 from . import inputs
-from .access import UNTOLD
 from .inputs import InputSpec, InputState, aged, invalid
+from .plain_values import UNTOLD
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .expressions.expression import Expression

@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from .access import UNTOLD, NotGivenError
-from .clock import step_time
-from .plain_values import Absent, one_line, read
+from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read
+
+NO_TIME = "the time of the step is no whole number of nanoseconds"
+_LARGEST = 2**63
+
+
+def step_time(given: object) -> int | None:
+    """Return the time of a step in nanoseconds; None: what was given is no time. Never raises.
+
+    Given is a whole number of 64 bits; None: the machine's monotonic clock.
+    """
+    if given is None:
+        return time.monotonic_ns()
+    given = given if type(given) is int else plain(given)
+    if type(given) is not int:
+        return None
+    return given if -_LARGEST <= given < _LARGEST else None
+
 
 UNKNOWN_AGE = float("inf")
 """Age of a message that was latched on subscription: above all limits until the next one comes."""

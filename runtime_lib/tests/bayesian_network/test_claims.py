@@ -4,7 +4,7 @@ import math
 
 import pytest
 from eddi_runtime.bayesian_network.asking import posteriors
-from eddi_runtime.bayesian_network.bounds import COMBINATIONS
+from eddi_runtime.bayesian_network.claims import COMBINATIONS
 from eddi_runtime.bayesian_network.engine import Engine
 
 from .networks import HUMAN, NEAR, RISK, RISKS, give, monitor, node, posterior, threshold

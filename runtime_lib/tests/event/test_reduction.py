@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from eddi_runtime.expressions.conditions import reduced
+from eddi_runtime.expressions import reduced
 from eddi_runtime.expressions.expression import gather
 from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 

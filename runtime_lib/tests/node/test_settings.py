@@ -1,7 +1,7 @@
 """Private parameters: all that is wrong is reported at once, and nothing of them is used then."""
 
 import pytest
-from eddi_runtime.node.settings import Settings, settings
+from eddi_runtime.node.start import Settings, settings
 
 CHOICES = {"on_loss": ("wait", "exit")}
 

@@ -7,7 +7,7 @@ import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.reliability.missed import hull, independent  # noqa: E402 - numpy comes first
+from eddi_runtime.reliability.observed import hull, independent  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - as above
     chain,

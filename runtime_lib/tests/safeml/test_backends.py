@@ -3,7 +3,7 @@
 import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml import accelerators, arrays  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
 
 from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
@@ -13,7 +13,7 @@ from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 def test_an_absent_library_is_said_and_numpy_used(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "torch", None)
     with pytest.warns(RuntimeWarning, match="numpy is used, because torch cannot be"):
-        assert accelerators.torch_or_numpy().name == "numpy"
+        assert arrays.torch_or_numpy().name == "numpy"
 
 
 def cases():
@@ -28,7 +28,7 @@ def cases():
 @pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
 def test_same_decisions(metric):
     pytest.importorskip("torch", reason="torch is not installed")
-    backend = accelerators.torch_or_numpy()
+    backend = arrays.torch_or_numpy()
     for reference, windows in cases():
         expected = of_windows(Comparison(metric, reference, 12), windows)
         there = Comparison(metric, reference, 12, backend)
@@ -61,7 +61,7 @@ class Renamed(arrays.Backend):
 
 @pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
 def test_the_way_of_other_libraries(metric):
-    from eddi_runtime.safeml.window import Window
+    from eddi_runtime.safeml.comparison import Window
 
     for reference, windows in cases():
         there = Comparison(metric, reference, 12, Renamed())

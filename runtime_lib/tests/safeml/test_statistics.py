@@ -5,9 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.safeml.comparison import Comparison  # noqa: E402 - numpy comes first
+from eddi_runtime.safeml.comparison import Comparison, Window  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.statistics import CramerVonMises  # noqa: E402
-from eddi_runtime.safeml.window import Window  # noqa: E402
 
 from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
@@ -88,7 +87,7 @@ def test_sums_that_do_not_fit_into_64_bits():
 def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
     """The ring against a comparison of what it should hold, while it is also cleared at times."""
     if not listed:
-        monkeypatch.setattr("eddi_runtime.safeml.window._MOST_LISTED", 0)
+        monkeypatch.setattr("eddi_runtime.safeml.comparison._MOST_LISTED", 0)
     chance = np.random.RandomState(2)
     tests, m = 3, 7
 
@@ -115,7 +114,7 @@ def test_the_window_equals_its_last_values(metric, levels, listed, monkeypatch):
 def test_infinity_is_beyond_every_reference(listed, monkeypatch):
     """It is what a component becomes of numbers that are too large to multiply."""
     if not listed:
-        monkeypatch.setattr("eddi_runtime.safeml.window._MOST_LISTED", 0)
+        monkeypatch.setattr("eddi_runtime.safeml.comparison._MOST_LISTED", 0)
     comparison = Comparison("ad", np.arange(100.0)[None], 2)
     window = Window(comparison)
     for value in (np.inf, -np.inf):

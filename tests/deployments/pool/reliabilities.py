@@ -33,7 +33,7 @@ def _number(fits: Callable[[Any], bool]) -> Reading:
     return Reading("number", "std_msgs/Float64", (leaf,), "float", field="data")
 
 
-BOUNDS_GAPS = find_spec("eddi_runtime.reliability.missed") is not None
+BOUNDS_GAPS = find_spec("eddi_runtime.reliability.observed") is not None
 """Whether the runtime bounds what a chain that is repaired may have done while nobody looked."""
 
 FLAG = SOURCES["flag"]

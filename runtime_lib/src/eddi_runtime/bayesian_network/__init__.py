@@ -1,9 +1,8 @@
 """Bayesian networks: exact posteriors from hard, virtual and missing evidence (D7.2 3.2)."""
 
 from .engine import NodeSpec, Part, Program
-from .knowledge import Source
 from .monitor import BayesianNetworkMonitor
-from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome
+from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome, Source
 
 FORMAT = 3
 

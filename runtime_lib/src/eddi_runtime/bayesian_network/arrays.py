@@ -6,12 +6,11 @@ of the message, over its states and, where that may be, "not observed".
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
 from .engine import Posteriors, Rows, States, Weights
-from .schedule import Message, Schedule
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,6 +18,18 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 _EVIDENCE = ("evidence", "prior")
+
+
+class Message(NamedTuple):
+    """A message of a join tree."""
+
+    kind: str  # ``product``, ``table``, ``evidence``, ``prior`` (evidence with it) or ``unit``
+    parts: tuple[int, ...]  # numbers of the messages that are multiplied; of a ``table``, its node
+    # it has an axis for each; what the parts have beyond them is summed out
+    nodes: tuple[int, ...]
+    # observable nodes that known numbers depend on, one axis each before the nodes
+    inputs: tuple[int, ...]
+    known: bool  # its numbers are made when the monitor starts, for every case of its inputs
 
 
 class Numbers:
@@ -87,14 +98,12 @@ class Running(Numbers):
     """The operations of one part with their arrays. Not thread-safe: results stay in place.
 
     Args:
-        made: what was compiled.
+        made: what was compiled, a ``Schedule``.
         positions: node -> its place in the states.
         wanted: which of the outputs are asked for; none: the probability of the evidence.
     """
 
-    def __init__(
-        self, made: Schedule, positions: Mapping[int, int], wanted: Sequence[int]
-    ) -> None:
+    def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
         super().__init__(made.nodes, made.messages)
         self._positions, self._wanted = positions, wanted
         self._answers = [made.answers[k] for k in wanted] or made.answers

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Mapping, Sequence, Union
 
 from .engine import NodeSpec
-from .evidence import EvidenceError, Finding, finding
-from .methods import Answer
+from .evidence import Answer, EvidenceError, Finding, finding
 from .monitor import BayesianNetworkMonitor
 
 Evidence = Union[None, str, Sequence[float]]

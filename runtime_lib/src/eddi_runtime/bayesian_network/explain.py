@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Mapping, NamedTuple
 
 from ..monitor import Tree
-from .engine import Rows
-from .knowledge import Facts, Known
 from .monitor import BayesianNetworkMonitor
+from .outputs import Facts, Known
 
 if TYPE_CHECKING:
     from .claims import Claim
@@ -69,11 +68,11 @@ class Explaining(BayesianNetworkMonitor):
                 continue
             without = self._tried(states, weights)
             if without is not None and all_known is not None:  # never None: less is claimed
-                found[self.nodes[node].id] = _distance(all_known, without)
+                found[self.nodes[node].id] = max(
+                    (
+                        0.5 * sum(abs(p - q) for p, q in zip(*rows))
+                        for rows in zip(all_known, without)
+                    ),
+                    default=0.0,
+                )
         return found
-
-
-def _distance(one: Rows, other: Rows) -> float:
-    pairs = zip(one, other)
-    apart = (0.5 * sum(abs(p - q) for p, q in zip(*rows)) for rows in pairs)
-    return max(apart, default=0.0)

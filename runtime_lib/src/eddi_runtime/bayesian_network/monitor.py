@@ -5,17 +5,25 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
-from ..clock import step_time
 from ..compatibility import ModelError
-from ..inputs import look_again
+from ..inputs import look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
-from .evidence import NotForeseenError
-from .knowledge import NO_ANSWER, Facts, Known, Source, Step, evidence_of, facts_of
-from .methods import Methods
-from .outputs import BayesianNetworkOutput, Node, Outcome
+from .evidence import Methods, NotForeseenError
+from .outputs import (
+    NO_ANSWER,
+    BayesianNetworkOutput,
+    Facts,
+    Known,
+    Node,
+    Outcome,
+    Source,
+    Step,
+    evidence_of,
+    facts_of,
+)
 from .outputs import Monitor as OfD72
 
 if TYPE_CHECKING:
@@ -282,7 +290,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         )
 
     def _prepare(self, outputs: set[int], observed: set[int]) -> None:
-        """Get ready for some outputs and observable nodes."""
         engine, nodes = self.engine_for(outputs, observed), self.nodes
         self.engine = engine
         self._missing, self._positions = engine.missing, engine.positions

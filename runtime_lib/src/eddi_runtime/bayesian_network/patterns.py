@@ -33,7 +33,7 @@ class Adapted(NamedTuple):
 
     # for a pattern that comes for the first time, or has too few observed inputs
     schedule: Schedule
-    messages: tuple[tuple[Any, ...], ...]  # fields of ``Message``, each behind its parts
+    messages: tuple[tuple[Any, ...], ...]  # fields of ``arrays.Message``, each behind its parts
     steps: Steps  # the operations; shapes are told as nodes, a tuple for each axis
     inputs: tuple[int, ...]  # nodes that have no axis where they are observed
     limit: int  # multiplications up to which it is faster than the schedule

@@ -10,18 +10,6 @@ if TYPE_CHECKING:
     from .arrays import Running
 
 
-class Message(NamedTuple):
-    """A message of a join tree."""
-
-    kind: str  # ``product``, ``table``, ``evidence``, ``prior`` (evidence with it) or ``unit``
-    parts: tuple[int, ...]  # numbers of the messages that are multiplied; of a ``table``, its node
-    # it has an axis for each; what the parts have beyond them is summed out
-    nodes: tuple[int, ...]
-    # observable nodes that known numbers depend on, one axis each before the nodes
-    inputs: tuple[int, ...]
-    known: bool  # its numbers are made when the monitor starts, for every case of its inputs
-
-
 class Steps(NamedTuple):
     """Operations on arrays that are made when the monitor starts.
 
@@ -49,7 +37,7 @@ class Schedule(NamedTuple):
 
     # number -> (numbers of the parents, table of its probabilities), of the whole file
     nodes: Mapping[int, tuple[tuple[int, ...], Rows]]
-    messages: tuple[tuple[Any, ...], ...]  # fields of ``Message``, each behind its parts
+    messages: tuple[tuple[Any, ...], ...]  # fields of ``arrays.Message``, each behind its parts
     # the message that gives the row of each output; without outputs, the messages whose product,
     # summed, is the probability of the evidence
     answers: tuple[int, ...]

@@ -7,10 +7,9 @@ from operator import eq
 from typing import Iterable, Sequence
 
 from ..monitor import Field, Json, Standing, Tree
-from .bounds import Open
-from .claims import ERROR, REASONS, UNKNOWN, Claim, Claims, StateThreshold
-from .knowledge import Facts
+from .claims import ERROR, REASONS, UNKNOWN, Claim, Claims, Open, StateThreshold
 from .monitor import BayesianNetworkMonitor, Output
+from .outputs import Facts
 
 
 class ThresholdMonitor(BayesianNetworkMonitor):

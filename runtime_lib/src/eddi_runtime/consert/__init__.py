@@ -1,8 +1,7 @@
 """ConSerts: conditional safety certificates, evaluated at run time (SESAME D7.2 section 3.1)."""
 
-from .explain import Explanation, Guarantee, Reason
 from .monitor import ConSert
-from .values import Binary, Categorical, Numeric
+from .verdicts import Binary, Categorical, Explanation, Guarantee, Numeric, Reason
 
 FORMAT = 3
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Sequence
 
-from .values import FALSE, TRUE, UNKNOWN
+from .verdicts import FALSE, TRUE, UNKNOWN
 
 
 class LeafFilter:

@@ -7,8 +7,20 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, overload
 from ..inputs import accepted, look_again, states_of
 from ..monitor import Field, Monitor, Standing, Tree
 from ..plain_values import ABSENT, plain, read
-from .explain import Explanation, Guarantee, Reason, Sets
-from .values import FALSE, FAULT, MISSING, NAMES, TRUE, UNKNOWN, Judgement, Leaf
+from .verdicts import (
+    FALSE,
+    FAULT,
+    MISSING,
+    NAMES,
+    TRUE,
+    UNKNOWN,
+    Explanation,
+    Guarantee,
+    Judgement,
+    Leaf,
+    Reason,
+    Sets,
+)
 
 if TYPE_CHECKING:  # travels where a monitor has one
     from .filters import LeafFilter

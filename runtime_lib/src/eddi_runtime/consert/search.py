@@ -10,8 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple, Sequence
 
 from ..inputs import InputSpec
-from .explain import MAX_SETS, Group, Guarantee, Sets
-from .values import FALSE, TRUE
+from .verdicts import FALSE, MAX_SETS, TRUE, Group, Guarantee, Sets
 
 _BUDGET = 2_000_000
 """Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""

@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from ..access import UNTOLD, NotGivenError, Step, follow, given
-from ..plain_values import one_line
-from .conditions import Conditions, Value, reduced
+from ..plain_values import UNTOLD, NotGivenError, Step, follow, given, one_line
+from . import Conditions, Value, reduced
 
 Path = Sequence[Step]
 Check = Sequence[Any]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Sequence
 
-from .conditions import Unknown
+from . import Unknown
 
 MAX_ELEMENTS = 100_000
 """A longer list is UNKNOWN, so that one message cannot stop a monitor."""

@@ -11,7 +11,7 @@ from ..compatibility import __version__
 from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Output
 from ..plain_values import is_nan, one_line, read
-from .logs import LOG
+from .loop import LOG, Waker
 from .receipts import Receipt
 from .report import (
     FRESH,
@@ -29,7 +29,6 @@ from .report import (
     level_of,
     report,
 )
-from .schedule import Waker
 
 PERIOD_S = 1.0
 """Between two reports without a new level."""
@@ -96,7 +95,10 @@ class Health:
         for spec, (state, reason) in zip(self._inputs, states):
             if state == INVALID:
                 self._errors[spec.id] = self._errors.get(spec.id, 0) + 1
-            self._log_input(spec.id, reason if state == INVALID else "")
+            about, wrong = f"input {spec.id}", reason if state == INVALID else ""
+            if wrong or about in self._logged:
+                known = self._eddi_input.states.get(spec.id)
+                self.log_error(about, wrong, getattr(known, "detail", ""))
         kinds = tuple(state for state, _ in states)
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
@@ -124,12 +126,6 @@ class Health:
         elif now - at >= _ERROR_GAP_S:
             self._logged[about] = (reason, now)
             LOG.error("%s: %s%s", about, reason, "\n" + trace.rstrip() if trace else "")
-
-    def _log_input(self, name: str, reason: str) -> None:
-        about = f"input {name}"
-        if reason or about in self._logged:
-            state = self._eddi_input.states.get(name)
-            self.log_error(about, reason, getattr(state, "detail", ""))
 
     def _input_states(
         self, receipts: Mapping[str, Receipt], *, waiting: bool

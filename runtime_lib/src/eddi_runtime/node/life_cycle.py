@@ -9,9 +9,7 @@ from __future__ import annotations
 import threading
 from typing import Callable, ContextManager, Protocol
 
-from .ending import Ending
-from .logs import LOG
-from .schedule import Waker
+from .loop import LOG, Ending, Waker
 
 __all__ = ["LifeCycle", "Managed", "Place"]
 

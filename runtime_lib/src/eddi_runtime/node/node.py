@@ -15,16 +15,13 @@ from ..compatibility import __version__
 from ..inputs import EDDIInputBase
 from ..monitor import Monitor, Steps
 from ..plain_values import one_line
-from .ending import Ending
 from .health import Diagnostics, Health, Status
-from .logs import LOG
+from .loop import LOG, Ending, Schedule, Waker
 from .outputs import Converter, MessageError, Output, Publications, Publish, check_outputs, each
 from .pasted import PASTED, understood
-from .receipts import Input, Receipt, Receipts
+from .receipts import Input, Receipt, Receipts, Silence
 from .report import GraphFact
-from .schedule import Schedule, Waker
-from .settings import STARTUP_GRACE_S, Settings
-from .silence import Silence
+from .start import STARTUP_GRACE_S, Settings
 
 if TYPE_CHECKING:  # travels where a monitor is one of a fleet
     from ..peers import Fleet

@@ -11,9 +11,8 @@ import math
 from types import ModuleType
 from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Union
 
-from ..access import Step, follow
 from ..monitor import Tree
-from ..plain_values import plain
+from ..plain_values import Step, follow, plain
 
 Trees = Union[Tree, List[Tree], None]
 """What one step of a monitor gives: one message tree, several, or none."""

@@ -1,14 +1,20 @@
 """Everything before a node is seen by others: what cannot work ends here, with the reason."""
 
+from __future__ import annotations
+
+import math
 import os
 import signal
 import sys
-from contextlib import contextmanager
-from typing import Iterator
+from contextlib import contextmanager, suppress
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 from ..compatibility import ModelError
 
-__all__ = ["StartError", "end_at_signals", "installed", "reported", "write_to_stderr"]
+__all__ = [
+    "FREQUENCIES", "STARTUP_GRACE_S", "Settings", "StartError", "end_at_signals", "installed",
+    "reported", "settings", "write_to_stderr",
+]  # fmt: skip
 
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
@@ -62,3 +68,87 @@ def write_to_stderr(node: str, text: str) -> None:
     """Write a line of a node whose transport has no log yet."""
     sys.stderr.write(f"{node}: {text}\n")
     sys.stderr.flush()
+
+
+STARTUP_GRACE_S = 10.0
+FREQUENCIES = (1e-6, 1e6)
+"""Least and most steps per second: periods that every clock can count."""
+
+
+class Settings(NamedTuple):
+    """What a person may set per node."""
+
+    frequency: float  # steps per second; fractions are common (0.2)
+    diagnostics: bool = True  # publish a summary on ``/diagnostics``
+    # seconds between two looks at the graph around the node, 0 for none
+    watchdog_period: float = 2.0
+    queue_size: int = 1  # messages that wait for a slow subscriber of the outputs
+    # seconds from the start in which an input may wait for its first message
+    startup_grace: float = STARTUP_GRACE_S
+    words: Mapping[str, str] = {}  # parameters that only the transport has, by name
+    robot: str = ""  # name of this robot among others, empty for the configured one
+
+
+def _number(value: object) -> float:
+    """Return a finite number, NaN of anything else: no comparison with that is true."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        with suppress(OverflowError):  # a whole number may be too large for a float
+            return float(value) if math.isfinite(value) else math.nan
+    return math.nan
+
+
+def _seconds(value: object) -> bool:
+    return _number(value) >= 0.0
+
+
+_RULES: Mapping[str, tuple[str, Callable[[object], bool]]] = {
+    "frequency": (
+        f"{FREQUENCIES[0]:f} to {FREQUENCIES[1]:.0f} Hz",
+        lambda value: FREQUENCIES[0] <= _number(value) <= FREQUENCIES[1],
+    ),
+    "diagnostics": ("true or false", lambda value: isinstance(value, bool)),
+    "watchdog_period": ("seconds >= 0", _seconds),
+    "queue_size": ("a whole number >= 1", lambda value: type(value) is int and value >= 1),
+    "startup_grace": ("seconds >= 0", _seconds),
+    "robot": (
+        "the name of this robot",
+        lambda value: isinstance(value, str) and value.isprintable(),
+    ),
+}
+"""Parameter -> what is expected, and whether a value is that."""
+
+
+def settings(
+    given: Mapping[str, object],
+    frequency: float,
+    startup_grace: float = STARTUP_GRACE_S,
+    choices: Mapping[str, Sequence[str]] = {},
+) -> tuple[Settings, list[str]]:
+    """Return the settings and what is wrong with the given private parameters.
+
+    Other parameters than ours are left alone. ``choices``: parameter that only the transport has
+    -> its words, the default first.
+    """
+    default = Settings(frequency, startup_grace=startup_grace)
+    values: dict[str, Any] = {name: given.get(name, getattr(default, name)) for name in _RULES}
+    words = {name: given.get(name, known[0]) for name, known in choices.items()}
+    wrong = [
+        f"parameter ~{name}: {expected} expected, got {values[name]!r}"
+        for name, (expected, fits) in _RULES.items()
+        if not fits(values[name])
+    ]
+    wrong += [
+        f"parameter ~{name}: {' or '.join(choices[name])} expected, got {word!r}"
+        for name, word in words.items()
+        if word not in choices[name]
+    ]
+    if given.get("model"):
+        wrong.append(
+            "parameter ~model: the model is compiled into the package; take the parameter out of"
+            " the launch file, and run `eddi-scaffold upgrade -m MODEL` for another model"
+        )
+    if wrong:
+        return Settings(frequency), wrong
+    for name in ("frequency", "watchdog_period", "startup_grace"):
+        values[name] = float(values[name])
+    return Settings(**values, words={name: str(word) for name, word in words.items()}), wrong

@@ -4,11 +4,8 @@ Each sort of model is a module of its own, which a compiled monitor imports wher
 """
 
 from ..thresholds import Threshold
-from .component import Importance
-from .explain import Explanation
+from .component import Explanation, Importance, ReliabilityResult, Rule
 from .monitor import Reliability
-from .result import ReliabilityResult
-from .values import Rule
 
 FORMAT = 2
 

@@ -13,7 +13,7 @@ from typing import Sequence
 
 from .component import Component, Estimate, Known, Moment, Values, sure
 from .laws import Arrhenius
-from .powers import Matrix, dot, factors
+from .numerics import Matrix, dot, factors
 
 _BANDS = {4: 0, 3: 2, 2: 4}
 _EMPTY = 6

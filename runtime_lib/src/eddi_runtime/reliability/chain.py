@@ -7,7 +7,7 @@ from operator import mul
 from typing import Collection, Sequence, Tuple
 
 from .component import Estimate, Moment, sure
-from .powers import Matrix, dot, factors
+from .numerics import Matrix, dot, factors
 
 INCONSISTENT = "inconsistent"
 _LEAST = 1e-8

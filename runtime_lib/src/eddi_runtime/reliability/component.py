@@ -1,10 +1,17 @@
-"""What every model of a monitor can do, and what it reports in a step."""
+"""What every model of a monitor can do, what it is given and what it reports in a step.
+
+An input that is not of the right kind counts as unknown.
+"""
 
 from __future__ import annotations
 
+import math
+import sys
 from operator import itemgetter
 from types import MappingProxyType
-from typing import Any, Callable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Union
+
+from ..plain_values import Absent, plain, show
 
 Values = Mapping[str, Any]
 """Input id -> bool, float, list of them with None, or None where nothing is known."""
@@ -104,3 +111,135 @@ class Component:
     def reset(self) -> None:
         """Return to the start of the mission."""
         self.latched, self.said = 0, NOTHING
+
+
+Taken = Union[bool, float, List[Optional[bool]], None]
+
+
+class Rule(NamedTuple):
+    """What an input is."""
+
+    type: str  # ``bool``, ``float``, ``int`` or ``bool[]``
+    low: float = 0.0  # least number that is believed
+    high: float = math.inf  # largest number
+    slack: float = 0.0  # how far outside a number may be and is taken as the limit
+    length: int = 0  # of a list
+
+    def divided(self, num: int, den: int) -> Rule:
+        """Return the rule of a number that is given in another unit."""
+        high = self.high if self.high == FINITE else self.high * den / num
+        return self._replace(low=self.low * den / num, high=high, slack=self.slack * den / num)
+
+
+FINITE = sys.float_info.max
+
+
+def take(rule: Rule, raw: object) -> tuple[Taken, str]:
+    """Return the value, None when it is not known, and what is wrong with it (empty: nothing).
+
+    Never raises. None and NaN mean unknown and are not wrong.
+    """
+    if raw is None:
+        return None, ""
+    if type(raw) is Absent:  # isinstance asks the object
+        return None, raw.problem
+    try:
+        if rule.type == "bool[]":
+            return _list(rule, raw)
+        value = plain(raw)
+    except Exception as problem:  # noqa: BLE001 - a hostile object
+        return None, f"it cannot be read: {type(problem).__name__}"
+    if rule.type == "bool":
+        if isinstance(value, bool):
+            return value, ""
+        return None, "" if value != value else _wrong("true or false", raw)  # noqa: PLR0124 - NaN
+    return _number(rule, value, raw)
+
+
+def _number(rule: Rule, value: Any, raw: object) -> tuple[Taken, str]:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None, _wrong("a number", raw)
+    if isinstance(value, float) and math.isnan(value):
+        return None, ""
+    if not rule.low - rule.slack <= value <= rule.high + rule.slack:
+        wide = f"a finite number of at least {rule.low:.15g}"
+        usual = f"a number from {rule.low:.15g} to {rule.high:.15g}"
+        return None, _wrong(wide if rule.high == FINITE else usual, raw)
+    if rule.type == "int" and value != int(value):
+        return None, _wrong("a whole number", raw)
+    return min(max(float(value), rule.low), rule.high), ""
+
+
+def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
+    if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
+        return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
+    items = [plain(one) for one in raw]
+    if not items:
+        return None, ""
+    if len(items) != rule.length:
+        return None, f"{rule.length} statuses are expected, not {len(items)}"
+    return [item if isinstance(item, bool) else None for item in items], ""
+
+
+def _wrong(expected: str, raw: object) -> str:
+    return f"{expected} is expected, not {show(raw)}"
+
+
+class ReliabilityResult(NamedTuple):
+    """The reliability over the horizon."""
+
+    valid: bool  # everything on which the result depends is known, and no error occurred
+    # probability of failure from now to the horizon; the worst case of what is unknown, and of
+    # what was missed before
+    p_fail: float
+    p_fail_low: float  # in the best case of that
+    p_fail_high: float  # in the worst case
+    reliability: float  # probability of no failure from now to the horizon
+    mttf: float  # remaining mean time to failure in hours; inf; NaN: not computed
+    horizon: float  # hours from now
+    evidence: Mapping[str, bool]  # id of a threshold -> active
+    unknown: tuple[str, ...]  # inputs that are not known
+    # why the result is not valid; of a valid one, what was missed before and is still open, so
+    # that the bounds differ
+    reason: str
+    contributions: Mapping[str, float]  # model -> its p_fail_high
+
+
+_SHOWN = 5
+
+
+class Explanation(NamedTuple):
+    """Explanation of the result of one step."""
+
+    result: ReliabilityResult  # of the step
+    known: Mapping[str, object]  # input -> its value
+    unknown: Mapping[str, str]  # input -> why it is not known; empty where nothing came
+    # input -> what is wrong with its value, also where the value is known
+    faults: Mapping[str, str]
+    # (model, its p_fail_high), the most probable failure first
+    contributions: tuple[tuple[str, float], ...]
+    # events of the top fault tree, those that decide most often first
+    importances: tuple[Importance, ...]
+    # model -> how often a claim was ignored that something failed works again
+    ignored: Mapping[str, int]
+
+    def text(self) -> str:
+        """Return the explanation as lines for people, without a line end behind the last."""
+        one = self.result
+        bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
+        shown = bounds if one.p_fail_low != one.p_fail_high else ""
+        why = f"{'valid' if one.valid else 'not valid'}{f': {one.reason}' if one.reason else ''}"
+        lines = [f"p_fail {one.p_fail:.3g}{shown} within {one.horizon:g} h, {why}"]
+        lines += [f"  {name} is {'' if on else 'not '}active" for name, on in one.evidence.items()]
+        because = {name: f": {why}" if why else "" for name, why in self.unknown.items()}
+        lines += [f"  {name} is unknown{why}" for name, why in because.items()]
+        lines += [f"  {name}: {why}" for name, why in self.faults.items() if name in self.known]
+        for name, p in self.contributions[:_SHOWN]:
+            lines.append(f"  model {name}: p_fail {p:.3g}")
+        for event in self.importances[:_SHOWN]:
+            decides = f"decides {event.criticality:.3g} of p_fail"
+            lines.append(f"  event {event.event}: p {event.probability:.3g}, {decides}")
+        for name, count in self.ignored.items():
+            times = "once" if count == 1 else f"{count} times"
+            lines.append(f"  model {name}: ignored {times} that something failed works again")
+        return "\n".join(lines)

@@ -5,15 +5,23 @@ from __future__ import annotations
 import math
 from typing import Any, Iterable, Mapping, Sequence
 
-from ..clock import NO_TIME, step_time
-from ..inputs import look_again
+from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
-from .component import NAN, NOTHING, Component, Estimate, Importance, Moment
-from .explain import Explanation
-from .result import ReliabilityResult
-from .values import Rule, Taken, take
+from .component import (
+    NAN,
+    NOTHING,
+    Component,
+    Estimate,
+    Explanation,
+    Importance,
+    Moment,
+    ReliabilityResult,
+    Rule,
+    Taken,
+    take,
+)
 
 GRID = 256
 """How many horizons are prepared when the mission's end is an input."""
@@ -127,7 +135,8 @@ class Reliability(Monitor[ReliabilityResult]):
         valid = not unknown and not reason
         told = reason or (_UNKNOWN_INPUTS if unknown else "")
         if valid and high > low * _ROUNDED:
-            told = self._doubt()
+            doubts = [(name, component.doubt()) for name, component in self.components.items()]
+            told = "; ".join([f"{name}: {text}" for name, text in doubts if text])
         usable = valid or (self.worst_case and not reason)
         # loops, not comprehensions: those cost a call each before Python 3.12
         contributions: dict[str, float] = {}
@@ -185,11 +194,6 @@ class Reliability(Monitor[ReliabilityResult]):
             horizon = horizon * index / GRID
         return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
 
-    def _doubt(self) -> str:
-        """Return what was missed before and is still open in a step that is valid."""
-        found = [(name, component.doubt()) for name, component in self.components.items()]
-        return "; ".join([f"{name}: {text}" for name, text in found if text])
-
     def doubts(self) -> tuple[str, ...]:
         """Return what was missed before and keeps a threshold from being active."""
         one = self._result
@@ -245,6 +249,8 @@ class Reliability(Monitor[ReliabilityResult]):
     def message(self, output: object) -> Tree:
         """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
+        # what may hold although it is not active
+        open_ = [one.id for one in self._evidence if one.possible and not one.active]
         evidence: list[Tree] = [
             ("ReliabilityEvidence", {"id": name, "active": active})
             for name, active in given.evidence.items()
@@ -259,15 +265,10 @@ class Reliability(Monitor[ReliabilityResult]):
             "mttf_hours": given.mttf,
             "horizon_seconds": given.horizon * 3600.0,
             "unknown_inputs": list(given.unknown),
-            "reason": given.reason or self._undecided(),
+            "reason": given.reason or (f"not decided: {', '.join(open_)}" if open_ else ""),
             "evidence": evidence,
             "accepted": list(self.accepted()),
         }
-
-    def _undecided(self) -> str:
-        """Return which thresholds may hold although they are not active, empty for none."""
-        open_ = [one.id for one in self._evidence if one.possible and not one.active]
-        return f"not decided: {', '.join(open_)}" if open_ else ""
 
     def _refused(self) -> ReliabilityResult:
         """Return the worst case, for what a person's code has put in place of a result."""

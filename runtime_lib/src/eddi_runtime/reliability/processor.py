@@ -6,7 +6,7 @@ import math
 
 from .component import NAN, Component, Estimate, Known, Moment, Values
 from .laws import Arrhenius, Limit
-from .weibull import hazard
+from .numerics import hazard
 
 _LARGEST_STRESS = 1e300
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Sequence, Tuple
 
 from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, sure
-from .weibull import hazard
+from .numerics import hazard
 
 if TYPE_CHECKING:  # a tree without dynamic gates has no chain
     from .chain import Chain

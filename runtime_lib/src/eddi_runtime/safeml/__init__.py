@@ -1,10 +1,9 @@
 """SafeML: does the running window of inputs still look like its reference? (SESAME D7.2 3.4)."""
 
 from .arrays import Table
-from .axes import Axes
-from .monitor import SafeML
-from .result import OneTest, SafeMLResult
-from .tails import Interpolated, Kolmogorov
+from .monitor import OneTest, SafeML, SafeMLResult
+from .samples import Axes
+from .statistics import Interpolated, Kolmogorov
 
 FORMAT = 1
 

@@ -3,22 +3,67 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Iterable, Mapping
+from typing import Any, Iterable, Mapping, NamedTuple
 
 import numpy as np
 
-from ..clock import NO_TIME, step_time
 from ..history import Messages
-from ..inputs import look_again
+from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Monitor, Standing, Tree
 from ..plain_values import Absent, read
-from .arrays import NUMPY, Array, Numbers, array_of
-from .axes import Axes
-from .comparison import Comparison
-from .result import FILLING, OMITTED, STALE, OneTest, SafeMLResult
-from .samples import Taken, take
-from .tails import Tail
-from .window import Window
+from .arrays import NUMPY, Array, Numbers, array_of, torch_or_numpy
+from .comparison import Comparison, Window
+from .samples import Axes, Taken, take
+from .statistics import Tail
+
+FILLING = "filling"
+STALE = "stale"
+OMITTED = -1
+"""Index of no test."""
+
+
+class SafeMLResult(NamedTuple):
+    """The verdict of one step. Numbers that do not exist are NaN."""
+
+    omission: bool  # there is no verdict now: the window is not full, or an input was not usable
+    odd_violation: bool  # some distance is significant; while ``omission``, the last verdict
+    significance_level: float  # probability of a false violation in one step
+    statistic: float  # the largest distance of all tests (D for Kolmogorov-Smirnov)
+    threshold: float  # from which on it is a violation
+    threshold_theoretical: float  # the same for independent samples
+    component: int  # index of the test with the largest distance; -1 while ``omission``
+    # bound on its probability in all tests, asymptotic and for independent samples: for
+    # information only
+    p_value_bound: float
+    accepted: int  # samples so far that could be used
+    rejected: int  # samples so far that could not
+    # of the omission: ``filling``, ``empty``, ``not_finite``, ``wrong_length`` or ``stale``; empty
+    # when there is a verdict
+    reason: str = ""
+
+
+class OneTest(NamedTuple):
+    """One test of the last verdict."""
+
+    test: int  # index
+    label: str  # ``feature 3``, ``component 0`` or ``residual``
+    statistic: float  # distance of window and reference
+    threshold: float  # from which on it is a violation
+    violated: bool  # whether it is reached
+    p_value: float  # asymptotic, for this test alone and independent samples
+    # of a component: the features that weigh most in it, with their weights
+    weights: tuple[tuple[int, float], ...] = ()
+
+    def __str__(self) -> str:
+        """Return one line for people."""
+        relation = ">=" if self.violated else "<"
+        features = ", ".join(f"feature {k} ({weight:+.2f})" for k, weight in self.weights)
+        mostly = f"; mostly {features}" if features else ""
+        return (
+            f"{self.label}: distance {self.statistic:.4g} {relation} threshold "
+            f"{self.threshold:.4g}, p {self.p_value:.2g}{mostly}"
+        )
+
 
 _SPOILT = "the output has no Booleans omission and odd_violation; it is an omission"
 
@@ -50,11 +95,7 @@ class SafeML(Monitor[SafeMLResult]):
     _statistics: Array | None
 
     def __init__(self) -> None:
-        arrays = NUMPY
-        if self.array_backend != "numpy":
-            from .accelerators import torch_or_numpy  # noqa: PLC0415 - few monitors ask for it
-
-            arrays = torch_or_numpy()
+        arrays = NUMPY if self.array_backend == "numpy" else torch_or_numpy()
         self.backend = arrays.name  # name of the one that is used
         reference = array_of(self.reference)
         if self.axes is None:
@@ -181,16 +222,13 @@ class SafeML(Monitor[SafeMLResult]):
         """
         if self._last.omission or self._statistics is None:
             return ()
-        outcomes = (
-            self._outcome(test, statistic) for test, statistic in enumerate(self._statistics)
-        )
-        return tuple(sorted(outcomes, key=lambda one: -one.statistic))
-
-    def _outcome(self, test: int, statistic: float) -> OneTest:
-        value = self._comparison.value(statistic)
-        violated, p_value = bool(statistic >= self.threshold), self.tail(value)
-        weights = () if self.axes is None else tuple(self.axes.weights(test))
-        return OneTest(test, self.labels[test], value, self._value, violated, p_value, weights)
+        tests = []
+        for test, statistic in enumerate(self._statistics):
+            value, violated = self._comparison.value(statistic), bool(statistic >= self.threshold)
+            weights = () if self.axes is None else tuple(self.axes.weights(test))
+            facts = (value, self._value, violated, self.tail(value), weights)
+            tests.append(OneTest(test, self.labels[test], *facts))
+        return tuple(sorted(tests, key=lambda one: -one.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
         """Return a result with its names; NaN becomes None."""

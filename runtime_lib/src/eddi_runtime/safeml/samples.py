@@ -1,4 +1,4 @@
-"""Turn values of the robot into samples: any value is taken, and invalid ones are counted."""
+"""What is compared: samples out of values of the robot, and their principal components."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ..history import Messages
 from ..plain_values import plain
-from .arrays import Array, rounded
+from .arrays import Array, Numbers, array_of, rounded
 
 EMPTY = "empty"
 NOT_FINITE = "not_finite"
@@ -25,7 +25,7 @@ class Taken(NamedTuple):
 
 
 def take(value: object, features: int, *, single: bool) -> Taken:
-    """Read samples out of a value; never raises an Exception.
+    """Read samples out of any value, and count invalid ones; never raises an Exception.
 
     Args:
         value: the messages since the last step, or a list of lists, one message each; or one
@@ -74,8 +74,12 @@ def _array(message: Any) -> Any:
     if isinstance(message, (bytes, bytearray)):
         message = np.frombuffer(message, dtype=np.uint8)
     elif isinstance(message, (list, tuple)):
+        # What numpy would make numbers of in a list was not meant as a sample.
         types = set(map(type, message))
-        _check_elements(types)
+        if any(issubclass(type_name, (bool, np.bool_)) for type_name in types):
+            raise _NoNumbersError("Booleans")
+        if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
+            raise _NoNumbersError("lists in a list")
         if bytes in types:  # each is a ``byte``, in rclpy
             message = [plain(one) for one in message]
     found = np.asarray(message)
@@ -85,14 +89,6 @@ def _array(message: Any) -> Any:
         raise _NoNumbersError(of)
     found = found.astype(np.float64)
     return found if shape is None else found.reshape(shape)
-
-
-def _check_elements(types: set[type]) -> None:
-    """Refuse what numpy would make numbers of, in a list: it was not meant as a sample."""
-    if any(issubclass(type_name, (bool, np.bool_)) for type_name in types):
-        raise _NoNumbersError("Booleans")
-    if any(issubclass(type_name, (list, tuple, np.ndarray)) for type_name in types):
-        raise _NoNumbersError("lists in a list")
 
 
 def _laid_out(layout: Any, data: Any) -> Any:
@@ -127,3 +123,55 @@ def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> N
         else:
             taken.bad.append(NOT_FINITE)
             faults.append(f"feature {int(np.argmin(np.isfinite(row)))} is not a finite number")
+
+
+class Axes:
+    """Principal axes of some rows.
+
+    The generator prepares references and thresholds with the same code, and the projections of the
+    reference are found by the machine that compares, one by one: so a sample of the robot and an
+    equal row of the reference become equal numbers to the last bit.
+
+    Args:
+        numbers: rows of one number for each feature: the means; what the features are divided by
+            then; and the axes, by falling variance.
+        floor: length up to which what the axes leave out is rounding noise and counts as 0;
+            ``None`` when it is not tested.
+    """
+
+    def __init__(self, numbers: Numbers, floor: float | None = None) -> None:
+        found = array_of(numbers)
+        self.centre, self.scale, self.vectors = found[0], found[1], found[2:]
+        self._floor = floor
+        names = [f"component {k}" for k in range(len(self.vectors))]
+        self.labels = tuple(names if floor is None else [*names, "residual"])
+
+    def values(self, sample: Array) -> Array:
+        """Return the value of each test (K,) for one sample (d,).
+
+        Numbers too large to multiply become infinite, which is beyond every reference.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            centred = (sample - self.centre) / self.scale
+            found = self.vectors @ centred
+            if self._floor is not None:
+                rest = centred - found @ self.vectors
+                size = float(np.sqrt(rest @ rest))
+                found = np.append(found, size if size >= self._floor else 0.0)
+        return found if np.isfinite(found).all() else np.where(np.isnan(found), np.inf, found)
+
+    def series(self, rows: Array) -> Array:
+        """Return the values of many samples, (K, rows).
+
+        One sample after the other: a product of matrices may differ in the last bit from what
+        ``values`` gives, and would make equal samples unequal.
+        """
+        return np.ascontiguousarray(np.array([self.values(row) for row in rows]).T)
+
+    def weights(self, test: int, most: int = 3) -> list[tuple[int, float]]:
+        """Return the features that weigh most in a component, with their weights."""
+        if test >= len(self.vectors):
+            return []
+        vector = self.vectors[test]
+        order = np.argsort(-np.abs(vector), kind="stable")[:most]
+        return [(int(k), float(vector[k])) for k in order]

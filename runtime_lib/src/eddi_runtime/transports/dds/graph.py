@@ -30,7 +30,7 @@ from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from ...node.logs import LOG
+from ...node.loop import LOG
 from ...node.start import StartError
 from .messages import message_classes
 

@@ -21,14 +21,12 @@ from ... import ModelError
 from ...inputs import EDDIInputBase
 from ...monitor import Steps
 from ...node.health import Diagnostics, Status
-from ...node.logs import LOG
+from ...node.loop import LOG, Waker
 from ...node.outputs import MessageError
 from ...node.report import ERROR, Report
-from ...node.schedule import Waker
 from ...node.start import StartError, end_at_signals
 from ...plain_values import one_line
-from .messages import diagnostics_publisher, start_log
-from .node import MonitorNode
+from .node import MonitorNode, diagnostics_publisher, start_log
 from .process import RosEnding, node_name, options_of
 from .watchdog import TypeRefusals, Watchdog, watch
 

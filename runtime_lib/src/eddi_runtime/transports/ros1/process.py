@@ -2,13 +2,18 @@
 
 A start that cannot work ends before the node registers, so that the ROS graph never sees a broken
 node. rospy's own shutdown talks to the ROS master without a time limit: a master that hangs, or a
-host that vanished, would keep the process (and roslaunch) waiting.
+host that vanished, would keep the process (and roslaunch) waiting. So XML-RPC to the master and to
+other nodes has a time limit here, which rospy's own proxies have not.
 """
 
 from __future__ import annotations
 
+import http.client
 import sys
 import time
+import xmlrpc.client
+from contextlib import suppress
+from typing import Dict, Tuple, Union
 
 import rosgraph
 import rosgraph.names
@@ -17,11 +22,92 @@ import rospy.client
 import rospy.core
 import rospy.names
 
-from ...node.ending import Ending
-from ...node.logs import LOG
-from ...node.settings import Settings, settings
-from ...node.start import StartError, write_to_stderr
-from .master import Peer, Refused, Unreachable, answers_as
+from ...node.loop import LOG, Ending
+from ...node.start import Settings, StartError, settings, write_to_stderr
+
+Address = Union[str, Tuple[str, Dict[str, str]]]
+TIMEOUT_S = 2.0
+
+
+class _Transport(xmlrpc.client.Transport):
+    def __init__(self, timeout: float) -> None:
+        super().__init__()
+        self._timeout = timeout
+
+    def make_connection(self, host: Address) -> http.client.HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = self._timeout
+        return connection
+
+
+class Unreachable(Exception):  # noqa: N818 - a state of the network, not a fault
+    """The other side did not answer in time, or answered nonsense."""
+
+
+class Refused(Exception):  # noqa: N818 - the answer "no"
+    """The other side answered that the call failed; the text is its reason."""
+
+
+class Peer:
+    """One XML-RPC server: the master or the slave API of a node. Not for use by two threads.
+
+    Every call of the ROS API carries the name of the node that calls.
+    """
+
+    def __init__(self, uri: str, caller: str, timeout: float = TIMEOUT_S) -> None:
+        self.uri = uri
+        self._caller = caller
+        self._timeout = timeout
+
+    def call(self, method: str, *arguments: object) -> object:
+        """Call one method of the ROS master or slave API and return its value.
+
+        Raises:
+            Unreachable: no usable answer.
+            Refused: the answer carries another status than success.
+        """
+        try:
+            # A new connection per call: the master may have been restarted in between.
+            proxy = xmlrpc.client.ServerProxy(self.uri, transport=_Transport(self._timeout))
+            with proxy:
+                answer = getattr(proxy, method)(self._caller, *arguments)
+            status, text, value = answer
+        except (
+            OSError,
+            http.client.HTTPException,
+            xmlrpc.client.Error,
+            ValueError,
+            TypeError,
+        ) as e:
+            raise Unreachable(f"{self.uri}: {type(e).__name__}: {e}") from e
+        if status != 1:
+            raise Refused(str(text))
+        return value
+
+    def uri_of(self, node: str) -> str | None:
+        """Return the address of a node, ``None`` when this master does not know it."""
+        try:
+            return str(self.call("lookupNode", node))
+        except Refused:
+            return None
+
+
+def answers_as(uri: str, node: str, caller: str) -> bool:
+    """Return whether a living node of this name answers at an address.
+
+    A dead registration may point to a port that another node has by now, hence the name is
+    asked for too; ``getName`` exists in rospy only, where it is missing ``getPid`` decides.
+    """
+    peer = Peer(uri, caller)
+    try:
+        peer.call("getPid")
+    except (Unreachable, Refused):
+        return False
+    try:
+        return bool(peer.call("getName") == node)
+    except (Unreachable, Refused):
+        return True
+
 
 ON_MASTER_LOSS = {"on_master_loss": ("reregister", "exit")}
 """Parameter of a node for a new master that does not know it."""
@@ -67,22 +153,17 @@ def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
         StartError: a living node has our name, or a parameter is wrong.
     """
     master = wait_for_master(node)
-    _refuse_duplicate(master, node)
+    with suppress(Unreachable):
+        # The master would shut the other one down, with respawn on both sides for ever in turns.
+        uri = master.uri_of(node)
+        if uri is not None and answers_as(uri, node, node):
+            reason = f"a node with the name {node} is running at {uri}; nothing was started"
+            raise StartError(reason)
     given = _private_parameters(master, node)
     options, wrong = settings(given, frequency, startup_grace, ON_MASTER_LOSS)
     if wrong:
         raise StartError("; ".join(wrong))
     return options
-
-
-def _refuse_duplicate(master: Peer, node: str) -> None:
-    # The master would shut the other one down, with respawn on both sides for ever in turns.
-    try:
-        uri = master.uri_of(node)
-    except Unreachable:
-        return
-    if uri is not None and answers_as(uri, node, node):
-        raise StartError(f"a node with the name {node} is running at {uri}; nothing was started")
 
 
 def _private_parameters(master: Peer, node: str) -> dict[str, object]:

@@ -17,10 +17,9 @@ import rosgraph
 import rospy
 import rospy.impl.registration
 
-from ...node.logs import LOG
-from ...node.settings import Settings
-from .master import Peer, Refused, Unreachable, answers_as
-from .process import MASTER_LOST, TAKEN_OVER, RosEnding
+from ...node.loop import LOG
+from ...node.start import Settings
+from .process import MASTER_LOST, TAKEN_OVER, Peer, Refused, RosEnding, Unreachable, answers_as
 
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
@@ -121,7 +120,8 @@ class Watchdog:
                 self._end(TAKEN_OVER, f"another node has taken the name {self._node}: {uri}")
                 return
             uri = None  # a dead registration of our name
-        publishing = _own_topics()
+        topics: Any = rospy.impl.registration.get_topic_manager()
+        publishing = [topic for topic, _ in topics.get_publications()]
         try:
             state: Any = self._master.call("getSystemState")
             nodes = dict(state[0])
@@ -180,11 +180,6 @@ def watch(
 ) -> Watchdog | None:
     """Return the watchdog of this process, ``None`` where a person wants none."""
     return Watchdog(options, ending, expected, changed) if options.watchdog_period else None
-
-
-def _own_topics() -> list[str]:
-    topics: Any = rospy.impl.registration.get_topic_manager()
-    return [topic for topic, _ in topics.get_publications()]
 
 
 def reregister(master: Peer, node: str, own_uri: str) -> None:

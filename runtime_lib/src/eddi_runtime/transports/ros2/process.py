@@ -20,8 +20,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
-from ...node.ending import Ending
-from ...node.logs import LOG
+from ...node.loop import LOG, Ending
 from ...node.start import StartError
 from ...plain_values import one_line
 

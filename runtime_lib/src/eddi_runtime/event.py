@@ -1,15 +1,18 @@
-"""The monitor of conditional events: which conditions over time hold, from what is known."""
+"""Conditional events: which conditions over time hold, from what is known (SESAME D7.2 3.5)."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Union
 
-from ..clock import step_time
-from ..expressions.conditions import Conditions, Value, reduced, scaled, stamp
-from ..inputs import accepted, look_again
-from ..monitor import Monitor, Standing, Tree
-from ..plain_values import Absent, is_nan, plain, read, show
+from .expressions import Conditions, Value, reduced, scaled, stamp
+from .inputs import accepted, look_again, step_time
+from .monitor import Monitor, Standing, Tree
+from .plain_values import Absent, is_nan, plain, read, show
+
+__all__ = ["FORMAT", "Event", "EventMonitor"]
+
+FORMAT = 1
 
 Rows = List[Dict[str, Any]]
 Verdicts = Dict[str, Union[bool, float, str, None]]
