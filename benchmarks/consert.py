@@ -27,6 +27,12 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import EDDIInputBase, InputSpec  # noqa: E402 - a benchmark runs from the checkout
 
+from eddi_scaffold.kinds.consert.model import (  # noqa: E402
+    BinaryDimension,
+    CategoricalDimension,
+    ConSert,
+    NumericDimension,
+)
 from runtime_lib.tests import conserts  # noqa: E402
 from runtime_lib.tests.bound_models import BoundModel  # noqa: E402
 
@@ -37,7 +43,6 @@ WHEEL_NS = {1: 983, 30: 4_743, 300: 78_282}
 """Gates -> ns per step of the wheel of conserts-rs 0.1.6, measured once (CPython 3.11)."""
 
 Step = Callable[[Any], Any]
-Json = dict[str, Any]
 
 
 def main() -> None:
@@ -56,11 +61,10 @@ def main() -> None:
 
 def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
     """Return every row of one size."""
-    model = model_of(gates, *SIZES[gates])
-    bound = compiled(model)
-    monitor = bound.monitor()
-    source = some_inputs(model)
-    straight, interpreted = straight_line(model), interpreter(model)
+    bound = model_of(gates, *SIZES[gates])
+    monitor, consert = bound.monitor(), bound.model.data
+    source = some_inputs(consert)
+    straight, interpreted = straight_line(consert), interpreter(consert)
     flags = monitor.step(source)
     assert flags == straight(source) == interpreted(source)
     name = f"{gates} gate{'s' * (gates > 1)}"
@@ -148,7 +152,7 @@ def per_call(step: Step, source: Any, seconds: float) -> float:
     return once / number
 
 
-def model_of(gates: int, inputs: int, guarantees: int) -> Json:
+def model_of(gates: int, inputs: int, guarantees: int) -> BoundModel:
     """Return a random ConSert that is the same in every run; most evidence is binary."""
     rng = random.Random(gates)
     leaves = [f"evidence_{k}" for k in range(inputs)]
@@ -162,89 +166,75 @@ def model_of(gates: int, inputs: int, guarantees: int) -> Json:
         edges += [[source, made[-1]] for source in sources]
     for k in range(guarantees):
         edges.append([made[-1 - k] if k < len(made) else leaves[0], f"guarantee_{k}"])
-    return {
-        "evidence": [{"id": one, "kind": kind_of(k)} for k, one in enumerate(leaves)],
-        "gates": [{"id": one, "function": rng.choice(["And", "Or"])} for one in made],
-        "guarantees": [{"id": f"guarantee_{k}"} for k in range(guarantees)],
-        "edges": edges,
-    }
-
-
-def compiled(model: Json) -> BoundModel:
-    """Return the ConSert with its inputs."""
-    dimensions = {
-        "binary": conserts.binary(),
-        "categorical": conserts.categorical("low", "medium"),
-        "numeric": conserts.numeric("[0, 5]"),
-    }
+    others = {8: conserts.categorical("low", "medium"), 9: conserts.numeric("[0, 5]")}
     return conserts.consert(
-        [(item["id"], dimensions[item["kind"]]) for item in model["evidence"]],
-        (),
-        [f"{item['id']}{'&' if item['function'] == 'And' else '|'}" for item in model["gates"]],
-        [item["id"] for item in model["guarantees"]],
-        model["edges"],
+        [(leaf, others.get(k % 10, conserts.binary())) for k, leaf in enumerate(leaves)],
+        gates=[f"{gate}{rng.choice('&|')}" for gate in made],
+        guarantees=[f"guarantee_{k}" for k in range(guarantees)],
+        edges=edges,
         name="Benchmark",
     )
 
 
-def kind_of(k: int) -> str:
-    return {8: "categorical", 9: "numeric"}.get(k % 10, "binary")
-
-
-def some_inputs(model: Json) -> EDDIInputBase:
+def some_inputs(consert: ConSert) -> EDDIInputBase:
     """Return values of which three of four are good; the others are bad or None in turn."""
-    values = {"binary": (True, False), "categorical": ("low", "high"), "numeric": (2.5, 7.5)}
+    values = {
+        BinaryDimension: (True, False),
+        CategoricalDimension: ("low", "high"),
+        NumericDimension: (2.5, 7.5),
+    }
     source = type("EDDIInput", (EDDIInputBase,), {})()
-    for k, item in enumerate(model["evidence"]):
-        good, bad = values[item["kind"]]
-        setattr(source, item["id"], good if k % 4 else None if k % 8 else bad)
+    for k, leaf in enumerate(consert.evidence):
+        good, bad = values[type(leaf.dimension)]
+        setattr(source, leaf.id, good if k % 4 else None if k % 8 else bad)
     return source
 
 
-def straight_line(model: Json) -> Step:
+def straight_line(consert: ConSert) -> Step:
     """Return two-valued code as one would write it by hand; None is not True."""
-    lines = ["def step(x):"]
     tests = {
-        "binary": "x.{0} is True",
-        "categorical": "x.{0} in ('low', 'medium')",
-        "numeric": "x.{0} is not None and 0.0 <= x.{0} <= 5.0",
+        BinaryDimension: "x.{0} is True",
+        CategoricalDimension: "x.{0} in ('low', 'medium')",
+        NumericDimension: "x.{0} is not None and 0.0 <= x.{0} <= 5.0",
     }
+    lines = ["def step(x):"]
     lines += [
-        f"    {item['id']} = {tests[item['kind']].format(item['id'])}" for item in model["evidence"]
+        f"    {leaf.id} = {tests[type(leaf.dimension)].format(leaf.id)}"
+        for leaf in consert.evidence
     ]
     lines += [
         f"    {name} = {f' {function.lower()} '.join(sources)}"
-        for name, (function, sources) in nodes(model).items()
+        for name, (function, sources) in nodes(consert).items()
     ]
-    flags = ", ".join(item["id"] for item in model["guarantees"])
+    flags = ", ".join(guarantee.id for guarantee in consert.guarantees)
     names: dict[str, Any] = {}
     exec("\n".join([*lines, f"    return ({flags},)"]), names)
     step: Step = names["step"]
     return step
 
 
-def nodes(model: Json) -> dict[str, tuple[str, list[str]]]:
+def nodes(consert: ConSert) -> dict[str, tuple[str, list[str]]]:
     """Return gate or guarantee -> (function, inputs), inputs first."""
-    functions = {item["id"]: item["function"] for item in model["gates"]}
-    functions |= {item["id"]: "And" for item in model["guarantees"]}
-    edges = model["edges"]
+    functions: dict[str, str] = {gate.id: gate.function for gate in consert.gates}
+    functions |= {guarantee.id: "And" for guarantee in consert.guarantees}
     sources: dict[str, list[str]] = {name: [] for name in functions}
-    for source, target in edges:
-        sources[target].append(source)
+    for edge in consert.tree_propagations:
+        sources[edge.target].append(edge.source)
     return {name: (function, sources[name]) for name, function in functions.items()}
 
 
-def interpreter(model: Json) -> Step:
+def interpreter(consert: ConSert) -> Step:
     """Return a three-valued evaluation that looks everything up by id (FALSE 0, TRUE 2)."""
-    evidence, graph = model["evidence"], nodes(model)
-    guarantees = [item["id"] for item in model["guarantees"]]
+    graph = nodes(consert)
+    guarantees = [guarantee.id for guarantee in consert.guarantees]
+    evidence = [{"id": leaf.id, "kind": type(leaf.dimension)} for leaf in consert.evidence]
 
-    def judged(kind: str, value: Any) -> int:
+    def judged(kind: type, value: Any) -> int:
         if value is None:
             return 1
-        if kind == "numeric":
+        if kind is NumericDimension:
             return 2 if 0 <= value <= 5 else 0
-        return 2 if value in (("low", "medium") if kind == "categorical" else (True,)) else 0
+        return 2 if value in (("low", "medium") if kind is CategoricalDimension else (True,)) else 0
 
     def step(x: Any) -> tuple[bool, ...]:
         values = {}

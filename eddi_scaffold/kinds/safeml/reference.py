@@ -5,17 +5,15 @@ The file is what ``numpy.savetxt(name, a, delimiter=",")`` writes: a row is a sa
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.kinds.safeml.design import Rows
 from eddi_scaffold.kinds.safeml.scope import ReferenceSample, SafeMLSettings
 
@@ -224,35 +222,3 @@ def _not_finite(values: Rows, numbers: list[int], file: str) -> list[Problem]:
 def _at(problem: Problem) -> Problem:
     """Keep the line of the file out: its column counts cells, not characters."""
     return replace(problem, excerpt="")
-
-
-MOST_IN_TEXT = 2000
-"""Numbers of a table that a person may still want to look at."""
-
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A table of a package.
-
-    Attributes:
-        file: name of its file, which is there if the numbers are too many for a text.
-        numbers: (rows, columns).
-    """
-
-    file: str
-    numbers: Rows
-
-    @property
-    def files(self) -> dict[str, bytes]:
-        """Return the file, if there is one: doubles, least significant byte first, row by row."""
-        if self.numbers.size <= MOST_IN_TEXT:
-            return {}
-        return {self.file: self.numbers.astype("<f8").tobytes()}
-
-    def as_json(self) -> JsonValue:
-        """Return the numbers, or which file has them."""
-        if self.numbers.size <= MOST_IN_TEXT:
-            rows: JsonValue = self.numbers.tolist()
-            return rows
-        digest = hashlib.sha256(self.files[self.file]).hexdigest()
-        return {"file": self.file, "sha256": digest, "shape": list(self.numbers.shape)}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from eddi_scaffold.kinds.safeml.design import Design, DesignSpec
-from eddi_scaffold.kinds.safeml.reference import MOST_IN_TEXT, Table
 
 
 def test_a_sample_equal_to_a_row_has_equal_values() -> None:
@@ -35,13 +34,3 @@ def test_a_sample_in_the_plane_of_the_axes_has_no_residual() -> None:
     rows = chance.normal(size=(100, 2)) @ chance.normal(size=(2, 40)) * 1e6 + 1e5
     design = Design(rows, DesignSpec(components=2, residual=True, halves=True))
     assert {design.values(row)[2] for row in rows} == {0.0}
-
-
-def test_large_tables_go_into_a_file() -> None:
-    small, large = np.ones((MOST_IN_TEXT // 4, 4)), np.arange(MOST_IN_TEXT + 4.0).reshape(-1, 4)
-    assert Table("a.bin", small).files == {}
-    assert Table("a.bin", small).as_json() == small.tolist()
-    assert Table("a.bin", large).files == {"a.bin": large.astype("<f8").tobytes()}
-    described = Table("a.bin", large).as_json()
-    assert isinstance(described, dict)
-    assert described["shape"] == [MOST_IN_TEXT // 4 + 1, 4]
