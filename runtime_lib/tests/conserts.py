@@ -10,6 +10,7 @@ from eddi_scaffold.kinds.consert.model import (
     Bound,
     CategoricalDimension,
     ConSert,
+    ConSertOptions,
     Demand,
     Evidence,
     Gate,
@@ -19,7 +20,6 @@ from eddi_scaffold.kinds.consert.model import (
     ProvidedService,
     Range,
 )
-from eddi_scaffold.kinds.consert.options import ConSertOptions
 from runtime_lib.tests.bound_models import bound_input, bound_model
 
 

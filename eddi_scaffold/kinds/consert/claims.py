@@ -9,7 +9,7 @@ from eddi_scaffold.common.claims import Claim, Meaning, Meanings
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
 from eddi_scaffold.kinds.consert.matching import mismatch
-from eddi_scaffold.kinds.consert.options import options_of
+from eddi_scaffold.kinds.consert.model import options_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

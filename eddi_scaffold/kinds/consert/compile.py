@@ -50,8 +50,8 @@ from eddi_scaffold.kinds.consert.model import (
     Gate,
     Guarantee,
     Range,
+    options_of,
 )
-from eddi_scaffold.kinds.consert.options import options_of
 from eddi_scaffold.kinds.consert.ranges import exact, range_text
 
 FORMAT = 3

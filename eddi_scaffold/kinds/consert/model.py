@@ -12,7 +12,7 @@ from typing import Literal
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import TypedModel
-from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.names import published_class
 
 NAME = "consert"
 
@@ -198,5 +198,34 @@ class ConSert:
     system: str = ""
 
 
+@dataclass(frozen=True)
+class ConSertOptions:
+    """What a configuration chooses.
+
+    Attributes:
+        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
+            names of classes.
+        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
+        filter_steps: over how many steps.
+    """
+
+    guarantee_ids: str = "source"
+    filter: str = ""
+    filter_steps: int = 1
+
+    def published(self, id_: str) -> str:
+        """Return the id of a guarantee in messages."""
+        return published_class(id_) if self.guarantee_ids == "class" else id_
+
+    def hold_s(self, frequency: float) -> float:
+        """Return for how many seconds a majority may hold after it was lost: half its window."""
+        return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
+
+
 ConSertModel = TypedModel[ConSert, ConSertOptions]
 """A ConSert, and what its configuration chooses."""
+
+
+def options_of(model: ConSertModel) -> ConSertOptions:
+    """Return the options of a model, the defaults before it was configured."""
+    return model.options or ConSertOptions()

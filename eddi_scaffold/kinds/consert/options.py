@@ -3,50 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.kinds.consert.model import ConSertModel, ConSertOptions, options_of
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
-    from eddi_scaffold.kinds.consert.model import ConSertModel
 
 KEYS = ("guarantee_ids", "debounce", "filter")
 _FILTERS = {"debounce": "regain_after", "majority": "window"}
 _MAX_SAMPLES = 100_000
 """Longest history of a filter; at 1 kHz that is 100 s."""
-
-
-@dataclass(frozen=True)
-class ConSertOptions:
-    """What a configuration chooses.
-
-    Attributes:
-        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
-            names of classes.
-        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
-        filter_steps: over how many steps.
-    """
-
-    guarantee_ids: str = "source"
-    filter: str = ""
-    filter_steps: int = 1
-
-    def published(self, id_: str) -> str:
-        """Return the id of a guarantee in messages."""
-        return published_class(id_) if self.guarantee_ids == "class" else id_
-
-    def hold_s(self, frequency: float) -> float:
-        """Return for how many seconds a majority may hold after it was lost: half its window."""
-        return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
-
-
-def options_of(model: ConSertModel) -> ConSertOptions:
-    """Return the options of a model, the defaults before it was configured."""
-    return model.options or ConSertOptions()
 
 
 def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | None, list[Problem]]:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings, Use
-from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below, uses
-
-if TYPE_CHECKING:
-    from eddi_scaffold.kinds.event.events import EventModel
+from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
+from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
+from eddi_scaffold.kinds.event.events import EventModel, form_of
 
 _VERDICT = Meaning(
     (1,),
@@ -50,26 +47,6 @@ def field_meanings(claims: Sequence[Claim] | None) -> Meanings:
         refused = "the value of `active` when it is unknown depends on the event"
         active = Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
     return {"EventOutput": {"verdict": verdict, "active": active}}
-
-
-def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
-    """Return for each variable how it can bring an event nearer to what it claims.
-
-    An EVIDENCE claims that it is true, a HAZARD that it is not.
-    """
-    found: dict[str, tuple[Use, ...]] = {}
-    for output in form["outputs"]:
-        wanted = output["polarity"] == "EVIDENCE"
-        for name, more in uses(form, output["node"], wanted=wanted).items():
-            found[name] = (*found.get(name, ()), *more)
-    return found
-
-
-def form_of(model: EventModel) -> Mapping[str, Any]:
-    """Return the conditions of configured events."""
-    form = model.data.analysis.form
-    assert form is not None
-    return form
 
 
 def claims(model: EventModel, _inputs: object, _frequency: float) -> Sequence[Claim]:

@@ -22,8 +22,7 @@ from eddi_scaffold.compiling.text import (
     unpacked,
 )
 from eddi_scaffold.conditions.uses import accepted
-from eddi_scaffold.kinds.event.claims import form_of
-from eddi_scaffold.kinds.event.events import EventModel
+from eddi_scaffold.kinds.event.events import EventModel, form_of
 
 FORMAT = 1
 

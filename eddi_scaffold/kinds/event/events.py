@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
@@ -16,8 +17,8 @@ from eddi_scaffold.conditions.findings import Locate, line_and_column
 from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
+from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.kinds import InputType, ModelInput, Options, ReadResult, Skeleton, TypedModel
-from eddi_scaffold.kinds.event.claims import form_of, uses_of
 
 NAME = "event"
 DEFAULT_RATE = 10.0
@@ -237,3 +238,23 @@ def _input(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
         covered=covered,
         uses=uses,
     )
+
+
+def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
+    """Return for each variable how it can bring an event nearer to what it claims.
+
+    An EVIDENCE claims that it is true, a HAZARD that it is not.
+    """
+    found: dict[str, tuple[Use, ...]] = {}
+    for output in form["outputs"]:
+        wanted = output["polarity"] == "EVIDENCE"
+        for name, more in uses(form, output["node"], wanted=wanted).items():
+            found[name] = (*found.get(name, ()), *more)
+    return found
+
+
+def form_of(model: EventModel) -> Mapping[str, Any]:
+    """Return the conditions of configured events."""
+    form = model.data.analysis.form
+    assert form is not None
+    return form

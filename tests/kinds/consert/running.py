@@ -11,8 +11,7 @@ from eddi_runtime.testing import inputs
 from eddi_scaffold.compiling.monitor import Declaration
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
-from eddi_scaffold.kinds.consert.model import ConSertModel
-from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.model import ConSertModel, ConSertOptions
 from runtime_lib.tests.bound_models import DIGEST, BoundModel, bound_input
 
 

@@ -12,8 +12,7 @@ from eddi_scaffold.kinds import Options, kinds
 from eddi_scaffold.kinds.consert import KIND
 from eddi_scaffold.kinds.consert.functions import FUNCTIONS
 from eddi_scaffold.kinds.consert.messages import MESSAGES
-from eddi_scaffold.kinds.consert.model import Bound, Range
-from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.model import Bound, ConSertOptions, Range
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 
