@@ -134,3 +134,5 @@ def test_one_version() -> None:
     assert eddi_runtime.__version__ == version
     manifest = (EXPECTED / "eddi_runtime" / "package.xml").read_text("utf-8")
     assert f"<version>{version}</version>" in manifest
+    assert f"\nversion: {version}\n" in (HERE / "CITATION.cff").read_text("utf-8")
+    assert f"\n## [{version}]" in (HERE / "CHANGELOG.md").read_text("utf-8")

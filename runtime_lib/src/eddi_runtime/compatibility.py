@@ -6,7 +6,7 @@ import hashlib
 from types import ModuleType
 from typing import Mapping
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 """Of this runtime."""
 
 _MARK = b"\n# sha256 of the lines below: "

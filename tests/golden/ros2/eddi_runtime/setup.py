@@ -4,7 +4,7 @@ from setuptools import find_packages, setup
 
 setup(
     name='eddi_runtime',
-    version='0.1.0',
+    version='1.0.0',
     packages=find_packages(),
     package_data={'eddi_runtime': ['py.typed']},
     data_files=[
