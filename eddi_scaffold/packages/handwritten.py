@@ -103,16 +103,11 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
     inputs = answers.get("inputs")
     for one in inputs if isinstance(inputs, list) else ():
         if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
-            marker = _marker(one)
-            if marker is not None:
+            marker = read_marker(str(one.get("region_begin")), 1)
+            if isinstance(marker, Marker):
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
                 found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
     return found
-
-
-def _marker(entry: Mapping[str, Any]) -> Marker | None:
-    marker = read_marker(str(entry.get("region_begin")), 1)
-    return marker if isinstance(marker, Marker) else None
 
 
 def written(package: Path) -> list[str]:

@@ -64,7 +64,8 @@ class Renames:
     def move_inside(self, root: Path) -> None:
         """Move a person's files out of folders of generated files that have the old name."""
         for folder, old in self.former.items():
-            made = {parent for name in manifest_of(root / folder).files for parent in _above(name)}
+            files = manifest_of(root / folder).files
+            made = {str(parent) for name in files for parent in PurePosixPath(name).parents}
             for name in list(_names(root / folder)):
                 parts = name.split("/")
                 renamed = [folder if part == old else part for part in parts]
@@ -97,11 +98,6 @@ NO_RENAMES = Renames({}, {})
 def aside(folder: str) -> str:
     """Return where a package waits for its new name, while names go round in a circle."""
     return f".{folder}.renamed"
-
-
-def _above(name: str) -> Iterator[str]:
-    """Yield the folders that a file lies in."""
-    return (str(parent) for parent in PurePosixPath(name).parents)
 
 
 def _names(package: Path) -> Iterator[str]:
