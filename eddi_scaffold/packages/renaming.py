@@ -163,7 +163,12 @@ def _check_room(package: Path) -> None:
     Raises:
         EddiError: that is so (G025).
     """
-    if not _is_as_made(package):
+    made = {*manifest_of(package).files, ANSWERS_FILE}
+    own = (name for name, _ in entries(package) if name not in made)
+    is_as_made = all(name.startswith(f"{EDDI}/") for name in own) and all(
+        region.state == "untouched" for region in list_regions(package)
+    )
+    if not is_as_made:
         message = f"{package.name!r} is there already, and something in it was written by hand"
         hint = "move what you need of it away, remove the folder, and run this again"
         raise _refused(message, hint, package)
@@ -187,12 +192,3 @@ def _check_movable(package: Path) -> None:
             " write the new path into .gitmodules and into the core.worktree of its repository"
         )
         raise _refused(message, hint, package)
-
-
-def _is_as_made(package: Path) -> bool:
-    """Return whether nothing in a folder was written by hand, as where there is none."""
-    made = {*manifest_of(package).files, ANSWERS_FILE}
-    own = (name for name, _ in entries(package) if name not in made)
-    return all(name.startswith(f"{EDDI}/") for name in own) and all(
-        region.state == "untouched" for region in list_regions(package)
-    )
