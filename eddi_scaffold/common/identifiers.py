@@ -55,7 +55,7 @@ RESERVED = frozenset(
         "_",
     ]
 )
-INPUT_MEMBERS = frozenset(
+_INPUT_MEMBERS = frozenset(
     {
         "begin_processing",
         "begin_step",
@@ -70,8 +70,8 @@ INPUT_MEMBERS = frozenset(
         "states",
         "update",
         "update_each",
+        "update_expression",
     }
-    | {"update_expression"}
 )
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 STARTUP_MODULES = ("sitecustomize", "usercustomize")
@@ -119,7 +119,7 @@ def attribute(name: str) -> str:
         words = f"_{words}"
     if words.startswith("__"):
         words = f"input{words}"
-    hides = words in INPUT_MEMBERS or words.startswith("process_")
+    hides = words in _INPUT_MEMBERS or words.startswith("process_")
     return f"{words}_" if hides or words in RESERVED else words
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -94,7 +94,8 @@ def monitors_of(
         models = select_models(models, name)
     given, unsure = read_configs(config_files, robot)
     problems += unsure
-    former = _former(renames)
+    pairs = [word.partition("=") for word in renames]
+    former = {package_name(new): package_name(old) for old, _, new in pairs}
     configs = [with_types(one, _remembered_types(one, root, former)) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
     monitors, found = join(models, configs, read, default_guarantees)
@@ -108,12 +109,6 @@ def monitors_of(
         others = _beside(existing(root, made), made)
         problems += absent_publishers(deployment(members_of(monitors), others))
     return monitors, problems
-
-
-def _former(renames: Sequence[str]) -> Mapping[str, str]:
-    """Return the package that each renamed one was: ``OLD=NEW`` of the command line."""
-    pairs = [word.partition("=") for word in renames]
-    return {package_name(new): package_name(old) for old, _, new in pairs}
 
 
 def _remembered_types(
@@ -181,14 +176,18 @@ def assemble(
     )
     found += more
     if packages and any(monitor.config is None for monitor in monitors):
-        named = (name for name in before if name in renewed or name in gone)
-        found += _drops_config(root, {name: before[name] for name in named})
+        found += [
+            problem("G001.had_configuration", Place(str(root / name)))
+            for name, answers in before.items()
+            if (name in renewed or name in gone) and answers.get("config_json")
+        ]
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
         found.append(problem("G000.single_process", platform=platform.name))
     if has_errors(found):
         raise EddiError(*found)
     new = [package.folder for package in packages]
-    beside = _sharing(platform, present)
+    sharing = platform.templates.monitor if platform.templates.support else None
+    beside = {name: of for name, of in present.items() if of["template"] == sharing}
     renamed = [answers for name, answers in before.items() if name in gone]
     packages = [
         with_choices(one, [chosen, present.get(one.folder, {}), *beside.values(), *renamed])
@@ -206,21 +205,6 @@ def assemble(
     shared = support(platform, root, before, wanted, gone)
     told = without_written_inputs(found, lambda package: [root / package])
     return PackagePlan([*packages, *shared], new, told, before)
-
-
-def _drops_config(root: Path, before: Mapping[str, Mapping[str, Any]]) -> Iterator[Problem]:
-    """Report packages that were generated with a configuration, and would lose it (G001)."""
-    for name, answers in before.items():
-        if answers.get("config_json"):
-            yield problem("G001.had_configuration", Place(str(root / name)))
-
-
-def _sharing(
-    platform: Platform, present: Mapping[str, Mapping[str, Any]]
-) -> Mapping[str, Mapping[str, Any]]:
-    """Return the monitors of a platform that share packages."""
-    own = platform.templates.monitor if platform.templates.support else None
-    return {name: answers for name, answers in present.items() if answers["template"] == own}
 
 
 def with_choices(package: PackageAnswers, chosen: Sequence[Mapping[str, Any]]) -> PackageAnswers:

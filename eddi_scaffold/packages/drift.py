@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.packages.generation import write_packages
-from eddi_scaffold.packages.handwritten import looked_at
+from eddi_scaffold.packages.handwritten import ADOPT, looked_at
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, own_template
-from eddi_scaffold.packages.review import ADOPT
 from eddi_scaffold.packages.upgrading import PackageGroup, targets
 from eddi_scaffold.packages.workspace import linked_package
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.packages.handwritten import lost_sources, write_plans
+from eddi_scaffold.packages.handwritten import ADOPT, is_of_d72, lost_sources, write_plans
 from eddi_scaffold.packages.renaming import NO_RENAMES, Renames
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, Renderer, Template, read_answers
-from eddi_scaffold.packages.review import ADOPT, is_of_d72
 from eddi_scaffold.packages.unpacking import Unpacked, scratch_folder, unpacked
 from eddi_scaffold.packages.workspace import alone, lacks_answers, refuse_newer
 from eddi_scaffold.platforms import PackageAnswers

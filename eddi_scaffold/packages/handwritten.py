@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.common.files import saved_meanwhile
-from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.files import read_regular, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
-from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.message_types import TIMES, known_messages
 from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
-from eddi_scaffold.packages.mistakes import Messages
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.review import ADOPT, doubtful_names, is_of_d72
 from eddi_scaffold.packages.workspace import alone
-from eddi_scaffold.regions.check import Doubts, RegionStatus, list_regions, plan_accept
+from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
 from eddi_scaffold.regions.package import EDDI, KEPT, SavedError
 from eddi_scaffold.regions.sync import Plan
@@ -49,6 +45,11 @@ class HandwrittenRegion:
         }
 
 
+ADOPT = (
+    "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
+    " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
+)
+_OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
 _WHAT = {"process": "input", "node": "node"}
 """First word of the id of a region -> what a person writes in it."""
 
@@ -102,16 +103,11 @@ def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
     inputs = answers.get("inputs")
     for one in inputs if isinstance(inputs, list) else ():
         if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
-            marker = _marker(one)
-            if marker is not None:
+            marker = read_marker(str(one.get("region_begin")), 1)
+            if isinstance(marker, Marker):
                 waits = body[-1] == f"self.{one.get('attribute')} = None"
                 found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
     return found
-
-
-def _marker(entry: Mapping[str, Any]) -> Marker | None:
-    marker = read_marker(str(entry.get("region_begin")), 1)
-    return marker if isinstance(marker, Marker) else None
 
 
 def written(package: Path) -> list[str]:
@@ -182,22 +178,12 @@ def packages_below(folder: Path) -> list[Path]:
     return found
 
 
-def doubts_of(package: Path) -> Doubts:
-    """Return what tells doubts in the hand-written bodies of a package.
-
-    Fields are told of messages that are known whole: a configuration declares only what it uses.
-    """
-    text = (read_answers(package) or {}).get("config_json")
+def is_of_d72(file: Path) -> bool:
+    """Return whether a file has an ``EDDIInput`` as the D7.2 tools wrote it."""
     try:
-        config = from_json(text, package.name) if text else None
-    except (TypeError, ValueError, RecursionError):  # told where the package is written (T005)
-        config = None
-    if config is None:
-        return doubtful_names
-    partly = {*config.config.MessageTypes, *TIMES}
-    whole = {name: of for name, of in known_messages().items() if name not in partly}
-    types = {attribute(entry.id): entry.type for entry in config.config.SimulatorOutputs}
-    return partial(doubtful_names, messages=Messages(types, whole))
+        return _OF_D72.search(read_regular(file).decode("utf-8", "replace")) is not None
+    except OSError:  # a FIFO as well, which would be waited for
+        return False
 
 
 def looked_at(package: Path) -> list[RegionStatus]:
@@ -207,7 +193,7 @@ def looked_at(package: Path) -> list[RegionStatus]:
         replace(region, notes=(*region.notes, ADOPT), review=True)
         if pasted(region.file)
         else region
-        for region in list_regions(package, doubts_of(package))
+        for region in list_regions(package)
     ]
 
 

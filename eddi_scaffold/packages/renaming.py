@@ -64,7 +64,8 @@ class Renames:
     def move_inside(self, root: Path) -> None:
         """Move a person's files out of folders of generated files that have the old name."""
         for folder, old in self.former.items():
-            made = {parent for name in manifest_of(root / folder).files for parent in _above(name)}
+            files = manifest_of(root / folder).files
+            made = {str(parent) for name in files for parent in PurePosixPath(name).parents}
             for name in list(_names(root / folder)):
                 parts = name.split("/")
                 renamed = [folder if part == old else part for part in parts]
@@ -97,11 +98,6 @@ NO_RENAMES = Renames({}, {})
 def aside(folder: str) -> str:
     """Return where a package waits for its new name, while names go round in a circle."""
     return f".{folder}.renamed"
-
-
-def _above(name: str) -> Iterator[str]:
-    """Yield the folders that a file lies in."""
-    return (str(parent) for parent in PurePosixPath(name).parents)
 
 
 def _names(package: Path) -> Iterator[str]:
@@ -167,7 +163,12 @@ def _check_room(package: Path) -> None:
     Raises:
         EddiError: that is so (G025).
     """
-    if not _is_as_made(package):
+    made = {*manifest_of(package).files, ANSWERS_FILE}
+    own = (name for name, _ in entries(package) if name not in made)
+    is_as_made = all(name.startswith(f"{EDDI}/") for name in own) and all(
+        region.state == "untouched" for region in list_regions(package)
+    )
+    if not is_as_made:
         message = f"{package.name!r} is there already, and something in it was written by hand"
         hint = "move what you need of it away, remove the folder, and run this again"
         raise _refused(message, hint, package)
@@ -191,12 +192,3 @@ def _check_movable(package: Path) -> None:
             " write the new path into .gitmodules and into the core.worktree of its repository"
         )
         raise _refused(message, hint, package)
-
-
-def _is_as_made(package: Path) -> bool:
-    """Return whether nothing in a folder was written by hand, as where there is none."""
-    made = {*manifest_of(package).files, ANSWERS_FILE}
-    own = (name for name, _ in entries(package) if name not in made)
-    return all(name.startswith(f"{EDDI}/") for name in own) and all(
-        region.state == "untouched" for region in list_regions(package)
-    )

@@ -14,7 +14,6 @@ from typing import Any
 
 from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.eddi_xml.links import Linked
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.facts import from_json as facts_of
@@ -190,12 +189,17 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     facts = facts_of(answers["facts_json"])
     code = dict(_code(answers))
     inputs = {input_.id: input_ for input_ in facts.inputs}
-    config = _config(answers)
+    config: Mapping[str, Any] = json.loads(answers.get("config_json") or "{}")
     topics = {item["id"]: item.get("topic", "") for item in config.get("SimulatorOutputs", ())}
     section = config.get("Model") or {}
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
     configured = {limit["id"] for limit in limits} | inputs.keys()
-    links = {path: _linked(link) for path, link in (facts.links or {}).items()}
+    links = {
+        path: tuple(
+            TraceLink(link.class_name, link.name, link.line, link.path) for link in of.links
+        )
+        for path, of in (facts.links or {}).items()
+    }
     rows: list[TraceRow] = []
     known = {element.id for element in facts.elements}
     of_inputs = (Element("input", name) for name in inputs if name not in known)
@@ -211,7 +215,12 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
                 element.path or "",
                 code.get(element.id, ""),
                 heard,
-                tuple(one for at, of in links.items() if _is_in(at, element.path) for one in of),
+                tuple(
+                    link
+                    for at, of in links.items()
+                    if element.path and f"{at}/".startswith(f"{element.path}/")
+                    for link in of
+                ),
                 element.line is None and element.id in configured,
             )
         )
@@ -243,14 +252,6 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     )
 
 
-def _linked(of: Linked) -> tuple[TraceLink, ...]:
-    return tuple(TraceLink(link.class_name, link.name, link.line, link.path) for link in of.links)
-
-
-def _is_in(path: str, of: str | None) -> bool:
-    return bool(of) and f"{path}/".startswith(f"{of}/")
-
-
 def _with_support(
     rows: Sequence[TraceRow], facts: MonitorFacts, published: Mapping[str, str]
 ) -> tuple[TraceRow, ...]:
@@ -278,12 +279,6 @@ def _all_links(
         for link in linked.get(name, ()):
             found.setdefault(link.path, replace(link, through=name))
     return tuple(found.values())
-
-
-def _config(answers: Mapping[str, Any]) -> Mapping[str, Any]:
-    text = answers.get("config_json")
-    found: Mapping[str, Any] = json.loads(text) if text else {}
-    return found
 
 
 def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:

@@ -88,7 +88,9 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         return
     with scratch_folder("eddi-templates-") as scratch:
         if place.is_file():
-            templates = _cloned(place, Path(scratch, "bundle.git"))
+            templates = Path(scratch, "bundle.git")
+            words = ("clone", "--quiet", "--bare", "--", str(place.absolute()), str(templates))
+            _git(None, *words, GIT_ALLOW_PROTOCOL="file")
         else:
             templates = place / ".git"
         commit = _git(templates, "describe", "--tags", "--always", ref).decode().strip()
@@ -97,16 +99,14 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         def unpack() -> Path:
             folder = Path(scratch, "templates")
             archive = _changed(templates, Path(scratch)) if changed else _archive(templates, ref)
-            _extract(archive, folder)
+            with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+                if hasattr(tarfile, "data_filter"):
+                    tar.extractall(folder, filter="data")
+                else:  # Python 3.10 before 3.10.12; what git archives of our own is harmless
+                    tar.extractall(folder)  # noqa: S202
             return folder
 
         yield Unpacked(commit, changed, unpack)
-
-
-def _cloned(bundle: Path, target: Path) -> Path:
-    words = ("clone", "--quiet", "--bare", "--", str(bundle.absolute()), str(target))
-    _git(None, *words, GIT_ALLOW_PROTOCOL="file")
-    return target
 
 
 def _archive(templates: Path, tree: str, **environment: str) -> bytes:
@@ -127,14 +127,6 @@ def _changed(templates: Path, scratch: Path) -> bytes:
     _git(templates, "add", "--all", "--", *PATHS, **own)
     tree = _git(templates, "write-tree", **own).decode().strip()
     return _archive(templates, tree, **own)
-
-
-def _extract(archive: bytes, folder: Path) -> None:
-    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
-        if hasattr(tarfile, "data_filter"):
-            tar.extractall(folder, filter="data")
-        else:  # Python 3.10 before 3.10.12; what git archives of our own templates is harmless
-            tar.extractall(folder)  # noqa: S202
 
 
 def _git(templates: Path | None, *words: str, **environment: str) -> bytes:

@@ -62,7 +62,26 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
-    return _found(workspace, packages)
+    named = _named(workspace, packages)
+    if named:
+        return [
+            _group(root, [path for path in named if path.parent == root])
+            for root in roots(workspace, packages)
+        ]
+    place = workspace or Path()
+    found = [
+        PackageGroup(root, existing(root), linked(root), "" if one is place else one.name)
+        for one in _workspaces(place)
+        for root in _roots(one)
+    ]
+    found = [group for group in found if group.present or group.links]
+    if not found:
+        above = _workspace_above(place)
+        hint = "name a workspace with -w, or the folder of a package"
+        if above is not None:
+            hint = f"name the workspace above: -w {above}"
+        raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
+    return found
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
@@ -111,29 +130,6 @@ def _named(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
     if not packages and (place / ANSWERS_FILE).is_file():
         packages = [place]
     return [path if path.name not in {"", ".."} else path.resolve() for path in packages]
-
-
-def _found(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGroup]:
-    named = _named(workspace, packages)
-    if named:
-        return [
-            _group(root, [path for path in named if path.parent == root])
-            for root in roots(workspace, packages)
-        ]
-    place = workspace or Path()
-    found = [
-        PackageGroup(root, existing(root), linked(root), "" if one is place else one.name)
-        for one in _workspaces(place)
-        for root in _roots(one)
-    ]
-    found = [group for group in found if group.present or group.links]
-    if not found:
-        above = _workspace_above(place)
-        hint = "name a workspace with -w, or the folder of a package"
-        if above is not None:
-            hint = f"name the workspace above: -w {above}"
-        raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
-    return found
 
 
 def _workspace_above(place: Path) -> Path | None:
@@ -199,7 +195,7 @@ def targets(
     for folder, answers in group.present.items():
         if "facts_json" not in answers:
             continue
-        platform = monitors[folder] = _platform(answers)
+        platform = monitors[folder] = owner_of(str(answers["template"]))
         if folder not in renewed:
             packages.append(stored(group.root / folder, answers))
             continue
@@ -210,7 +206,8 @@ def targets(
         problems += [*found, *more]
     problems += wiring_with(joined, group.present)
     shared = {folder for folder in group.present if folder not in monitors}
-    for platform in dict.fromkeys(_platform(group.present[folder]) for folder in sorted(shared)):
+    templates = (str(group.present[folder]["template"]) for folder in sorted(shared))
+    for platform in dict.fromkeys(map(owner_of, templates)):
         own = {p.folder: p.answers for p in packages if monitors.get(p.folder) is platform}
         present = existing(group.root, own)
         made = support(platform, group.root, present, own)
@@ -310,7 +307,3 @@ def _answers(package: Path) -> dict[str, Any]:
         raise EddiError(problem("U001.not_a_package", Place(str(package))))
     check_answers(package, answers)
     return answers
-
-
-def _platform(answers: dict[str, Any]) -> Platform:
-    return owner_of(str(answers["template"]))

@@ -33,7 +33,9 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
         EddiError: the answers of another package are damaged (T005), or not there (H012).
     """
     found = {}
-    for folder in _folders(root):
+    for folder in sorted(root.iterdir()) if root.is_dir() else []:
+        if folder.is_symlink() or not (folder.is_dir() and os.access(folder, os.X_OK)):
+            continue
         answers = read_answers(folder)
         if answers is None:
             if (folder / MANIFEST).is_file():
@@ -187,12 +189,3 @@ def linked(root: Path) -> tuple[Path, ...]:
 def linked_package(link: Path) -> str:
     """Report that the package behind a link is left alone."""
     return f"{link.name} is a link: it is left alone; name the folder that it leads to"
-
-
-def _folders(root: Path) -> list[Path]:
-    folders = sorted(root.iterdir()) if root.is_dir() else []
-    return [
-        path
-        for path in folders
-        if path.is_dir() and not path.is_symlink() and os.access(path, os.X_OK)
-    ]

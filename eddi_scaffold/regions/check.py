@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import package
-from .marked_file import Region
 from .markers import tail_of, with_tail
 from .package import EDDI, MANIFEST, NEW, PackageFile, Step
 from .sync import Plan, look_reasons
-
-Doubts = Callable[[str, Iterable[Region]], Mapping[str, Sequence[str]]]
-"""Tells from a module and its hand-written regions what is doubtful in each of them."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +25,16 @@ class RegionStatus:
     file: str  # relative to the package
     line: int | None  # of the begin marker, None where there is none
     state: str
-    notes: tuple[str, ...] = ()  # why a person must look at it, or doubts
+    notes: tuple[str, ...] = ()  # why a person must look at it
     review: bool = True  # whether a person must
 
 
-def list_regions(root: Path, doubts: Doubts | None = None) -> list[RegionStatus]:
+def list_regions(root: Path) -> list[RegionStatus]:
     """Return the regions of a package, and what else is open in it."""
-    return list(_listed(root, doubts))
+    return list(_listed(root))
 
 
-def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
+def _listed(root: Path) -> Iterator[RegionStatus]:
     manifest = package.manifest_of(root)
     if manifest.mixed:
         note = "lists two renderings: after a merge, or a killed run; generate again"
@@ -59,7 +55,7 @@ def _listed(root: Path, doubts: Doubts | None) -> Iterator[RegionStatus]:
         elif file is None:
             yield RegionStatus("", name, None, "missing", ("it was generated; generate again",))
         else:
-            yield from _in_file(root, name, file, known, doubts)
+            yield from _in_file(root, name, file, known)
     regions = dict(package.kept_regions(root))
     for name in package.kept_names(root):
         if body := regions.get(name):
@@ -86,7 +82,7 @@ def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
 
 
 def _in_file(
-    root: Path, name: str, file: PackageFile, known: frozenset[str], doubts: Doubts | None
+    root: Path, name: str, file: PackageFile, known: frozenset[str]
 ) -> Iterator[RegionStatus]:
     if len(file.sides) > 1:
         yield RegionStatus("", name, None, "broken", ("a merge is not finished; generate again",))
@@ -97,15 +93,11 @@ def _in_file(
         return
     if not package.is_as_made(root, name, file.digests, known):
         yield RegionStatus("", name, None, "outside", ("edited outside regions; generate again",))
-    regions = file.marked.regions
-    written = [region for region in regions.values() if not region.untouched]
-    doubted = doubts(file.text, written) if doubts and name.endswith(".py") and written else {}
-    for id_, region in regions.items():
+    for id_, region in file.marked.regions.items():
         now = None if region.untouched else region.now
-        notes = [f"look at it: {look_reasons(region.digests, now)}"] if now is not None else []
-        notes += doubted.get(id_, ())
+        notes = (f"look at it: {look_reasons(region.digests, now)}",) if now is not None else ()
         state = "untouched" if region.untouched else "edited"
-        yield RegionStatus(id_, name, region.line, state, tuple(notes), now is not None)
+        yield RegionStatus(id_, name, region.line, state, notes, now is not None)
 
 
 def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:

@@ -61,22 +61,6 @@ def test_an_id_without_its_kind_is_meant_for_that_region(package: Path) -> None:
     assert (refused.status, "did you mean 'process_RtE_A_E0'?" in refused.err) == (2, True)
 
 
-def test_an_attribute_that_nobody_sets_is_looked_at(package: Path) -> None:
-    """It would raise in every step, and the input stay unknown."""
-    edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.data and self.enabled\n")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 0
-    assert "'self.enabled' is read, but nothing in the class sets it" in shown.out
-    for known in ("self.RtE_A_D0", "self.states", "self.processing", "self.__class__"):
-        edit(package, "self.enabled", known)
-        assert run("regions", "--check", cwd=package).status == 0, known
-        edit(package, f"and {known}", "and self.enabled")
-    text = '"""Once, when all inputs have their defaults."""\n'
-    edit(package, text, f"{text}        vars(self)\n")
-    shown = run("regions", "--check", cwd=package)
-    assert (shown.status, "self.enabled" in shown.out) == (0, False)  # nobody can tell
-
-
 def test_a_broken_marker_is_looked_at(package: Path) -> None:
     edit(package, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n")
     shown = run("regions", "--check", cwd=package)
@@ -145,41 +129,6 @@ def test_a_network_that_nothing_feeds_calls_for_its_methods(tmp_path: Path) -> N
     # with a declaration nothing is left to a person
     shutil.copy(pedestrian / "eddi_config.yml", tmp_path)
     assert "K050" not in run("check", "pedestrian.xml", "eddi_config.yml", cwd=tmp_path).err
-
-
-def test_a_field_that_a_known_message_does_not_have_is_looked_at(package: Path) -> None:
-    """It would raise in every step; methods and constants of the class are no fields."""
-    edit(package, BODY, "        self.RtE_A_E0 = RtE_E0.date and bool(RtE_E0.MAX, RtE_E0.get())\n")
-    shown = run("regions", "--check", cwd=package)
-    assert shown.status == 0
-    line = "'RtE_E0.date': std_msgs/Bool has no such field; did you mean 'data'?"
-    assert [one.strip() for one in shown.out.splitlines() if "RtE_E0." in one] == [line]
-    edit(package, "RtE_E0.date", "RtE_E0.data")
-    assert run("regions", "--check", cwd=package).status == 0
-    edit(
-        package, "        self.RtE_A_E0 = RtE_E0.data", "        RtE_E0 = self\n        RtE_E0.date"
-    )
-    assert "no such field" not in run("regions", "--check", cwd=package).out
-
-
-def test_a_field_of_a_message_that_the_configuration_declares_in_part_is_not_looked_at(
-    tmp_path: Path,
-) -> None:
-    """A configuration declares the fields that it uses; a body may use others."""
-    config = (EXAMPLE / "consert_b_config.yml").read_text("utf-8")
-    declared = tmp_path / "consert_b_config.yml"
-    field = "        self.RtE_A_E0 = RtE_E0.data"
-    for types, said in (("", True), ("MessageTypes:\n  std_msgs/Bool: {data: bool}\n", False)):
-        declared.write_text(f"{config}{types}", "utf-8")
-        model = EXAMPLE / "two_conserts.xml"
-        words = ["-o", tmp_path, "-m", model, "-c", declared]
-        run("generate", "--platform", "plain", *words, cwd=tmp_path)
-        file = tmp_path / "consertb" / "EDDIInput.py"
-        text = file.read_text("utf-8")
-        file.write_text(text.replace(f"{field}\n", f"{field} and RtE_E0.date\n"), "utf-8")
-        shown = run("regions", "--check", cwd=tmp_path / "consertb").out
-        assert "RtE_E0.date" in file.read_text("utf-8")
-        assert ("no such field" in shown) == said
 
 
 def test_an_editable_file_that_is_missing_is_looked_at(package: Path) -> None:

@@ -39,7 +39,6 @@ from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.show import model_json, model_tree, system_json, system_tree
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
-from eddi_scaffold.packages.review import doubtful_names
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
@@ -510,7 +509,7 @@ def _sync(folder: Path) -> Made:
         (package / sample.name).write_bytes(sample.data)
         before = files_below(package)
         yield
-        list_regions(package, doubtful_names)
+        list_regions(package)
         yield
         plan = plan_sync(package, renderings[2])
         yield
