@@ -97,19 +97,19 @@ def test_edits_of_the_runtime_are_kept_aside(packages: Path) -> None:
     manifest = packages / RUNTIME / "package.xml"
     end = "  <!-- Manual edit end"
     manifest.write_text(manifest.read_text().replace(end, f"  <!-- ours -->\n{end}", 1))
-    access = packages / RUNTIME / "src" / RUNTIME / "access.py"
-    access.write_text(access.read_text("utf-8") + "# ours\n", "utf-8")
+    inputs = packages / RUNTIME / "src" / RUNTIME / "inputs.py"
+    inputs.write_text(inputs.read_text("utf-8") + "# ours\n", "utf-8")
     generate(place, "a", "--runtime", "installed", status=3)
     kept = packages / RUNTIME / ".eddi" / "kept"
     left = {path for path in (packages / RUNTIME).rglob("*") if path.is_file()}
-    saved = {kept / "package.own.region", kept / "src" / RUNTIME / "access.py"}
+    saved = {kept / "package.own.region", kept / "src" / RUNTIME / "inputs.py"}
     assert left == saved
     assert all("ours" in path.read_text("utf-8") for path in saved)
     generate(place, "a")
     generate(place, "a", "--runtime", "vendored", status=3)  # until somebody removes the file
     assert "<!-- ours -->" in manifest.read_text()
-    assert "ours" in (kept / "src" / RUNTIME / "access.py").read_text("utf-8")
-    assert access.is_file()
+    assert "ours" in (kept / "src" / RUNTIME / "inputs.py").read_text("utf-8")
+    assert inputs.is_file()
 
 
 def test_upgrade_takes_away_what_no_monitor_needs(packages: Path) -> None:
