@@ -133,8 +133,10 @@ INNER = {"engine_for", "judge", "read", "reduce", "restart", "sources", "stamp",
 
 @pytest.mark.parametrize("kind", sorted(kinds()))
 def test_the_methods_of_each_kind_of_monitor_are_listed(kind: str) -> None:
-    package = importlib.import_module(f"eddi_runtime.{kind}")
-    names = [one.name for one in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")]
+    part = importlib.import_module(f"eddi_runtime.{kind}")
+    folder = getattr(part, "__path__", [])  # else a module
+    names = [part.__name__]
+    names += [module.name for module in pkgutil.iter_modules(folder, f"{part.__name__}.")]
     found = [one for name in names for one in vars(importlib.import_module(name)).values()]
     monitors = [one for one in found if getattr(one, "kind", None) == kind]
     there = {

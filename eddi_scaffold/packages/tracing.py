@@ -180,7 +180,7 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
     """
     try:
         return _trace_of(answers)
-    except (AttributeError, KeyError, TypeError, ValueError) as damage:
+    except (AttributeError, KeyError, SyntaxError, TypeError, ValueError) as damage:
         place = Place(f"{answers.get('package')}/{ANSWERS_FILE}")
         raise EddiError(problem("T005.damaged", place, answer=damage)) from None
 

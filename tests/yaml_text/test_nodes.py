@@ -14,7 +14,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.yaml_text import nodes as y
 
 
-def read(text, code="Y001"):
+def read(text, code="K001"):
     data = text if isinstance(text, bytes) else text.encode()
     return y.read_document(Source("f.yml", data), code)
 
@@ -168,7 +168,7 @@ def test_what_cannot_be_read(text):
     assert node is None
     place = problem.place
     assert (place.line, place.col, problem.message) == BAD[text]
-    assert (problem.code, problem.level) == ("Y001", "error")
+    assert (problem.code, problem.level) == ("K001", "error")
 
 
 def test_not_utf8():
@@ -184,7 +184,7 @@ def test_repeated_keys_at_any_level_are_all_reported():
 
 
 def test_the_top_level_must_be_a_map():
-    node, (problem,) = y.read_map(Source("f.yml", b"- a\n"), "Y001")
+    node, (problem,) = y.read_map(Source("f.yml", b"- a\n"), "K001")
     assert node is None
     assert problem.message == "the top level must be a map, not a list"
 

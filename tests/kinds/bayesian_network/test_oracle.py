@@ -118,7 +118,7 @@ def test_damaged_eddi(case: dict[str, Any]) -> None:
     codes = {problem.code: problem.level for problem in reading.problems}
     assert case["code"] in codes, codes
     cases = {problem.case for problem in reading.problems}
-    is_warning = bool(cases & {"X006.misprint", "X006.spelling", "B113.normalised"})
+    is_warning = bool(cases & {"X006.misprint", "X006.prefix", "X006.spelling", "B113.normalised"})
     assert codes[case["code"]] == ("warning" if is_warning else "error")
     assert bool(reading.models) == is_warning
 
