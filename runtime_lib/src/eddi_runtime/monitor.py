@@ -42,7 +42,7 @@ class Monitor(Protocol[Output]):
     """One compiled model. Not thread-safe: the thread that steps it also asks it."""
 
     model_id: str  # id of the model
-    digest: str  # SHA-256 of the model file's content
+    digest: str  # SHA-256 of what the monitor computes; robots compare it
     kind: str  # name of the kind (``consert``)
     inputs: tuple[InputSpec, ...]  # what ``execute_step`` reads, one attribute each
     _source: object = None  # what the last step was given
