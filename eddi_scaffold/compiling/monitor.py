@@ -46,7 +46,7 @@ class CompiledMonitor:
     Attributes:
         format: of the part of the runtime that its kind has.
         modules: of that part, those which only some monitors import.
-        lines: the class ``Monitor``.
+        lines: the class ``Monitor``, behind those of its computed inputs where it has any.
         tables: name -> content of the files that must lie next to the module.
         program: its step as a program; None for a kind whose step calls functions of the runtime.
     """

@@ -35,7 +35,7 @@ ANONYMOUS = "event"
 def parse(text: str, findings: TextFindings) -> File:
     """Parse a text: declarations, an expression, or declarations and an expression behind them.
 
-    What is wrong goes to ``findings`` (E001 to E006, E001 to E005, W001); the declarations that
+    What is wrong goes to ``findings`` (E001 to E006, E013, W001); the declarations that
     could be read are returned.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:

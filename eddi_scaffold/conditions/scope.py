@@ -122,7 +122,7 @@ def build_scope(
 
     Args:
         file: the text.
-        findings: gets E008, E009, E008, E008, W003.
+        findings: gets E008, E009, W003.
         given: variables that the caller knows; ``None``: variables may be inferred.
         outer: declarations from elsewhere; problems in them are reported there.
     """

@@ -200,6 +200,10 @@ class _Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+USUAL_FREQUENCY = 10.0
+"""Steps per second of a monitor whose configuration names none, or that has no configuration."""
+
+
 class ModelSection(_Section):
     """Which model runs, and how.
 
@@ -218,7 +222,7 @@ class ModelSection(_Section):
 
     id: Name
     type: StrictStr
-    frequency: Annotated[float, BeforeValidator(_frequency)] = 10.0
+    frequency: Annotated[float, BeforeValidator(_frequency)] = USUAL_FREQUENCY
     mode: Literal["rate", "on_change"] = "rate"
     startup_grace: Annotated[float, BeforeValidator(_seconds)] = 10.0
     lifecycle: StrictBool = False

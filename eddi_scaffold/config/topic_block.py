@@ -120,8 +120,8 @@ def read_block(source: Source) -> ConfigText:
     """Find the block in a configuration.
 
     Raises:
-        EddiError: the file is not a YAML mapping (K001), is written in one pair of braces (K001),
-            has the block under both of its names (K001), or uses an anchor of it elsewhere (K001).
+        EddiError: the file is not a YAML mapping, is written in one pair of braces, has the block
+            under both of its names, or uses an anchor of it elsewhere (K001).
     """
     if _NOTHING.fullmatch(source.data):
         text = source.data.decode("utf-8-sig", "replace")

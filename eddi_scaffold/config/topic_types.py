@@ -19,7 +19,7 @@ def check_types(config: ConfigFile, used: Collection[str]) -> Iterator[Problem]:
     """Check the types of ``SimulatorOutputs``.
 
     What does not exist in a package that is wholly known is an error (K048). Of a package that is
-    not known, it is reported what stays unchecked: a field (K039), else the package, once (K039).
+    not known, it is reported what stays unchecked: a field, else the package, once (K039).
 
     Args:
         config: the configuration; its ``MessageTypes`` are known as well.

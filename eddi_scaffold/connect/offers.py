@@ -84,15 +84,14 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
     config = monitor.config
     if config is None:
         return
-    functions, claims = monitor.kind.functions, monitor.facts.claims
+    functions = monitor.kind.functions
     ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
-    own = {claim.id: [claim.id] for claim in claims}
+    own = {claim.id: [claim.id] for claim in monitor.facts.claims}
     messages = {"": monitor.kind.output_message, **functions.beside(monitor.model)}
     for output in config.config.EDDIOutputs:
         if output.field is not None:
             continue
-        on_this = [claim for claim in claims if output.event in (None, claim.id)]
-        meanings = monitor.kind.functions.field_meanings(on_this)
+        meanings = functions.field_meanings(monitor.facts.claims_on(output.event))
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():

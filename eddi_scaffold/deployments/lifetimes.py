@@ -162,16 +162,16 @@ def _check(
     if not isinstance(limit, float) or limit >= _PERIODS * period:
         return
     place = reader.config.place("EDDIInputs", index, "max_age")
-    if entry.max_age is None and source.max_age is None:
-        case, hint = (
-            "K029.default_below_period",
-            (f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"),
-        )
-    else:
-        case, hint = (
-            "K029.below_period",
-            (f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"),
-        )
+    is_default = entry.max_age is None and source.max_age is None
+    hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"
+    if is_default:
+        hint = f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"
     yield problem(
-        case, place, hint=hint, input=entry.id, limit=limit, source=provider.name, period=period
+        "K029.default_below_period" if is_default else "K029.below_period",
+        place,
+        hint=hint,
+        input=entry.id,
+        limit=limit,
+        source=provider.name,
+        period=period,
     )

@@ -162,7 +162,7 @@ _UNLISTED = Meaning()
 
 
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
-    """Report what gains from silence: D001, D002; D007 and D002 are warnings."""
+    """Report what gains from silence: D001, D002, D007."""
     for member in deployment.members:
         found = readings(member.monitor)
         for input_ in found.inverted:

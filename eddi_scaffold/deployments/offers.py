@@ -97,7 +97,7 @@ class DemandBinding:
 def bonds_of(
     file: FleetFile, seats: Sequence[RobotMonitor]
 ) -> tuple[list[DemandBinding], list[Problem]]:
-    """Return every bound demand, and what is wrong with the bindings (D011 to D013, D004)."""
+    """Return every bound demand, and what is wrong with the bindings (D004, D011, D013)."""
     binder = _Binder(file, seats)
     for index, binding in enumerate(file.form.Bindings):
         if not binder.add(index, binding):

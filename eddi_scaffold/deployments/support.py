@@ -63,9 +63,7 @@ class WiredMonitor:
 
     def meanings(self, part: str | None) -> Meanings:
         """Return what the fields of its messages mean on a topic of one claim, or of all."""
-        return self.kind.functions.field_meanings(
-            [c for c in self.facts.claims if part in (None, c.id)]
-        )
+        return self.kind.functions.field_meanings(self.facts.claims_on(part))
 
     @property
     def by_words(self) -> Sequence[str]:

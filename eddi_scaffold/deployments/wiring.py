@@ -143,7 +143,7 @@ def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016, D003, D005).
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016).
 
     Args:
         members: the monitors that are at hand.

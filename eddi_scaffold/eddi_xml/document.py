@@ -108,7 +108,7 @@ class EddiDocument:
         """Resolve the references of one feature, written as attribute or as ``href`` children.
 
         Returns:
-            The elements pointed at, the problems X003, X007, X007, X007, and whether there was
+            The elements pointed at, the problems X003 and X007, and whether there was
             any reference at all.
         """
         name = self.attribute_name(element, spelling)

@@ -81,7 +81,7 @@ def load(
     """Parse a document from a seekable stream.
 
     Returns:
-        The tree, or ``None`` after an error, and the problems X001, X001, X003, X006.
+        The tree, or ``None`` after an error, and the problems X001, X003, X006.
     """
     size = stream.seek(0, 2)
     if size > limits.file_bytes:

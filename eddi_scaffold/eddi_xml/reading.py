@@ -28,7 +28,7 @@ def read_document(
     source: Source,
     limits: Limits = DEFAULT_LIMITS,
 ) -> tuple[EddiDocument | None, list[Problem]]:
-    """Parse an EDDI; ``None`` and the errors X001, X001 or X003 when that is impossible."""
+    """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
     with source.open() as stream:
         return read_stream(stream, source.name, limits)
 

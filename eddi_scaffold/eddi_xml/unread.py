@@ -278,7 +278,7 @@ def _nearest(name: str) -> str | None:
 
 
 def check_features(document: EddiDocument) -> Iterator[Problem]:
-    """Yield X011 for two spellings of one thing, and X007, X007, X007 for references."""
+    """Yield X011 for two spellings of one thing, and X007 for references."""
     waiting = list(reversed(document.roots))
     while waiting:
         element = waiting.pop()

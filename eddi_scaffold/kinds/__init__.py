@@ -315,11 +315,7 @@ def _nothing(_: object) -> Mapping[str, NoReturn]:
     return {}
 
 
-def _none(_: object) -> Sequence[NoReturn]:
-    return ()
-
-
-def _accepts_nothing(*_: object) -> Sequence[Acceptance]:
+def _none(*_: object) -> Sequence[NoReturn]:
     return ()
 
 
@@ -350,7 +346,7 @@ class Functions(Generic[M]):
             runtime the monitor has a method ``<name>_message()`` for each.
         parts: ids of results that are messages of their own, which an output may choose.
         outputs: topics that a configured model itself asks for.
-        configure: applies the options of the configuration to the model; comes before ``inputs``,
+        configure: applies the options of the configuration to the model; comes before ``inputs``
             and all below.
         modules: modules in which people write.
         cross_check: compares the running monitor with an independent tool before a package is
@@ -361,9 +357,8 @@ class Functions(Generic[M]):
             known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
         unfulfilled: why an output of a model does not fulfil an input of another one of this
             kind, ``None`` where it does, or where nothing is asked of that input.
-        acceptances: of a configured model, its bound inputs, and the steps per
-            second: what the model and its options accept in place of what is not
-            known.
+        acceptances: of the same as ``claims``: what the model and its options accept in place of
+            what is not known.
         input_timeouts: input -> seconds after which the kind itself takes it as unknown, for those
             that have such a limit.
         elements: of a configured model: what can be traced, in order.
@@ -393,7 +388,7 @@ class Functions(Generic[M]):
     ids: Callable[[M], Mapping[str, Sequence[str]]] = _nothing
     unfulfilled: Callable[[M, str, M, str], str | None] | None = None
     skeleton: Callable[[M, Options], Skeleton] | None = None
-    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] = _accepts_nothing
+    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] = _none
     input_timeouts: Callable[[M], Mapping[str, float]] = _nothing
     elements: Callable[[M], Sequence[Element]] = _none
 

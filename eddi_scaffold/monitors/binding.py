@@ -5,7 +5,6 @@ What does not fit is a problem with the place in the configuration.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -38,7 +37,7 @@ from eddi_scaffold.config.message_types import (
 )
 from eddi_scaffold.config.message_types.installed import installed_message
 from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
+from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput
 from eddi_scaffold.monitors import input_rules
@@ -57,8 +56,6 @@ _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
 }
 
 
-_USUAL_FREQUENCY = 10.0
-"""Steps per second that a configuration has where it names none."""
 _PLAIN = frozenset({None, "", *units.RATIO.names})
 """Units of a number that has none."""
 _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
@@ -199,7 +196,7 @@ def monitor_of(
     if configured is None or has_errors(problems):
         return None, problems
     place = config.place("Model") if config is not None else model.place
-    frequency = config.config.Model.frequency if config is not None else _USUAL_FREQUENCY
+    frequency = config.config.Model.frequency if config is not None else USUAL_FREQUENCY
     entries = config.config.EDDIInputs if config is not None else ()
     inputs = {binding.model.id: _bound_input(binding) for binding in bindings}
     accepted: list[Acceptance] = []
@@ -252,7 +249,7 @@ def _bound_input(binding: InputBinding) -> BoundInput:
         binding.factor,
         binding.default,
         binding.model.every_message,
-        json.loads(json.dumps(binding.computed)),
+        binding.computed,
     )
 
 

@@ -64,11 +64,12 @@ def compile_monitor(
         EddiError: the runtime refuses the monitor (K028).
     """
     functions, source, path = kind.functions, model.source, model.place.path
+    compiled = functions.compile(model, Declaration(model.name, _NO_DIGEST, tuple(inputs)))
     digest, compiled = _with_digest(
-        functions.compile(model, Declaration(model.name, _NO_DIGEST, tuple(inputs))), inputs
+        replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
     )
     origin = f"{comment(source.file_name)} {comment(path or '')}"
-    text = module_text(kind.name, compiled, inputs, model.name, origin)
+    text = module_text(kind.name, compiled, model.name, origin)
     module = CompiledModule(text.removesuffix("\n"), compiled.tables, compiled.program)
     try:
         EDDIInputBase().bind(module.monitor(model.name).inputs)
@@ -95,12 +96,10 @@ def compile_monitor(
 _NO_DIGEST = "0" * 64
 
 
-def _with_digest(
-    compiled: CompiledMonitor, inputs: Sequence[BoundInput]
-) -> tuple[str, CompiledMonitor]:
+def _with_digest(compiled: CompiledMonitor) -> tuple[str, CompiledMonitor]:
     """Return the digest of all that decides what a monitor computes, and the monitor with it."""
     digest = hashlib.sha256(str(compiled.format).encode())
-    for line in (*expression_lines(inputs), *compiled.lines):
+    for line in compiled.lines:
         digest.update(f"{line}\n".encode())
     for name, data in sorted(compiled.tables.items()):
         digest.update(f"{name} {hashlib.sha256(data).hexdigest()}\n".encode())

@@ -49,7 +49,7 @@ def bind_expression(
 ) -> tuple[CheckedExpression | None, list[Problem]]:
     """Check the expression of one entry of ``EDDIInputs``.
 
-    Problems are those of the language (E, W), K020, K033, K003 to K016 and K020.
+    Problems are those of the language (E, W), K003, K016, K020, K033.
 
     Args:
         item: the input in the model.

@@ -70,6 +70,10 @@ class MonitorFacts:
     links: dict[str, Linked] | None = None
     format: int = FORMAT
 
+    def claims_on(self, part: str | None) -> list[Claim]:
+        """Return the claims on a topic that carries one of them, or all."""
+        return [claim for claim in self.claims if part in (None, claim.id)]
+
     def to_json(self) -> str:
         """Return the text of ``config/model.json`` without the last line end."""
         content = asdict(self, dict_factory=_without_none)

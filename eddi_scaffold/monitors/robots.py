@@ -31,7 +31,7 @@ def fleet_message(kind: Kind[Model]) -> str | None:
 
 
 def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
-    """Find what does not fit among robots: K080 to K083.
+    """Find what does not fit among robots: K029, K080, K081, K083.
 
     Args:
         monitor: any.

@@ -142,7 +142,7 @@ def read_tape(
         The recording, and warnings.
 
     Raises:
-        EddiError: a problem is an error (I001 to I003, I001 to I001, I001).
+        EddiError: a problem is an error (I001, I003).
     """
     recording, problems = read_recording(source, types, others)
     if recording is None:
@@ -169,7 +169,7 @@ def read_recording(
             called where a column is not known.
 
     Returns:
-        The recording, ``None`` when a problem is an error, and all problems (I001 to I001, I001).
+        The recording, ``None`` when a problem is an error, and all problems (I001).
     """
     try:
         text = source.text("I001")

@@ -54,7 +54,7 @@ def keep_regions(new: str, old: str, name: str) -> Kept:
         name: of the file, for messages.
 
     Raises:
-        EddiError: the file is not ours (E020), or its markers are broken (E020).
+        EddiError: the file is not ours, or its markers are broken (E020).
     """
     if HEADER not in "\n".join(old.split("\n")[:5]):
         raise EddiError(problem("E020.exists", Place(name)))
@@ -96,7 +96,7 @@ def keep_in_folder(files: Mapping[str, str], folder: Path) -> tuple[dict[str, st
         The files to write, and the names of those that hold what was lost.
 
     Raises:
-        EddiError: a file there is not ours (E020), is not text, or its markers are broken (E020).
+        EddiError: a file there is not ours, is not text, or its markers are broken (E020).
     """
     found: dict[str, str] = {}
     lost: list[str] = []

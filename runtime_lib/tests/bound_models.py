@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.execution import module_of
+from eddi_scaffold.compiling.expressions.emission import expression_lines
 from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.kinds import Model, TypedModel, kinds
 
@@ -24,10 +26,10 @@ class BoundModel(NamedTuple):
         return kinds()[self.model.kind].functions.compile(self.model, self.declaration, **more)
 
     def text(self, **more: Any) -> str:
-        compiled, declaration = self.compiled(**more), self.declaration
+        compiled, inputs = self.compiled(**more), self.declaration.inputs
+        compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
         origin = f"{self.model.source.file_name} {self.model.place.path or ''}"
-        kind, model_id = self.model.kind, declaration.model_id
-        return module_text(kind, compiled, declaration.inputs, model_id, origin)
+        return module_text(self.model.kind, compiled, self.declaration.model_id, origin)
 
     def monitor(self, **more: Any) -> Any:
         tables = self.compiled(**more).tables

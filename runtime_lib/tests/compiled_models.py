@@ -11,7 +11,7 @@ from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
 
 def text_of(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> str:
     """Return the text of ``compiled.py``."""
-    return module_text(kind, compiled, declaration.inputs, declaration.model_id)
+    return module_text(kind, compiled, declaration.model_id)
 
 
 def loaded(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> ModuleType:

@@ -8,7 +8,7 @@ the code where it has one case only::
     title = "an age limit that cannot work"
     why = "The value counts as known long after its source died."
     fix = "write the limit in seconds"
-    absorbed = ["K029"]        # codes of before that mean this one
+    absorbed = ["K082"]        # codes of before that mean this one
 
     [K029.long]
     level = "warning"

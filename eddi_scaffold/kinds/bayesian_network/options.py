@@ -72,7 +72,7 @@ NetworkModel = TypedModel[Network, NetworkOptions]
 
 
 def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405, B404 to B404)."""
+    """Take the configuration into the model (B301 to B305, B401 to B405)."""
     network = model.data
     settings, problems = _settings(network, options)
     if settings is not None:

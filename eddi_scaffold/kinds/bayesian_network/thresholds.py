@@ -60,7 +60,7 @@ class Threshold:
 def read_thresholds(
     network: Network, options: Options, discretised: Collection[str]
 ) -> tuple[list[Threshold], list[Problem]]:
-    """Check the section ``evidence`` (B404 to B305, B404).
+    """Check the section ``evidence`` (B303, B305, B404).
 
     Args:
         network: whose nodes it names.

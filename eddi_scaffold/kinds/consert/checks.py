@@ -1,4 +1,4 @@
-"""Checks of ConSerts: what is wrong with a model by itself (C006 to C014)."""
+"""Checks of ConSerts: what is wrong with a model by itself (C006 to C023)."""
 
 from __future__ import annotations
 
@@ -299,7 +299,7 @@ FATAL = frozenset(
         "C016.unknown_unit",
     }
 )
-"""Cases after which nothing is built (those of reading, C001 to C002, build nothing anyway)."""
+"""Cases after which nothing is built (those of reading, C001 and C002, build nothing anyway)."""
 
 
 def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:

@@ -1,4 +1,4 @@
-"""Checks of names that generated code derives from ids, and of services: C018 to C014."""
+"""Checks of names that generated code derives from ids, and of services: C007, C008, C014, C018."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ class Shape:
         *,
         lists: bool = False,
     ) -> Element | None:
-        """Read a map: C002 for anything else, C002 for missing and C002 for unknown keys.
+        """Read a map: C002 for anything else, for missing and for unknown keys.
 
         Args:
             node: the content of the file.

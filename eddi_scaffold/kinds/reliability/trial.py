@@ -147,7 +147,7 @@ def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> Modu
     inputs = tuple(BoundInput(input_.id, input_.id) for input_ in inputs_of(used(system)))
     declaration = Declaration("m", "", inputs)
     compiled = compile_system(system, declaration, states=states)
-    text = module_text(NAME, compiled, inputs, declaration.model_id)
+    text = module_text(NAME, compiled, declaration.model_id)
     return module_of(text, declaration.model_id)
 
 

@@ -162,7 +162,7 @@ class Values:
     ) -> float | None:
         """Return a rate or a duration in 1/h or h.
 
-        A missing unit is a warning (R004), or, of durations of the clock, an error (R004).
+        A missing unit is a warning, or, of durations of the clock, an error (R004).
         """
         found = self._data.get(key)
         if found is None:

@@ -36,7 +36,7 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
     """Read a configuration.
 
     Returns:
-        The settings, ``None`` when a problem is an error (L001 to L001), and all problems.
+        The settings, ``None`` when a problem is an error (L001), and all problems.
     """
     root, problems = read_map(source, "L001")
     if root is None:

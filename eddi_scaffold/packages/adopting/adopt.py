@@ -76,7 +76,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         name: of the new package in place of the old one's, and which model of a file with several.
 
     Raises:
-        EddiError: the package or the model cannot be used (A001 to A002).
+        EddiError: the package or the model cannot be used (A001, A002).
     """
     old = read_old_package(folder)
     wanted = name or old.name

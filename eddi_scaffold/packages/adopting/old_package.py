@@ -269,7 +269,7 @@ def read_old_package(folder: Path) -> OldPackage:
 
     Raises:
         EddiError: it is not a folder (F001), holds nothing of an old package, is one of ours or is
-            a folder above packages (A002), holds one of its modules twice (A002), or a module is
+            a folder above packages, holds one of its modules twice (A002), or a module is
             not Python (A001) or has damaged markers (H010).
     """
     if not folder.is_dir():
