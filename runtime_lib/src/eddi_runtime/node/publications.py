@@ -1,8 +1,35 @@
-"""What a graph of DDS tells of the publications of a topic from which nothing comes, in words."""
+"""What nodes on DDS share: how they read and write, and why nothing comes from a publication."""
 
 from __future__ import annotations
 
-__all__ = ["fault"]
+from typing import Any, Dict, Mapping
+
+__all__ = ["fault", "reading_qos", "writing_qos"]
+
+
+def reading_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
+    """Return how evidence is read: as sensor data, so that every publisher fits.
+
+    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
+
+    Args:
+        requested: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    kept = requested.get("durability") == "transient_local"
+    reliability = "reliable" if kept else "best_effort"
+    return {"reliability": reliability, "durability": "volatile", "depth": depth, **requested}
+
+
+def writing_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
+    """Return how results are written: nothing is lost, and who comes late gets the last one.
+
+    Args:
+        requested: what a person wants otherwise.
+        depth: messages that wait.
+    """
+    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
+    return {**usual, **requested}
 
 
 def fault(

@@ -31,6 +31,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from ...node.loop import LOG
+from ...node.publications import reading_qos, writing_qos
 from ...node.start import StartError
 from .messages import message_classes
 
@@ -288,30 +289,14 @@ def discovery_types(gid_bytes: int) -> SimpleNamespace:
 
 
 def reading(given: Mapping[str, Any], depth: int) -> Qos:
-    """Return how evidence is read: of every publication the last messages, only new ones.
-
-    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
-
-    Args:
-        given: what a person wants otherwise.
-        depth: messages that wait.
-    """
-    kept = given.get("durability") == "transient_local"
-    reliability = "reliable" if kept else "best_effort"
-    usual = {"reliability": reliability, "durability": "volatile", "depth": depth}
+    """Return how evidence is read, of every publication: see :func:`reading_qos`."""
     cdr = Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False)
-    return _qos({**usual, **given}, cdr)
+    return _qos(reading_qos(given, depth), cdr)
 
 
 def writing(given: Mapping[str, Any], depth: int) -> Qos:
-    """Return how results are written: nothing is lost, and who comes late gets the last one.
-
-    Args:
-        given: what a person wants otherwise.
-        depth: messages that wait.
-    """
-    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
-    return _qos({**usual, **given}, Policy.WriterDataLifecycle(autodispose=False))
+    """Return how results are written: see :func:`writing_qos`."""
+    return _qos(writing_qos(given, depth), Policy.WriterDataLifecycle(autodispose=False))
 
 
 def told(cls: Any, qos: Qos) -> Qos:

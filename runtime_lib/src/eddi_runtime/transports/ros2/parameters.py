@@ -10,6 +10,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import ParameterException
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from ...node.publications import reading_qos, writing_qos
 from ...node.start import FREQUENCIES, Settings, StartError, settings
 
 _MOST_QUEUED = 1_000_000
@@ -90,29 +91,13 @@ _FOR_EVER_NS = 2**62
 
 
 def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how evidence is read: as sensor data, so that every publisher fits.
-
-    What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
-
-    Args:
-        given: what a person wants otherwise.
-        depth: messages that wait.
-    """
-    kept = given.get("durability") == "transient_local"
-    reliability = "reliable" if kept else "best_effort"
-    usual = {"reliability": reliability, "durability": "volatile", "depth": depth}
-    return _profile({**usual, **given})
+    """Return how evidence is read: see :func:`reading_qos`."""
+    return _profile(reading_qos(given, depth))
 
 
 def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
-    """Return how results are written: nothing is lost, and who comes late gets the last one.
-
-    Args:
-        given: what a person wants otherwise.
-        depth: messages that wait.
-    """
-    usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
-    return _profile({**usual, **given})
+    """Return how results are written: see :func:`writing_qos`."""
+    return _profile(writing_qos(given, depth))
 
 
 def _profile(wanted: Mapping[str, Any]) -> QoSProfile:
