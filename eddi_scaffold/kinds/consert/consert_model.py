@@ -17,9 +17,9 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Functions, InputType, ModelInput, ReadResult, with_status
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compile import compile_consert
+from eddi_scaffold.kinds.consert.compose import mismatch
 from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
 from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
-from eddi_scaffold.kinds.consert.matching import mismatch
 from eddi_scaffold.kinds.consert.model import (
     NAME,
     BinaryDimension,
