@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, NamedTuple
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the world of real ROS processes is that of the tests
 
-from eddi_scaffold.kinds.consert.messages import MESSAGES  # noqa: E402
+from eddi_scaffold.kinds.consert import MESSAGES  # noqa: E402
 from tests.contract.stages import (  # noqa: E402
     CONFIG,
     LOOPBACK,

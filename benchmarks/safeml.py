@@ -29,8 +29,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the checkout
 
 from eddi_scaffold.common.files import Source  # noqa: E402
-from eddi_scaffold.kinds.safeml.design import Design, DesignSpec  # noqa: E402
-from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402
+from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402  # noqa: E402
+    Design,
+    DesignSpec,
     Plan,
     ReferenceSample,
     SafeMLFile,

@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the world of real ROS processes is that of the tests
 
 from eddi_scaffold import api  # noqa: E402
-from eddi_scaffold.kinds.consert.messages import MESSAGES  # noqa: E402
+from eddi_scaffold.kinds.consert import MESSAGES  # noqa: E402
 from tests.ros1.world import PYTHON, World, make_messages, until, why_no_ros  # noqa: E402
 
 if TYPE_CHECKING:

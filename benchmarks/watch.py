@@ -27,7 +27,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # the world of real ROS processes is that of the tests
 
-from eddi_scaffold.kinds.consert.messages import MESSAGES  # noqa: E402
+from eddi_scaffold.kinds.consert import MESSAGES  # noqa: E402
 from tests.contract.stages import environment, free_domain, why_no_dds  # noqa: E402
 from tests.ros1.world import PYTHON, World, make_messages, until, why_no_ros  # noqa: E402
 

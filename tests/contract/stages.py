@@ -7,7 +7,7 @@ import socket
 import sys
 from pathlib import Path
 
-from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert import MESSAGES
 from tests.cli.command import run
 from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, until, why_no_ros
 from tests.ros2.world import RELEASE

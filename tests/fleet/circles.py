@@ -14,7 +14,7 @@ from eddi_runtime.node.receipts import Input
 from eddi_runtime.peers import Fleet, Source
 
 from eddi_scaffold.common.identifiers import full_topic
-from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES
+from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.recordings.node import GivenInput
 from eddi_scaffold.recordings.parts import compiled

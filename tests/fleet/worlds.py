@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from eddi_scaffold.kinds.consert.messages import BETWEEN_ROBOTS, MESSAGES
+from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
 from tests.contract.stages import Stage, environment, free_domain
 from tests.ros1.world import PYTHON, RUNTIME, make_messages

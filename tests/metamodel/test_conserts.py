@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert import MESSAGES
 from tests.ros1 import models
 from tests.ros1.world import World, make_messages, why_no_ros
 

@@ -5,8 +5,8 @@ import time
 
 import pytest
 
+from eddi_scaffold.kinds.consert import MESSAGES
 from eddi_scaffold.kinds.consert.compile import FORMAT
-from eddi_scaffold.kinds.consert.messages import MESSAGES
 from tests.ros1.world import Master, free_port, make_messages, until
 
 pytestmark = pytest.mark.ros

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from eddi_scaffold.kinds.consert.messages import MESSAGES
+from eddi_scaffold.kinds.consert import MESSAGES
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.ros1.source import Ros1Graph
 from tests.cli.command import ROOT

@@ -6,7 +6,7 @@ import pytest
 from eddi_runtime.testing import inputs
 
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSertOptions
 from tests.kinds.consert.oracle import as_source, oracle
 from tests.kinds.consert.running import monitor_of

@@ -9,18 +9,36 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Problem, SimilarNames, problem
 from eddi_scaffold.kinds.consert.graph import constants
-from eddi_scaffold.kinds.consert.matching import Mismatch, mismatch
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    CategoricalDimension,
+    Dimension,
+    NumericDimension,
+)
+from eddi_scaffold.kinds.consert.ranges import common, is_inside, range_text, span
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
+    from eddi_scaffold.kinds.consert.ranges import Interval
 
 Ref = tuple[str, str]
 """Instance name and id."""
+_KINDS = {
+    BinaryDimension: "Binary",
+    CategoricalDimension: "Categorical",
+    NumericDimension: "Numeric",
+}
+_RELATIONS = {
+    "Demand": "is not inside",
+    "Guarantee": "is not inside",
+    "Intersection": "has nothing in common with",
+}
 
 
 @dataclass(frozen=True)
@@ -157,16 +175,20 @@ def _allocations(
         for name, consert in instances
         for provided_service in consert.provided_services
     ]
-    at = {one.place: (name, one) for name, one in services}
-    by_required = {place: (name, one) for name, one in services for place in one.allocated}
+    at = {service.place: (name, service) for name, service in services}
+    by_required = {
+        place: (name, service) for name, service in services for place in service.allocated
+    }
     for name, consert in instances:
         for service in consert.required_services:
             pairs = [at[place] for place in service.allocated if place in at]
             pairs += [by_required[service.place]] if service.place in by_required else []
             for other, provided in dict(pairs).items():
-                given = set(provided.guarantees)
+                guarantees = set(provided.guarantees)
                 unmet = [
-                    d for d in service.demands if given.isdisjoint(met_by[name, d].get(other, ()))
+                    d
+                    for d in service.demands
+                    if guarantees.isdisjoint(met_by[name, d].get(other, ()))
                 ]
                 if unmet:
                     what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
@@ -219,11 +241,11 @@ def _needs(instance: str, consert: ConSert, offers: Sequence[_Offer]) -> Iterato
 def _judge(need: _Need, demand: Demand, candidates: Sequence[_Offer]) -> list[Mismatch]:
     misses: list[Mismatch] = []
     for offer in candidates:
-        found = mismatch(offer.guarantee, demand, f"{offer.instance}/{offer.guarantee.id}")
-        if found is None:
+        difference = mismatch(offer.guarantee, demand, f"{offer.instance}/{offer.guarantee.id}")
+        if difference is None:
             need.met_by.setdefault(offer.instance, []).append(offer.guarantee.id)
         else:
-            misses.append(found)
+            misses.append(difference)
     return misses
 
 
@@ -317,3 +339,116 @@ def _waiting(
     for cycle in cycles(waits):
         chain = " -> ".join([*cycle, cycle[0]])
         yield f"these ConSerts wait for each other (provider -> user): {chain}"
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """Why a guarantee does not fulfil a demand.
+
+    Attributes:
+        distance: the more, the less the guarantee is what the author of the demand had in mind.
+        text: the first dimension in the way.
+    """
+
+    distance: tuple[int, int]
+    text: str
+
+
+def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None:
+    """Compare a guarantee with a demand.
+
+    Every dimension of the demand needs one of the guarantee with the same kind and type, whose
+    covered values fit in the direction of the demand's subset flag; a flag of the guarantee must be
+    the same, and further dimensions of the guarantee do not matter.
+
+    Args:
+        guarantee: what another ConSert offers.
+        demand: what is needed.
+        name: how the guarantee is called in the text.
+
+    Returns:
+        ``None`` when the guarantee fulfils the demand.
+    """
+    missing = [
+        min((_reason(d, g, name, demand.id) for g in guarantee.dimensions), key=lambda r: r[0])
+        if guarantee.dimensions
+        else (3, f"{name} has no dimension")
+        for d in demand.dimensions
+        if not any(fits(g, d) for g in guarantee.dimensions)
+    ]
+    if not missing:
+        return None
+    return Mismatch((len(missing), sum(rank for rank, _ in missing)), missing[0][1])
+
+
+def fits(offered: Dimension, demanded: Dimension) -> bool:
+    """Return whether a dimension of a guarantee satisfies one of a demand."""
+    if type(offered) is not type(demanded) or offered.type != demanded.type:
+        return False
+    if isinstance(offered, BinaryDimension) or isinstance(demanded, BinaryDimension):
+        return offered == demanded
+    if offered.subset not in (None, demanded.subset):
+        return False
+    if isinstance(offered, NumericDimension) and isinstance(demanded, NumericDimension):
+        if units.factor(offered.uom, demanded.uom) is None:
+            return False
+        needed, covered = _spans(demanded), _spans(offered)
+        if demanded.subset == "Intersection":
+            return common(needed, covered)
+        inside = is_inside(needed, covered), is_inside(covered, needed)
+    else:
+        demanded_set, offered_set = set(demanded.covered), set(offered.covered)
+        if demanded.subset == "Intersection":
+            return not demanded_set.isdisjoint(offered_set)
+        inside = demanded_set <= offered_set, offered_set <= demanded_set
+    return {"Demand": inside[0], "Guarantee": inside[1]}.get(demanded.subset or "", all(inside))
+
+
+def _spans(dimension: NumericDimension) -> list[Interval]:
+    unit = units.find(dimension.uom) or units.RATIO
+    return [span(range_, unit.factor) for range_ in dimension.covered]
+
+
+def _reason(demanded: Dimension, offered: Dimension, name: str, demand: str) -> tuple[int, str]:
+    """Explain why a dimension does not fit; the rank grows with the difference."""
+    title = f"dimension {demanded.type}"
+    if type(offered) is not type(demanded) or offered.type != demanded.type:
+        kind = _KINDS[type(demanded)]
+        return 3, f"{name} has no {kind} {title}"
+    if isinstance(demanded, BinaryDimension) or isinstance(offered, BinaryDimension):
+        value = str(isinstance(demanded, BinaryDimension) and demanded.value).lower()
+        return 3, f"{name} has no Binary {title} of the value {value}"
+    if offered.subset not in (None, demanded.subset):
+        text = (
+            f"{title}: the subset is {offered.subset} in {name} and {demanded.subset} in {demand}"
+        )
+        return 2, text
+    if _has_other_quantity(offered, demanded):
+        return (
+            2,
+            f"{title}: {_unit(offered)} of {name} and {_unit(demanded)} of {demand} do not compare",
+        )
+    sides = [f"{_covered(demanded)} of {demand}", f"{_covered(offered)} of {name}"]
+    relation = _RELATIONS.get(demanded.subset or "", "does not equal")
+    if demanded.subset == "Guarantee":
+        sides.reverse()
+    return 1, f"{title}: {sides[0]} {relation} {sides[1]}"
+
+
+def _has_other_quantity(offered: Dimension, demanded: Dimension) -> bool:
+    return (
+        isinstance(offered, NumericDimension)
+        and isinstance(demanded, NumericDimension)
+        and units.factor(offered.uom, demanded.uom) is None
+    )
+
+
+def _unit(dimension: Dimension) -> str:
+    uom = dimension.uom if isinstance(dimension, NumericDimension) else None
+    return f"the unit {uom}" if uom else "the ratio"
+
+
+def _covered(dimension: CategoricalDimension | NumericDimension) -> str:
+    if isinstance(dimension, CategoricalDimension):
+        return f"{{{', '.join(dimension.covered)}}}"
+    return " or ".join(range_text(range_, dimension.uom) for range_ in dimension.covered)

@@ -7,16 +7,27 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape
 from eddi_scaffold.kinds.consert.graph import inputs_of
-from eddi_scaffold.kinds.consert.inputs import covered_text
+from eddi_scaffold.kinds.consert.model import BinaryDimension, CategoricalDimension
+from eddi_scaffold.kinds.consert.ranges import range_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
+    from eddi_scaffold.kinds.consert.model import ConSert, Demand, Dimension, Guarantee
 
 
 DEEPEST = 30
 """Levels that are printed; what lies deeper is counted as "..." (a line grows with its level)."""
+
+
+def covered_text(dimension: Dimension) -> str:
+    """Describe in one line what counts as good: ``Distance in [0, 5) m``."""
+    if isinstance(dimension, BinaryDimension):
+        return dimension.type if dimension.value else f"{dimension.type} is false"
+    if isinstance(dimension, CategoricalDimension):
+        return f"{dimension.type} in {{{', '.join(dimension.covered)}}}"
+    ranges = " or ".join(range_text(range_, dimension.uom) for range_ in dimension.covered)
+    return f"{dimension.type} in {ranges}"
 
 
 def counts(consert: ConSert) -> Mapping[str, int]:
@@ -124,9 +135,9 @@ def _nodes(consert: ConSert) -> Iterator[DiagramNode]:
     for gate in consert.gates:
         shape: Shape = "and" if gate.function == "And" else "or"
         yield DiagramNode(gate.id, (gate.function.upper(),), shape, "gate", gate.id)
-    for one in consert.evidence:
-        lines = (one.id, covered_text(one.dimension))
-        yield DiagramNode(one.id, lines, "ellipse", "input", one.description or "")
+    for evidence in consert.evidence:
+        lines = (evidence.id, covered_text(evidence.dimension))
+        yield DiagramNode(evidence.id, lines, "ellipse", "input", evidence.description or "")
     for demand in consert.demands:
         lines = (demand.id, *map(covered_text, demand.dimensions))
         yield DiagramNode(demand.id, lines, "hexagon", "demand", demand.description or "")

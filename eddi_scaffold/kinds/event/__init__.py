@@ -2,14 +2,46 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.kinds import Functions, Kind
-from eddi_scaffold.kinds.event.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
     from eddi_scaffold.kinds.event.events import EventModel
+
+EVENT_OUTPUT = """\
+# One conditional event in one step.
+std_msgs/Header header
+# Name as in the model.
+string id
+uint8 FALSE=0
+uint8 UNKNOWN=1
+uint8 TRUE=2
+uint8 verdict
+# EVIDENCE: the verdict is TRUE. HAZARD: it is not FALSE.
+bool active
+# The verdict became TRUE in this step.
+bool raised
+# The verdict was TRUE before this step and is no longer.
+bool cleared
+# What is accepted in this step, and the event may rest on: `temp: max_age: none`, `hot: KNOWN`.
+string[] accepted
+"""
+
+MESSAGES = {"EventOutput": EVENT_OUTPUT}
+"""ROS message name -> text of its ``.msg`` file."""
+_FALSE, _UNKNOWN = 0, 1
+
+
+def _status(event: Any) -> StatusReading:
+    unknown = event.verdict == _UNKNOWN  # also of a hazard, which is active then
+    reasons = ("unknown counts as there",) if unknown and event.active else ()
+    if event.verdict == _FALSE:
+        reasons = ("the condition is FALSE",)
+    verdict = Verdict(event.id, state_of(active=event.active, known=not unknown), reasons)
+    return StatusReading((verdict,), accepted=tuple(event.accepted), whole=False)
 
 
 def _sniff(source: Source) -> bool:
@@ -17,7 +49,7 @@ def _sniff(source: Source) -> bool:
 
 
 def _functions() -> Functions[EventModel]:
-    from eddi_scaffold.kinds.event.functions import FUNCTIONS  # noqa: PLC0415 - the language
+    from eddi_scaffold.kinds.event.event_model import FUNCTIONS  # noqa: PLC0415 - the language
 
     return FUNCTIONS
 
@@ -29,7 +61,7 @@ KIND = Kind(
     sniff=_sniff,
     messages=MESSAGES,
     output_message="EventOutput",
-    verdicts=VERDICTS,
+    verdicts={"EventOutput": _status},
     load=_functions,
     topic="events",
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.events"]',

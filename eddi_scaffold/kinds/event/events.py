@@ -131,7 +131,7 @@ def configure(model: EventModel, options: Options) -> tuple[EventModel | None, l
         return None, list(failure.problems)
     if analysis.form is None:
         errors = [problem for problem in analysis.problems if problem.level == "error"]
-        return None, [placed.told(one) if placed is not None else one for one in errors]
+        return None, [placed.told(error) if placed is not None else error for error in errors]
     configured = replace(model, data=replace(events, analysis=analysis, rate=rate))
     return configured, [] if options.frequency is None else list(
         _one_topic(model, analysis, options.parts)
@@ -169,9 +169,9 @@ def _commented(text: str) -> Iterator[tuple[str, str]]:
     above: list[str] = []
     for line in text.splitlines():
         code, _, comment = (part.strip() for part in line.partition("//"))
-        found = _VARIABLE.match(code)
-        if found is not None:
-            yield found[1], " ".join([*above, comment])
+        declaration = _VARIABLE.match(code)
+        if declaration is not None:
+            yield declaration[1], " ".join([*above, comment])
         above = [*above, comment] if comment and not code else []
 
 
@@ -245,12 +245,12 @@ def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
 
     An EVIDENCE claims that it is true, a HAZARD that it is not.
     """
-    found: dict[str, tuple[Use, ...]] = {}
+    uses_of_variable: dict[str, tuple[Use, ...]] = {}
     for output in form["outputs"]:
-        wanted = output["polarity"] == "EVIDENCE"
-        for name, more in uses(form, output["node"], wanted=wanted).items():
-            found[name] = (*found.get(name, ()), *more)
-    return found
+        is_evidence = output["polarity"] == "EVIDENCE"
+        for name, more in uses(form, output["node"], wanted=is_evidence).items():
+            uses_of_variable[name] = (*uses_of_variable.get(name, ()), *more)
+    return uses_of_variable
 
 
 def form_of(model: EventModel) -> Mapping[str, Any]:

@@ -40,24 +40,20 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
     models: list[EventModel] = []
     problems: list[Problem] = []
     for extension_map in extension_maps(document, EVENTS):
-        found = [
-            *unknown_tags(extension_map, (MODEL, FREQUENCY, *DECLARATIONS, COMMENT), (FREQUENCY,))
-        ]
-        found += _wrong_values(extension_map)
-        if extension_map.model is None or has_errors(
-            found
-        ):  # a missing name is told once for all kinds
-            problems += found
-            continue
+        known = (MODEL, FREQUENCY, *DECLARATIONS, COMMENT)
+        wrong = [*unknown_tags(extension_map, known, (FREQUENCY,)), *_wrong_values(extension_map)]
+        problems += wrong
+        if extension_map.model is None or has_errors(wrong):
+            continue  # a missing name is told once for all kinds
         model, more = _model(extension_map, extension_map.model, source)
-        problems += [*found, *more]
+        problems += more
         models += [model] if model is not None else []
     return ReadResult(tuple(models), tuple(problems))
 
 
-def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
+def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
     """Yield what is wrong with values before they are one text (X031)."""
-    for value in one.of(*DECLARATIONS, COMMENT):
+    for value in extension_map.of(*DECLARATIONS, COMMENT):
         if re.search(r"[\r\n]", value.text):
             yield problem("X031.line_end", value.place, tag=value.tag)
         elif value.tag == COMMENT:
@@ -66,26 +62,28 @@ def _wrong_values(one: ExtensionMap) -> Iterator[Problem]:
             yield problem("X031.comment", value.place, tag=value.tag, comment=COMMENT)
         elif _WORD.match(value.text):
             yield problem("X031.keyword", value.place, tag=value.tag, word=value.text.split()[0])
-    for value in one.of(FREQUENCY):
+    for value in extension_map.of(FREQUENCY):
         if _rate(value.text) is None:
             yield problem("X031.frequency", value.place, value=value.text)
-    if sum(len(value.text) for value in one.values) > _LIMIT:
-        yield problem("X003.characters", one.place, attribute=EVENTS, limit=_LIMIT)
+    if sum(len(value.text) for value in extension_map.values) > _LIMIT:
+        yield problem("X003.characters", extension_map.place, attribute=EVENTS, limit=_LIMIT)
 
 
-def _model(one: ExtensionMap, name: str, source: Source) -> tuple[EventModel | None, list[Problem]]:
-    lines = one.of(*DECLARATIONS, COMMENT)
+def _model(
+    extension_map: ExtensionMap, name: str, source: Source
+) -> tuple[EventModel | None, list[Problem]]:
+    lines = extension_map.of(*DECLARATIONS, COMMENT)
     text = "".join(
         f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
         for value in lines
     )
-    rate = next((_rate(value.text) for value in one.of(FREQUENCY)), None)
+    rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
     places = tuple((value.tag, value.place) for value in lines)
     part = PartSource(source, text.encode())
-    data, problems = read_text(text, source.name, Placed(places, one.place), rate)
+    data, problems = read_text(text, source.name, Placed(places, extension_map.place), rate)
     if data is None:
         return None, problems
-    return EventModel(NAME, name, data, part, one.place), problems
+    return EventModel(NAME, name, data, part, extension_map.place), problems
 
 
 def _rate(text: str) -> float | None:
@@ -113,16 +111,16 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
     ]
     if not begins or begins[0] != 0:
         raise EddiError(problem("X031.not_a_declaration", model.place))
-    found: list[tuple[int, str, str]] = []
+    entries: list[tuple[int, str, str]] = []
     for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
         start, end = tokens[first].end, tokens[last - 1].end
         words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
-        found.append((tokens[first].start, tokens[first].word, words))
+        entries.append((tokens[first].start, tokens[first].word, words))
         _refuse_comments(model, text, tokens[first].start, end)
     for start, end in comments_of(text):
-        found.append((start, COMMENT, text[start + 2 : end].strip()))
+        entries.append((start, COMMENT, text[start + 2 : end].strip()))
     rate = [(FREQUENCY, f"{model.data.rate:g}")] if model.data.rate != DEFAULT_RATE else []
-    declared = [(tag, value) for _, tag, value in sorted(found)]
+    declared = [(tag, value) for _, tag, value in sorted(entries)]
     return EVENTS, [(MODEL, model.name), *rate, *declared]
 
 

@@ -27,7 +27,7 @@ def _sniff(source: Source) -> bool:
 
 
 def _functions() -> Functions[SafeMLModel]:
-    from eddi_scaffold.kinds.safeml.functions import FUNCTIONS  # noqa: PLC0415 - numpy
+    from eddi_scaffold.kinds.safeml.safeml_model import FUNCTIONS  # noqa: PLC0415 - numpy
 
     return FUNCTIONS
 

@@ -15,8 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.design import Rows
-from eddi_scaffold.kinds.safeml.scope import Calibration, Metric
+from eddi_scaffold.kinds.safeml.scope import Calibration, Metric, Rows
 
 _LARGEST = 1e300
 _AT_ONCE = 2_000_000
@@ -54,14 +53,14 @@ def largest_statistics(
     upper = ranks(comparison.reference, series, equal=True)
     tied = bool((lower != upper).any())
     many = max(1, _AT_ONCE // (comparison.tests * comparison.m))
-    found = []
+    largest = []
     for first in range(0, len(starts), many):
         index = starts[first : first + many, None] + inside
 
         low, high, values = (part[:, index].swapaxes(0, 1) for part in (lower, upper, series))
         statistics = comparison.of_ranks(low, high if tied else None, comparison.counts(values))
-        found.append(statistics.max(axis=1))
-    return np.concatenate(found)
+        largest.append(statistics.max(axis=1))
+    return np.concatenate(largest)
 
 
 def effective(
@@ -84,9 +83,9 @@ def autocorrelation(series: Rows) -> tuple[float, int]:
     power = (centred * centred).sum(axis=1)
     shifted = (centred[:, :-1] * centred[:, 1:]).sum(axis=1)
     # what never changes has no correlation
-    found = np.where(power > 0.0, shifted / np.where(power > 0.0, power, 1.0), 0.0)
-    at = int(found.argmax())
-    return float(found[at]), at
+    correlations = np.where(power > 0.0, shifted / np.where(power > 0.0, power, 1.0), 0.0)
+    at = int(correlations.argmax())
+    return float(correlations[at]), at
 
 
 def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
@@ -95,13 +94,13 @@ def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.
     values = windows.swapaxes(0, 1).reshape(comparison.tests, count * comparison.m)
 
     def ranks(*, equal: bool) -> npt.NDArray[np.int64]:
-        found = comparison.backend.ranks(comparison.reference, values, equal=equal)
-        ordered: npt.NDArray[np.int64] = found.reshape(comparison.tests, count, comparison.m)
+        flat = comparison.backend.ranks(comparison.reference, values, equal=equal)
+        ordered: npt.NDArray[np.int64] = flat.reshape(comparison.tests, count, comparison.m)
         return ordered.swapaxes(0, 1)
 
     lower, upper = ranks(equal=False), ranks(equal=True)
     some = bool((lower != upper).any())
-    found: npt.NDArray[Any] = comparison.of_ranks(
+    statistics: npt.NDArray[Any] = comparison.of_ranks(
         lower, upper if some else None, comparison.counts(windows)
     )
-    return found
+    return statistics

@@ -18,9 +18,8 @@ from eddi_scaffold.compiling.text import (
     text_literal,
     tuple_of,
 )
-from eddi_scaffold.kinds.safeml.design import Rows
 from eddi_scaffold.kinds.safeml.plan import upwards
-from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, SafeMLModel
+from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, Rows, SafeMLModel
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
 
 FORMAT = 1

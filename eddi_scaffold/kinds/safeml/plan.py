@@ -13,14 +13,18 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate, effective
-from eddi_scaffold.kinds.safeml.design import Design, DesignSpec, Rows, principal_axes, split
 from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Calibration,
+    Design,
+    DesignSpec,
     Plan,
     Planned,
     ReferenceSample,
+    Rows,
     SafeMLSettings,
+    principal_axes,
+    split,
 )
 from eddi_scaffold.kinds.safeml.thresholds import (
     can_fire,

@@ -41,24 +41,24 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
     problems: list[Problem] = []
     for extension_map in extension_maps(document, SAFEML):
         known = (MODEL, *KEYS, DIGEST, ARTIFACT)
-        found = [*unknown_tags(extension_map, known, known), *_artifacts(extension_map, document)]
-        if extension_map.model is None or has_errors(found):
-            problems += found
+        wrong = [*unknown_tags(extension_map, known, known), *_artifacts(extension_map, document)]
+        if extension_map.model is None or has_errors(wrong):
+            problems += wrong
             continue
         text, settings, more = _settings(extension_map, source.name)
-        found += more
+        wrong += more
         if settings is not None:
             reference, more = read_named(source.name, settings)
-            found += more
+            wrong += more
             if reference is not None:
-                found += _digest(extension_map, reference.source)
-                if not has_errors(found):
+                wrong += _digest(extension_map, reference.source)
+                if not has_errors(wrong):
                     part = PartSource(source, text.encode())
                     file = SafeMLFile(settings, reference)
                     models.append(
                         SafeMLModel(NAME, extension_map.model, file, part, extension_map.place)
                     )
-        problems += found
+        problems += wrong
     return ReadResult(tuple(models), tuple(problems))
 
 
@@ -71,21 +71,23 @@ def in_map(model: SafeMLModel) -> tuple[str, Sequence[tuple[str, str]]]:
     return SAFEML, [(MODEL, model.name), *values, (DIGEST, file.reference.source.sha256)]
 
 
-def _settings(one: ExtensionMap, name: str) -> tuple[str, SafeMLSettings | None, list[Problem]]:
+def _settings(
+    extension_map: ExtensionMap, name: str
+) -> tuple[str, SafeMLSettings | None, list[Problem]]:
     """Read the values as a configuration whose lines they are."""
-    values = one.of(*KEYS)
+    values = extension_map.of(*KEYS)
     text = "".join(f"{value.tag}: {_scalar(value.text)}\n" for value in values)
     settings, problems = read_settings(Source(name, (text or "{}").encode()))
 
     def placed(place: Place) -> Place:
         inside = 0 < (place.line or 0) <= len(values) and place != Place(name, 1, 1)
-        return values[(place.line or 1) - 1].place if inside else one.place
+        return values[(place.line or 1) - 1].place if inside else extension_map.place
 
-    found = [replace(problem, place=placed(problem.place), excerpt=None) for problem in problems]
+    problems = [replace(problem, place=placed(problem.place), excerpt=None) for problem in problems]
     if settings is not None:
         places = {value.tag: value.place for value in values}
-        settings = replace(settings, places={"": one.place, **places})
-    return text, settings, found
+        settings = replace(settings, places={"": extension_map.place, **places})
+    return text, settings, problems
 
 
 def _scalar(text: str) -> str:
@@ -93,14 +95,14 @@ def _scalar(text: str) -> str:
     return text if _PLAIN.fullmatch(text) else json.dumps(text)
 
 
-def _digest(one: ExtensionMap, reference: Source) -> Iterator[Problem]:
-    for value in one.of(DIGEST):
+def _digest(extension_map: ExtensionMap, reference: Source) -> Iterator[Problem]:
+    for value in extension_map.of(DIGEST):
         if value.text.lower() != reference.sha256:
             yield problem("L004.digest", value.place, sha256=reference.sha256, expected=value.text)
 
 
-def _artifacts(one: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
-    for value in one.of(ARTIFACT):
+def _artifacts(extension_map: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
+    for value in extension_map.of(ARTIFACT):
         gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
         if value.text not in gids:
             yield problem(

@@ -14,8 +14,7 @@ import numpy as np
 
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.kinds.safeml.design import Rows
-from eddi_scaffold.kinds.safeml.scope import ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import ReferenceSample, Rows, SafeMLSettings
 
 MAX_BYTES = 512 * 1024 * 1024
 MAX_PROBLEMS = 20

@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.safeml.design import Design, DesignSpec
 from eddi_scaffold.kinds.safeml.scope import (
+    Design,
+    DesignSpec,
     Plan,
     ReferenceSample,
     SafeMLFile,

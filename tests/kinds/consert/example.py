@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model

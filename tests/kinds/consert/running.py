@@ -10,7 +10,7 @@ from eddi_runtime.testing import inputs
 
 from eddi_scaffold.compiling.monitor import Declaration
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSertModel, ConSertOptions
 from runtime_lib.tests.bound_models import DIGEST, BoundModel, bound_input
 

@@ -13,7 +13,7 @@ import pytest
 
 from eddi_scaffold.common.catalogue import area
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 
 SOUND = {
     "guarantees": "guarantees:\n  - id: G\n    dimensions:\n      - Binary: {type: Safe}\n",

@@ -7,8 +7,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.english_dimensions import read_english
 from eddi_scaffold.kinds.consert.model import BinaryDimension, Bound, NumericDimension, Range
+from eddi_scaffold.kinds.consert.read_eddi_dimensions import read_english
 from tests.data_files import data_file
 
 

@@ -8,7 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import ConSert
 from tests.kinds.consert.oracle import as_source, oracle
 

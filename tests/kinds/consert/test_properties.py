@@ -14,7 +14,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.functions import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,

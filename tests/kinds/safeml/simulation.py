@@ -18,9 +18,8 @@ from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.calibration import largest_statistics
-from eddi_scaffold.kinds.safeml.design import Design
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.scope import Metric, Plan, ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import Design, Metric, Plan, ReferenceSample, SafeMLSettings
 
 Rows = Any
 """numpy.ndarray (rows, features)."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eddi_scaffold.kinds.safeml.design import Design, DesignSpec
+from eddi_scaffold.kinds.safeml.scope import Design, DesignSpec
 
 
 def test_a_sample_equal_to_a_row_has_equal_values() -> None:

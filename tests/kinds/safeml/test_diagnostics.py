@@ -21,7 +21,7 @@ from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.functions import FUNCTIONS
+from eddi_scaffold.kinds.safeml.safeml_model import FUNCTIONS
 
 CASES_FILE = Path(__file__).with_name("diagnostics.txt")
 SOUND = {

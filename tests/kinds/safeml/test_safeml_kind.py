@@ -13,7 +13,7 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.functions import DEFAULT_INPUT, FUNCTIONS
+from eddi_scaffold.kinds.safeml.safeml_model import DEFAULT_INPUT, FUNCTIONS
 from eddi_scaffold.kinds.safeml.scope import Plan
 from eddi_scaffold.kinds.safeml.show import detectable_shift
 from eddi_scaffold.recordings.parts import compiled

@@ -35,7 +35,6 @@ from eddi_scaffold.kinds.safeml.scope import (
 )
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
-from eddi_scaffold.kinds.safeml.show import picture
 
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
@@ -49,9 +48,9 @@ def read_file(source: Source, _: Sequence[str]) -> ReadResult:
     settings, problems = read_settings(source)
     if settings is None:
         return ReadResult((), tuple(in_order(problems)))
-    reference, found = read_named(source.name, settings)
+    reference, problems = read_named(source.name, settings)
     if reference is None:
-        return ReadResult((), tuple(in_order(found)))
+        return ReadResult((), tuple(in_order(problems)))
     file = SafeMLFile(settings, reference)
     return ReadResult((SafeMLModel(NAME, source.stem, file, source, settings.place("")),), ())
 
@@ -64,7 +63,8 @@ def check(model: SafeMLModel) -> Sequence[Problem]:
 def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
     """Find thresholds for the type of the messages; the configuration's id becomes the name."""
     settings = model.data.settings
-    problems = [*_more_inputs(options), *_wrong_field(options)]
+    problems = [problem("K013.one_input", item.place, input=item.id) for item in options.inputs[1:]]
+    problems += _wrong_field(options)
     single = settings.input_dtype == "float32" or (
         settings.input_dtype == "auto" and _is_single(options.inputs[:1])
     )
@@ -78,11 +78,6 @@ def configure(model: SafeMLModel, options: Options) -> tuple[SafeMLModel | None,
     input_id = options.inputs[0].id if options.inputs else DEFAULT_INPUT
     connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
     return replace(model, name=options.id or model.name, options=connection), problems
-
-
-def _more_inputs(options: Options) -> Iterator[Problem]:
-    for item in options.inputs[1:]:
-        yield problem("K013.one_input", item.place, input=item.id)
 
 
 def _wrong_field(options: Options) -> Iterator[Problem]:
@@ -159,7 +154,7 @@ def outline(model: SafeMLModel) -> Sequence[str]:
 
 def diagram(model: SafeMLModel) -> Diagram:
     """Return what a picture of the monitor shows."""
-    return picture(model.name, model.data, _plan(model))
+    return show.picture(model.name, model.data, _plan(model))
 
 
 def readme(model: SafeMLModel) -> Sequence[str]:

@@ -1,13 +1,28 @@
-"""Meaning of the messages of an event monitor, and dependencies of its events."""
+"""What is done with events, what they rest on, and what their messages mean."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
-from eddi_scaffold.kinds.event.events import EventModel, form_of
+from eddi_scaffold.kinds import Functions
+from eddi_scaffold.kinds.event.compile import compile_events
+from eddi_scaffold.kinds.event.events import (
+    EventModel,
+    configure,
+    counts,
+    export,
+    form_of,
+    inputs,
+    outline,
+    parts,
+    read_file,
+    readme,
+    skeleton,
+)
+from eddi_scaffold.kinds.event.read_eddi import in_map, read_eddi
 
 _VERDICT = Meaning(
     (1,),
@@ -17,8 +32,6 @@ _VERDICT = Meaning(
 )
 _KNOWN = (("verdict", 0, 2),)
 _SILENT: Mapping[str, tuple[object, ...]] = {"EVIDENCE": (False,), "HAZARD": (True,)}
-
-
 _REFUSED = {
     "EVIDENCE": "`active` of the EVIDENCE {} is false also when it is unknown",
     "HAZARD": "`active` of the HAZARD {} is true also when it is unknown",
@@ -76,8 +89,15 @@ def acceptances(model: EventModel, _inputs: object, _frequency: float) -> Sequen
         for silence in accepted(form, output["node"]):
             events.setdefault(silence, []).append(output["id"])
     return [
-        Acceptance(one.word, one.accepts, lasts(one), one.seconds, at=one.at, outputs=tuple(ids))
-        for one, ids in events.items()
+        Acceptance(
+            silence.word,
+            silence.accepts,
+            lasts(silence),
+            silence.seconds,
+            at=silence.at,
+            outputs=tuple(ids),
+        )
+        for silence, ids in events.items()
     ]
 
 
@@ -89,3 +109,38 @@ def input_timeouts(model: EventModel) -> Mapping[str, float]:
         if variable.get("timeout") is not None
         for name in inputs_of(variable)
     }
+
+
+def elements(model: EventModel) -> Sequence[Element]:
+    """Return the events, in a file of their own with the line of each condition."""
+    form = form_of(model)
+    in_eddi = model.place.path is not None
+    return [
+        Element(
+            "event",
+            output["id"],
+            line=None if in_eddi else form["nodes"][output["node"]]["at"][0],
+        )
+        for output in form["outputs"]
+    ]
+
+
+FUNCTIONS = Functions(
+    in_map=in_map,
+    read_eddi=read_eddi,
+    read_file=read_file,
+    counts=counts,
+    outline=outline,
+    export=export,
+    inputs=inputs,
+    configure=configure,
+    readme=readme,
+    parts=parts,
+    compile=compile_events,
+    claims=claims,
+    acceptances=acceptances,
+    input_timeouts=input_timeouts,
+    field_meanings=field_meanings,
+    elements=elements,
+    skeleton=skeleton,
+)

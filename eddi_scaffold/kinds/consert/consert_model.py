@@ -1,0 +1,243 @@
+"""What is done with ConSerts: their inputs, what guarantees rest on, what messages mean."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from eddi_scaffold.common import units
+from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, Use
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.graphs import reached
+from eddi_scaffold.common.problems import Problem, has_errors, in_order
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.kinds import Functions, InputType, ModelInput, ReadResult, with_status
+from eddi_scaffold.kinds.consert.checks import check_consert
+from eddi_scaffold.kinds.consert.compile import compile_consert
+from eddi_scaffold.kinds.consert.compose import mismatch
+from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
+from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
+from eddi_scaffold.kinds.consert.model import (
+    NAME,
+    BinaryDimension,
+    CategoricalDimension,
+    ConSert,
+    ConSertModel,
+    Dimension,
+    Evidence,
+    options_of,
+)
+from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.kinds.consert.options import acceptances, configure, published_ids
+from eddi_scaffold.kinds.consert.read_eddi import read_eddi
+from eddi_scaffold.kinds.consert.read_yaml import read_draft
+from eddi_scaffold.kinds.consert.show import counts, covered_text, diagram, outline
+from eddi_scaffold.kinds.consert.static_checks import static_checks
+from eddi_scaffold.kinds.consert.write_yaml import to_yaml
+
+_ACTIVE = Meaning(
+    (False,),
+    refused="`active` of a guarantee is false also when it is unknown",
+    instead="`guarantees[ID].verdict == 0` of its ConSertStatus: known to be false",
+)
+
+MEANINGS: Meanings = {
+    "ConSertOutput": {"guarantees[].active": _ACTIVE},
+    "RobotGuarantees": {"guarantees[].active": replace(_ACTIVE, instead=None)},
+    "ConSertStatus": {
+        "guarantees[].verdict": Meaning(
+            (1,),
+            refused="the verdict is 1 when it is unknown",
+            instead="`verdict == 2`, known to be true, or `verdict == 0`, known to be false",
+            known=(0, 2),
+        )
+    },
+}
+"""Message -> field -> its meaning."""
+
+
+def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> ReadResult:
+    conserts, problems = read_eddi(document, source, marks)
+    return _reading(conserts, problems, source, ())
+
+
+def _read_file(source: Source, marks: Sequence[str]) -> ReadResult:
+    draft, problems = read_draft(source)
+    reading = _reading(() if draft is None else (draft,), problems, source, marks)
+    if has_errors(problems):  # the draft was only good for finding more
+        return ReadResult((), reading.problems)
+    return reading
+
+
+def _reading(
+    conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
+) -> ReadResult:
+    marked, unclear = (
+        (conserts, []) if not marks else with_default_guarantees(conserts, marks, source.name)
+    )
+    models: list[ConSertModel] = []
+    all_problems = [*problems, *(unclear if conserts else ())]
+    for consert in marked:
+        checked, more = check_consert(consert)
+        all_problems += more
+        if checked is not None:
+            models.append(ConSertModel(NAME, checked.name, checked, source, checked.place))
+    return ReadResult(tuple(models), tuple(in_order(all_problems)))
+
+
+def _export(model: ConSertModel) -> Mapping[str, str]:
+    safe = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or NAME
+    return {f"{safe}.yml": to_yaml(model.data)}
+
+
+def elements(model: ConSertModel) -> Sequence[Element]:
+    """Return what has a place, then the services."""
+    consert = model.data
+    nodes = [
+        *(("demand", demand.id, demand.place) for demand in consert.demands),
+        *(("evidence", evidence.id, evidence.place) for evidence in consert.evidence),
+        *(("gate", gate.id, gate.place) for gate in consert.gates),
+    ]
+    return [
+        *(Element(name, id_, None, place.line, place.path) for name, id_, place in nodes),
+        *(
+            Element("guarantee", g.id, published_class(g.id), g.place.line, g.place.path)
+            for g in consert.guarantees
+        ),
+        *(Element("provided service", service.id) for service in consert.provided_services),
+        *(Element("required service", service.id) for service in consert.required_services),
+    ]
+
+
+def inputs(model: ConSertModel) -> Sequence[ModelInput]:
+    """Return demands, then evidence, each in file order (the order of SESAME D7.2 Fig 44).
+
+    A demand is a Boolean at run time, whatever its dimensions: that it fits has been decided
+    when the ConSerts were composed.
+    """
+    consert = model.data
+    demands = (
+        ModelInput(
+            demand.id,
+            "bool",
+            description=demand.description,
+            covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
+            is_good=_is_true,
+            is_demand=True,
+            uses=(Use(_is_true),),
+        )
+        for demand in consert.demands
+    )
+    return (*demands, *(_evidence(evidence) for evidence in consert.evidence))
+
+
+def _evidence(evidence: Evidence) -> ModelInput:
+    dimension = evidence.dimension
+    covered, good = covered_text(dimension), partial(_is_covered, dimension)
+    if isinstance(dimension, BinaryDimension | CategoricalDimension):
+        type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
+        return ModelInput(
+            evidence.id,
+            type_,
+            description=evidence.description,
+            covered=covered,
+            is_good=good,
+            uses=(Use(good),),
+        )
+    return ModelInput(
+        evidence.id,
+        "float",
+        unit=dimension.uom or "",
+        units=units.convertible(dimension.uom),
+        description=evidence.description,
+        covered=covered,
+        is_good=good,
+        starts=tuple(range_.start.value for range_ in dimension.covered),
+        uses=(Use(good),),
+    )
+
+
+def _is_true(value: object) -> bool:
+    return value is True
+
+
+def _is_covered(dimension: Dimension, value: object) -> bool:
+    if isinstance(dimension, BinaryDimension):
+        return value is dimension.value
+    if isinstance(dimension, CategoricalDimension):
+        return value in dimension.covered
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return any(
+        range_.start.value < value < range_.end.value
+        or (range_.inclusive and value == range_.end.value)
+        or (range_.start_inclusive and value == range_.start.value)
+        for range_ in dimension.covered
+    )
+
+
+def claims(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[Claim]:
+    """Return each guarantee, by its id in messages, with the evidence and demands it rests on."""
+    consert, options = model.data, options_of(model)
+    sources, leaves = inputs_of(consert), frozenset(leaves_of(consert))
+    return [
+        Claim(
+            options.published(guarantee.id),
+            frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
+            options.hold_s(frequency),
+        )
+        for guarantee in consert.guarantees
+    ]
+
+
+def unfulfilled(provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str) -> str | None:
+    """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
+
+    Evidence asks for nothing that a guarantee could fulfil; it is not judged.
+    """
+    demand = next((demand for demand in user.demands if demand.id == demand_id), None)
+    guarantee = next((known for known in provider.guarantees if known.id == guarantee_id), None)
+    if demand is None or guarantee is None:
+        return None
+    name = f"{provider.name}/{guarantee_id}"
+    required = _services(user.required_services, "demands", demand_id)
+    provided = _services(provider.provided_services, "guarantees", guarantee_id)
+    if required and not required & provided:
+        kinds = " or ".join(sorted(required))
+        return f"{name} is not in a service of type {kinds}, which {demand_id} requires"
+    if constants(provider)[guarantee_id] is False:
+        return f"{name} can never be active"
+    difference = mismatch(guarantee, demand, name)
+    return None if difference is None else difference.text
+
+
+def _services(services: Any, members: str, id_: str) -> set[str]:
+    return {
+        service.functional_service_type for service in services if id_ in getattr(service, members)
+    }
+
+
+FUNCTIONS = Functions(
+    read_eddi=_read_eddi,
+    read_file=_read_file,
+    check=lambda model: static_checks(model.data),
+    counts=lambda model: counts(model.data),
+    outline=lambda model: outline(model.data),
+    export=_export,
+    inputs=inputs,
+    beside=with_status("ConSertStatus"),
+    configure=configure,
+    diagram=lambda model: diagram(model.data),
+    ids=lambda model: {"guarantees": [*published_ids(model)]},
+    elements=elements,
+    compile=compile_consert,
+    claims=claims,
+    acceptances=acceptances,
+    field_meanings=lambda _claims: MEANINGS,
+    unfulfilled=lambda provider, output, user, item: unfulfilled(
+        provider.data, published_ids(provider).get(output, output), user.data, item
+    ),
+)
