@@ -55,9 +55,9 @@ def test_factors_are_exact_and_squares_have_roots() -> None:
 @pytest.mark.parametrize("uom", ["deg", "rad", "percent", "V", "A", "degC", "m/s^2", "rad/s"])
 def test_units_of_robots_are_units_of_conserts(uom: str) -> None:
     text = SPEED.replace("uom: m", f"uom: {uom}")
-    reading = kinds()["consert"].functions.read_file(Source("speed.yml", text.encode()), ())
+    reading = kinds()["consert"].model_class.read_file(Source("speed.yml", text.encode()), ())
     assert [problem.code for problem in reading.problems if problem.level == "error"] == []
-    (one,) = kinds()["consert"].functions.inputs(reading.models[0])
+    (one,) = reading.models[0].inputs()
     assert one.unit == uom
 
 

@@ -28,8 +28,8 @@ def compose(
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
+    from eddi_scaffold.kinds.consert.consert_model import ConSertModel
     from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
-    from eddi_scaffold.kinds.consert.model import ConSert
     from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
@@ -37,7 +37,7 @@ def compose(
     sources = [read_source(file) for file in files]
     readings = [read_models(source, marks) for source in sources]
     found_in = [
-        [(model.name, model.data) for model in reading.models if isinstance(model.data, ConSert)]
+        [(model.name, model.data) for model in reading.models if isinstance(model, ConSertModel)]
         for reading in readings
     ]
     elsewhere = marks_elsewhere([[one for _, one in found] for found in found_in], marks)

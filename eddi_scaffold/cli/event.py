@@ -200,7 +200,7 @@ def _is_model(path: Path) -> bool:
     from eddi_scaffold.kinds import kinds
 
     source = read_source(path)
-    of = next((kind.name for kind in kinds().values() if kind.sniff(source)), None)
+    of = next((kind.name for kind in kinds().values() if kind.recognises(source)), None)
     return of not in {None, "event"} or is_xml(source)
 
 

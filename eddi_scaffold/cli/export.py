@@ -72,7 +72,7 @@ def export(
     else:
         reading = checked_models(model, default_guarantee or ())
         chosen, found = select_models(reading.models, name, wanted), list(reading.problems)
-    seen = [problem for item in chosen for problem in kinds()[item.kind].functions.check(item)]
+    seen = [problem for item in chosen for problem in item.check()]
     console.problems(in_order([*found, *seen]))
     if into is not None:
         before = read_source(into)
@@ -84,7 +84,7 @@ def export(
     assert output is not None
     files: dict[str, FileState] = {}
     for item in chosen:
-        for file, text in kinds()[item.kind].functions.export(item).items():
+        for file, text in item.export().items():
             # Upper and lower case are the same on some disks.
             if file.lower() in map(str.lower, files):
                 raise EddiError(problem("G004.one_file", item.place, file=file, model=item.name))

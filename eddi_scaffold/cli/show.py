@@ -92,7 +92,7 @@ def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[
 
     for item in chosen:
         console.data(f"{kinds()[item.kind].title} {item.name}")
-        for line in kinds()[item.kind].functions.outline(item):
+        for line in item.outline():
             console.data(f"  {line}")
         for one in item.links.values():
             names = "; ".join(f"{link.class_name} {link.name}" for link in one.links)

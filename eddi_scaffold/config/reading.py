@@ -79,7 +79,7 @@ def read_config(
     if document is None:
         return None, problems
     if {"Model"}.isdisjoint(document.keys()):
-        title = next((kind.title for kind in kinds().values() if kind.sniff(source)), None)
+        title = next((kind.title for kind in kinds().values() if kind.recognises(source)), None)
         if title is not None:
             return None, [problem("K001.model", Place(source.name), title=title)]
     places: dict[tuple[str | int, ...], Place] = {}

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import free_name, full_topic, package_name
-from eddi_scaffold.common.problems import EddiError, Problem, in_order, with_excerpts
+from eddi_scaffold.common.problems import Problem, in_order, with_excerpts
 from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.topic_block import (
     ConfigText,
@@ -45,7 +45,7 @@ from eddi_scaffold.connect.surroundings import (
 )
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
-from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, Skeleton, kinds
+from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, ModelDraft, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.filters import slug
 from eddi_scaffold.yaml_text.nodes import Map, items_of
@@ -141,17 +141,17 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     package = package_name(model_id(root) or chosen.name)
     robot = with_robot(document, around)
     document = robot.document
-    skeleton = _skeleton(chosen, kind, root)
+    model_draft = _model_draft(chosen, root)
     topics = topics_of(content(document))
     recorded = _recorded(around.topics, topics, package)
     topics += recorded
     others = [one for one in monitors_beside(models, around) if one.package != package]
-    offered = offers(others, chosen, skeleton.inputs, topics)
+    offered = offers(others, chosen, model_draft.inputs, topics)
     types = {**around.types, **known_messages(), **robot.types, **declared_types(root)}
     synonyms = synonyms_of(root)
     needs = [
         InputNeed.of(input_, synonyms, events_of(chosen.links, input_.id))
-        for input_ in skeleton.inputs
+        for input_ in model_draft.inputs
     ]
     decisions = decide(needs, topics, types.get, offered.by_input)
     named = {found.topic for decision in decisions for found in decision.candidates}
@@ -166,14 +166,14 @@ def connect(model: Path, name: str | None, config: Path | None, around: Around) 
     ages = {topic: known[name] for topic, name in full.items() if name in known}
     draft = Draft(
         _model(chosen, kind, model, config),
-        skeleton.options,
-        skeleton.notes,
+        model_draft.options,
+        model_draft.notes,
         [drafts.entry(decision, ages) for decision in decisions],
-        drafts.outputs(package, kind.topic, kind.functions.parts(chosen)),
+        drafts.outputs(package, kind.topic, chosen.separate_outputs()),
         {topic.id: drafts.age_line(topic, ages) for topic in topics},
     )
     after = with_draft(document, draft)
-    ids = [input_.id for input_ in skeleton.inputs]
+    ids = [input_.id for input_ in model_draft.inputs]
     unknown = with_excerpts(unknown_inputs(root, ids), before or "")
     left = undecided(content(ConfigText(document.name, after, 0, 0)))
     kept = frozenset(
@@ -207,27 +207,20 @@ def _document(config: Path | None) -> tuple[ConfigText, str | None]:
     return document, document.text
 
 
-def _skeleton(model: Model, kind: Kind[Model], root: Map) -> Skeleton:
+def _model_draft(model: Model, root: Map) -> ModelDraft:
     """Return what the configuration has to say of the model.
 
     Raises:
         EddiError: no monitor can be made of the model.
     """
-    if kind.functions.skeleton is None:
-        configured, problems = kind.functions.configure(model, Options())
-        if configured is None:
-            raise EddiError(*problems)
-        return Skeleton(kind.functions.inputs(configured))
     ids = [text_of(item, "id") for item in items_of(root.get("EDDIInputs"))]
     inputs = tuple(
         DeclaredInput(id_, None, None, None, model.place) for id_ in ids if id_ is not None
     )
-    return kind.functions.skeleton(model, Options(values=section_of(root), inputs=inputs))
+    return model.draft(Options(values=section_of(root), inputs=inputs))
 
 
-def _model(
-    model: Model, kind: Kind[Model], path: Path, config: Path | None
-) -> dict[str, JsonValue]:
+def _model(model: Model, kind: Kind, path: Path, config: Path | None) -> dict[str, JsonValue]:
     """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
     section: dict[str, JsonValue] = {
         "id": model.name, "type": kind.config_types[0], "frequency": 10

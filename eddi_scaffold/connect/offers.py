@@ -9,7 +9,7 @@ from eddi_scaffold.common.identifiers import attribute, free_name, key_text
 from eddi_scaffold.connect.matching import Offer
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
-from eddi_scaffold.kinds import Model, ModelInput, kinds
+from eddi_scaffold.kinds import Model, ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor
 
 _SILENT = (False,)
@@ -84,14 +84,14 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
     config = monitor.config
     if config is None:
         return
-    functions = monitor.kind.functions
-    ids, parts = functions.ids(monitor.model), list(functions.parts(monitor.model))
+    model = monitor.model
+    ids, parts = model.element_keys(), list(model.separate_outputs())
     own = {claim.id: [claim.id] for claim in monitor.facts.claims}
-    messages = {"": monitor.kind.output_message, **functions.beside(monitor.model)}
+    messages = {"": monitor.kind.output_message, **model.companion_messages()}
     for output in config.config.EDDIOutputs:
         if output.field is not None:
             continue
-        meanings = functions.field_meanings(monitor.facts.claims_on(output.event))
+        meanings = model.meanings(monitor.facts.claims_on(output.event))
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():
@@ -111,7 +111,6 @@ def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) ->
         ids = {item.id, *(event.partition(" (")[0] for event in events_of(model.links, item.id))}
         named = {claim for name, claim in monitor.model.observes if name in ids}
         return item.type == "bool" and (key in ids or not named.isdisjoint((key, "")))
-    unfulfilled = kinds()[model.kind].functions.unfulfilled
-    if monitor.model.kind != model.kind or unfulfilled is None:
+    if monitor.model.kind != model.kind:
         return False
-    return unfulfilled(monitor.model, key, model, item.id) is None
+    return monitor.model.why_not_fulfilled(key, model, item.id) is None

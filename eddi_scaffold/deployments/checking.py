@@ -18,7 +18,7 @@ from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.topics import absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds import Model, ReadResult, kinds
+from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
 from eddi_scaffold.monitors.loading import (
     checked_models,
@@ -155,7 +155,7 @@ def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterato
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:
-    return [problem for model in models for problem in kinds()[model.kind].functions.check(model)]
+    return [problem for model in models for problem in model.check()]
 
 
 def _named(path: Path, marks: Sequence[str]) -> ReadResult:

@@ -245,7 +245,7 @@ def _read(deployment: Deployment, member: Member, field: Field) -> _Read | None:
     if other is not None and other.of.kind is kind:
         return _Read(other.of.name, message, path, other.of.meanings(other.part))
     topic = member.topic(source.topic).removesuffix(f"/{STATUS}")
-    return _Read(topic, message, path, kind.functions.field_meanings(None))
+    return _Read(topic, message, path, kind.model_class.meanings(None))
 
 
 def _meaning(read: _Read) -> Meaning:

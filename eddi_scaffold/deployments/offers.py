@@ -61,9 +61,9 @@ class RobotMonitor:
     @property
     def guarantees(self) -> Sequence[str]:
         """Ids of its guarantees in messages."""
-        if self.monitor.kind.functions.unfulfilled is None:
+        if not self.monitor.kind.between_robots:
             return []
-        ids = self.monitor.kind.functions.ids(self.monitor.model)
+        ids = self.monitor.model.element_keys()
         return [key for keys in ids.values() for key in keys]
 
 
@@ -266,12 +266,12 @@ def _offers(
     offers: list[Fulfilment] = []
     misses: list[str] = []
     for seat in seats:
-        unfulfilled = seat.monitor.kind.functions.unfulfilled
-        if unfulfilled is None or seat.monitor.kind is not user.monitor.kind:
+        provider = seat.monitor.model
+        if seat.monitor.kind is not user.monitor.kind:
             continue
         for name in seat.guarantees:
             if binding.guarantee in (None, name):
-                why = unfulfilled(seat.monitor.model, name, user.monitor.model, binding.demand)
+                why = provider.why_not_fulfilled(name, user.monitor.model, binding.demand)
                 if why is None:
                     offers.append(Fulfilment(seat, name))
                 else:

@@ -22,7 +22,7 @@ from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
-from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
+from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.facts import MonitorFacts, from_json
 
@@ -45,7 +45,7 @@ class WiredMonitor:
     name: str
     package: str
     namespace: str
-    kind: Kind[Model]
+    kind: Kind
     config: ConfigFile
     facts: MonitorFacts
     model_file: str = ""
@@ -63,7 +63,7 @@ class WiredMonitor:
 
     def meanings(self, part: str | None) -> Meanings:
         """Return what the fields of its messages mean on a topic of one claim, or of all."""
-        return self.kind.functions.field_meanings(self.facts.claims_on(part))
+        return self.kind.model_class.meanings(self.facts.claims_on(part))
 
     @property
     def by_words(self) -> Sequence[str]:

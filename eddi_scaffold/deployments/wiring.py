@@ -42,11 +42,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
                 continue
             seen.add((reading.input, output))
             provider = publisher.member.monitor
-            if provider.kind is not user.kind or user.kind.functions.unfulfilled is None:
-                continue
-            reason = user.kind.functions.unfulfilled(
-                provider.model, output, user.model, reading.input
-            )
+            reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
             if reason is not None:
                 yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 

@@ -1,4 +1,4 @@
-"""Monitor kinds: what the generator knows of ConSerts, Bayesian networks, ... as plain functions.
+"""Monitor kinds: what the generator knows of ConSerts, Bayesian networks, ... and their models.
 
 A kind is one folder below this one that offers ``KIND``. Kinds know neither each other nor a
 platform.
@@ -11,12 +11,14 @@ import pkgutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any, Generic, Literal, NoReturn, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
 from eddi_scaffold.common.problems import EddiError, Place, problem
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from eddi_scaffold.common.claims import Claim
     from eddi_scaffold.common.files import Source
     from eddi_scaffold.common.problems import Problem
@@ -104,45 +106,6 @@ class ModelOutput:
     of: str = ""
 
 
-D_co = TypeVar("D_co", covariant=True)
-C_co = TypeVar("C_co", covariant=True)
-
-
-@dataclass(frozen=True)
-class TypedModel(Generic[D_co, C_co]):
-    """One model of a kind, checked as far as it could be.
-
-    Attributes:
-        kind: name of the kind (``consert``).
-        name: name of the model in its file.
-        data: the kind's own typed model; only the kind looks inside.
-        source: the file it was read from.
-        place: its place in that file.
-        options: what the kind made of the configuration, ``None`` before; only the kind looks
-            inside.
-        file_stem: what the model's own file is called, empty where that has several, or is known
-            by the model's name: the package of a model without a configuration.
-        links: path of an element -> what is linked with it in the EDDI.
-        observes: elements of the EDDI that name this model as what observes them, each with the
-            event or threshold that it names; empty for the only one.
-    """
-
-    kind: str
-    name: str
-    data: D_co
-    source: Source
-    place: Place
-    options: C_co | None = None
-    file_stem: str = ""
-    links: Links = field(default_factory=dict)
-    observes: tuple[tuple[str, str], ...] = ()
-
-
-Model = TypedModel[object, object]
-"""A model of any kind, whose content is not inspected."""
-M = TypeVar("M", bound=Model)
-
-
 @dataclass(frozen=True)
 class ReadResult:
     """What a reader found: models and everything that is wrong with them.
@@ -206,7 +169,7 @@ class Options:
 
 
 @dataclass(frozen=True)
-class Skeleton:
+class ModelDraft:
     """What a configuration says of a model before a person has decided.
 
     Attributes:
@@ -307,101 +270,175 @@ class CrossCheck:
     problems: tuple[Problem, ...] = ()
 
 
-def _as_it_is(model: M, _: Options) -> tuple[M | None, list[Problem]]:
-    return model, []
-
-
-def _nothing(_: object) -> Mapping[str, NoReturn]:
-    return {}
-
-
-def _none(*_: object) -> Sequence[NoReturn]:
-    return ()
-
-
-def with_status(message: str) -> Callable[[Model], Mapping[str, str]]:
-    """Return the ``beside`` of a kind that publishes the facts behind its result only."""
-    return lambda _: {"status": message}
-
-
 @dataclass(frozen=True)
-class Functions(Generic[M]):
-    """What a kind does with its models, which are of the type ``M``.
+class Model:
+    """One model of a kind, checked as far as it could be, and what is done with it.
+
+    The base itself stands for a model of which only its package is there: it has a name.
 
     Attributes:
-        read_eddi: EDDI document -> models and problems, of a kind that has an ``in_eddi``.
-        read_file: such a file -> models and problems.
-        check: problems of one model that the readers do not see (static checks).
-        counts: what ``show`` prints, in order (``{"guarantees": 2, ...}``).
-        outline: the tree that ``show`` prints: lines with two blanks per level.
-        export: file name -> text of the kind's own formats.
-        in_map: key and values (tag, text) by which an EDDI holds such a model, of a kind that is
-            no part of the metamodel; raises EddiError.
-        inputs: the inputs that the monitor needs.
-        compile: the monitor, of a configured model and its bound inputs.
-        claims: of a configured model, its bound inputs, and the steps per second: its claims.
-        field_meanings: what the fields of its messages express of what is known, where a topic
-            has these claims; ``None``: they are not known.
-        beside: name -> message that it publishes in addition, on ``<topic>/<name>``; in the
-            runtime the monitor has a method ``<name>_message()`` for each.
-        parts: ids of results that are messages of their own, which an output may choose.
-        outputs: topics that a configured model itself asks for.
-        configure: applies the options of the configuration to the model; comes before ``inputs``
-            and all below.
-        modules: modules in which people write.
-        cross_check: compares the running monitor with an independent tool before a package is
-            written.
-        readme: lines of Markdown for the package's README; what comes of a model is escaped.
-        diagram: the picture of a model.
-        ids: path of a list in a message of the kind -> the keys of its elements, as far as they are
-            known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
-        unfulfilled: why an output of a model does not fulfil an input of another one of this
-            kind, ``None`` where it does, or where nothing is asked of that input.
-        acceptances: of the same as ``claims``: what the model and its options accept in place of
-            what is not known.
-        input_timeouts: input -> seconds after which the kind itself takes it as unknown, for those
-            that have such a limit.
-        elements: of a configured model: what can be traced, in order.
-        skeleton: what a configuration with these options has still to say, for kinds whose inputs
-            are not all in the model; an option may still be ``TODO``.
+        kind: name of the kind (``consert``).
+        name: name of the model in its file.
+        source: the file it was read from.
+        place: its place in that file.
+        file_stem: what the model's own file is called, empty where that has several, or is known
+            by the model's name: the package of a model without a configuration.
+        links: path of an element -> what is linked with it in the EDDI.
+        observes: elements of the EDDI that name this model as what observes them, each with the
+            event or threshold that it names; empty for the only one.
     """
 
-    read_file: Callable[[Source, Sequence[str]], ReadResult]
-    counts: Callable[[M], Mapping[str, int]]
-    outline: Callable[[M], Sequence[str]]
-    export: Callable[[M], Mapping[str, str]]
-    inputs: Callable[[M], Sequence[ModelInput]]
-    compile: Callable[[M, Declaration], CompiledMonitor]
-    claims: Callable[[M, Sequence[BoundInput], float], Sequence[Claim]]
-    field_meanings: Callable[[Sequence[Claim] | None], Meanings]
-    in_map: Callable[[M], tuple[str, Sequence[tuple[str, str]]]] | None = None
-    read_eddi: Callable[[EddiDocument, Source, Sequence[str]], ReadResult] | None = None
-    check: Callable[[M], Sequence[Problem]] = _none
-    beside: Callable[[M], Mapping[str, str]] = _nothing
-    configure: Callable[[M, Options], tuple[M | None, list[Problem]]] = _as_it_is
-    modules: Callable[[M], Sequence[EditableModule]] = _none
-    cross_check: Callable[[M, Any], CrossCheck] | None = None
-    readme: Callable[[M], Sequence[str]] = _none
-    diagram: Callable[[M], Diagram] | None = None
-    parts: Callable[[M], Sequence[str]] = _none
-    outputs: Callable[[M], Sequence[ModelOutput]] = _none
-    ids: Callable[[M], Mapping[str, Sequence[str]]] = _nothing
-    unfulfilled: Callable[[M, str, M, str], str | None] | None = None
-    skeleton: Callable[[M, Options], Skeleton] | None = None
-    acceptances: Callable[[M, Sequence[BoundInput], float], Sequence[Acceptance]] = _none
-    input_timeouts: Callable[[M], Mapping[str, float]] = _nothing
-    elements: Callable[[M], Sequence[Element]] = _none
+    kind: ClassVar[str] = ""
+    name: str
+    source: Source
+    place: Place
+    file_stem: str = ""
+    links: Links = field(default_factory=dict)
+    observes: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
+        """Return the models of a file of the kind's own, and what is wrong with it."""
+        raise NotImplementedError
+
+    @classmethod
+    def read_eddi(
+        cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
+    ) -> ReadResult:
+        """Return the models of the kind in an EDDI, and what is wrong with them."""
+        raise NotImplementedError
+
+    @classmethod
+    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
+        """Return what the fields of its messages express of what is known.
+
+        Args:
+            claims: those on the topic; ``None``: they are not known.
+        """
+        raise NotImplementedError
+
+    def check(self) -> Sequence[Problem]:
+        """Return the problems that the readers do not see (static checks)."""
+        return ()
+
+    def counts(self) -> Mapping[str, int]:
+        """Return what ``show`` prints, in order (``{"guarantees": 2, ...}``)."""
+        raise NotImplementedError
+
+    def outline(self) -> Sequence[str]:
+        """Return the tree that ``show`` prints: lines with two blanks per level."""
+        raise NotImplementedError
+
+    def export(self) -> Mapping[str, str]:
+        """Return file name -> text in the kind's own formats."""
+        raise NotImplementedError
+
+    def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]] | None:
+        """Return key and values (tag, text) by which an EDDI holds the model.
+
+        ``None`` for a kind that is part of the metamodel.
+
+        Raises:
+            EddiError: an EDDI cannot hold it.
+        """
+        return None
+
+    def diagram(self) -> Diagram | None:
+        """Return its picture, ``None`` for a kind that has none."""
+        return None
+
+    def draft(self, options: Options) -> ModelDraft:
+        """Return what a configuration with these options has still to say.
+
+        An option may still be ``TODO``.
+
+        Raises:
+            EddiError: no monitor can be made of the model.
+        """
+        configured, problems = self.configure(Options())
+        if configured is None:
+            raise EddiError(*problems)
+        return ModelDraft(configured.inputs())
+
+    def configure(self, options: Options) -> tuple[Self | None, list[Problem]]:
+        """Return the model with the options of a configuration; what follows needs it."""
+        return self, []
+
+    def inputs(self) -> Sequence[ModelInput]:
+        """Return the inputs that the monitor needs."""
+        raise NotImplementedError
+
+    def companion_messages(self) -> Mapping[str, str]:
+        """Return name -> message that is published in addition, on ``<topic>/<name>``.
+
+        In the runtime the monitor has a method ``<name>_message()`` for each.
+        """
+        return {}
+
+    def separate_outputs(self) -> Sequence[str]:
+        """Return the ids of results that are messages of their own, which an output may choose."""
+        return ()
+
+    def own_topics(self) -> Sequence[ModelOutput]:
+        """Return the topics that the model itself asks for."""
+        return ()
+
+    def element_keys(self) -> Mapping[str, Sequence[str]]:
+        """Return path of a list in a message of the kind -> the keys of its elements.
+
+        As far as they are known (``output_nodes[Collision].outcomes`` -> ``High``, ...).
+        """
+        return {}
+
+    def editable_modules(self) -> Sequence[EditableModule]:
+        """Return the modules in which people write, other than ``EDDIInput.py``."""
+        return ()
+
+    def readme(self) -> Sequence[str]:
+        """Return lines of Markdown for the package's README; what comes of a model is escaped."""
+        return ()
+
+    def compile(self, declaration: Declaration) -> CompiledMonitor:
+        """Return the monitor."""
+        raise NotImplementedError
+
+    def cross_check(self, running: Callable[[], Any]) -> CrossCheck | None:
+        """Compare the running monitor with an independent tool, where there is one."""
+        return None
+
+    def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+        """Return its claims, of a monitor with these inputs and so many steps per second."""
+        raise NotImplementedError
+
+    def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
+        """Return what the model and its options accept in place of what is not known."""
+        return ()
+
+    def input_timeouts(self) -> Mapping[str, float]:
+        """Return input -> seconds after which the model itself takes it as unknown."""
+        return {}
+
+    def elements(self) -> Sequence[Element]:
+        """Return what can be traced, in order."""
+        return ()
+
+    def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
+        """Return why one of its outputs does not fulfil an input of another model.
+
+        ``None`` where it does, or where nothing is asked of that input.
+        """
+        return None
 
 
 @dataclass(frozen=True)
-class Kind(Generic[M]):
+class Kind:
     """What is known of a monitor kind before any of its models is looked at: cheap to import.
 
     Attributes:
         name: module-like name, the same in the runtime (``consert``).
         title: for people (``ConSert``).
         config_types: spellings of ``Model: type:`` in a configuration, compared without case.
-        sniff: does this file, by its first bytes and name, hold a model of this kind by itself?
+        recognises: does this file, by its first bytes and name, hold a model by itself?
         in_eddi: XPath, below a root of an EDDI, of all that its models may be read from; empty
             for a kind of which an EDDI has none.
         messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
@@ -416,21 +453,21 @@ class Kind(Generic[M]):
         requirements: what the runtime of this kind needs from PyPI.
         named_by_config: its files hold one model without a name; the configuration's id is one.
         verdicts: ROS message name -> what a message of it says, for who only looks on.
-        load: imports the functions of the kind, with all that they need.
+        model: module and name of the class of its models.
     """
 
     name: str
     title: str
     config_types: tuple[str, ...]
-    sniff: Callable[[Source], bool]
+    recognises: Callable[[Source], bool]
     messages: Mapping[str, str]
     output_message: str
-    load: Callable[[], Functions[M]]
+    model: str
     topic: str = "result"
     in_eddi: str = ""
     options: tuple[str, ...] = ()
     between_robots: Mapping[str, str] = field(default_factory=dict)
-    respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = _nothing
+    respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = lambda _: {}
     inputs_of_model: bool = True
     without_input: str = "nothing that needs it becomes known"
     aliases: tuple[Alias, ...] = ()
@@ -444,18 +481,15 @@ class Kind(Generic[M]):
         return {**self.messages, **self.between_robots}
 
     @property
-    def functions(self) -> Functions[M]:
-        """What the kind does with its models; imported when it is first asked for."""
-        return self.load()
+    def model_class(self) -> type[Model]:
+        """The class of its models; imported, with all that it needs, when it is first asked for."""
+        module, _, name = self.model.rpartition(".")
+        loaded = importlib.import_module(f"{__name__}.{self.name}.{module}")
+        return cast("type[Model]", getattr(loaded, name))
 
 
 @cache
-def kinds() -> Mapping[str, Kind[Model]]:
+def kinds() -> Mapping[str, Kind]:
     """Return every kind by name, sorted: each is a folder here that offers ``KIND``."""
-    found = {}
-    for module in pkgutil.iter_modules(__path__):
-        if module.ispkg:
-            # A function of it is given models of its own only: those whose `kind` is its name.
-            kind: Kind[Model] = importlib.import_module(f"{__name__}.{module.name}").KIND
-            found[kind.name] = kind
-    return dict(sorted(found.items()))
+    folders = (module.name for module in pkgutil.iter_modules(__path__) if module.ispkg)
+    return {name: importlib.import_module(f"{__name__}.{name}").KIND for name in sorted(folders)}

@@ -66,11 +66,11 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
 def _kind_answers(monitor: BoundMonitor) -> dict[str, JsonValue]:
     """Return what only some kinds have."""
     model, kind = monitor.model, monitor.kind
-    readme = [one_line(line) for line in kind.functions.readme(model)]
+    readme = [one_line(line) for line in model.readme()]
     if monitor.cross_check:
         readme += ["", one_line(monitor.cross_check)]
     return {
-        "modules": [_module_answers(module) for module in kind.functions.modules(model)],
+        "modules": [_module_answers(module) for module in model.editable_modules()],
         "aliases": [
             {
                 "name": alias.name,

@@ -140,7 +140,7 @@ class BoundMonitor:
 
     package: str
     model: Model
-    kind: Kind[Model]
+    kind: Kind
     config: ConfigFile | None
     inputs: tuple[InputBinding, ...]
     compiled: CompiledModule
@@ -156,7 +156,7 @@ class BoundMonitor:
     @property
     def needed_methods(self) -> list[EditableMethod]:
         """The methods of its kind that only a person can write."""
-        modules = self.kind.functions.modules(self.model)
+        modules = self.model.editable_modules()
         return [method for module in modules for method in module.methods if method.is_needed]
 
     def topic(self, name: str) -> str:
@@ -166,7 +166,7 @@ class BoundMonitor:
 
 def monitor_of(
     model: Model,
-    kind: Kind[Model],
+    kind: Kind,
     config: ConfigFile | None,
     marks: Sequence[str] = (),
 ) -> tuple[BoundMonitor | None, list[Problem]]:
@@ -181,7 +181,7 @@ def monitor_of(
     Returns:
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
-    configured, problems = kind.functions.configure(model, options_of(config))
+    configured, problems = model.configure(options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
@@ -253,7 +253,7 @@ def _bound_input(binding: InputBinding) -> BoundInput:
     )
 
 
-def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) -> Iterable[Problem]:
+def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
     section = config.config.Model
     if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
         yield problem(
@@ -272,7 +272,7 @@ def _check_model_section(model: Model, kind: Kind[Model], config: ConfigFile) ->
 
 
 def bind_inputs(
-    model: Model, kind: Kind[Model], config: ConfigFile | None, known: MessageFields
+    model: Model, kind: Kind, config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
     """Return how each input of a configured model gets its value, and what does not fit.
 
@@ -282,7 +282,7 @@ def bind_inputs(
         config: how it is connected, if it is.
         known: the types of messages.
     """
-    inputs = kind.functions.inputs(model)
+    inputs = model.inputs()
     if config is None:
         return [_unconfigured(item) for item in inputs], []
     problems: list[Problem] = []

@@ -44,7 +44,7 @@ class CompiledModule:
 
 def compile_monitor(
     model: Model,
-    kind: Kind[Model],
+    kind: Kind,
     inputs: Sequence[BoundInput],
     accepted: Sequence[Acceptance],
     frequency: float,
@@ -63,8 +63,8 @@ def compile_monitor(
     Raises:
         EddiError: the runtime refuses the monitor (K028).
     """
-    functions, source, path = kind.functions, model.source, model.place.path
-    compiled = functions.compile(model, Declaration(model.name, _NO_DIGEST, tuple(inputs)))
+    source, path = model.source, model.place.path
+    compiled = model.compile(Declaration(model.name, _NO_DIGEST, tuple(inputs)))
     digest, compiled = _with_digest(
         replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
     )
@@ -75,8 +75,8 @@ def compile_monitor(
         EDDIInputBase().bind(module.monitor(model.name).inputs)
     except NotRunning as refused:  # what will run it has the last word
         raise EddiError(problem("K028.refused", place, reason=refused.reason)) from None
-    of_model = functions.acceptances(model, inputs, frequency)
-    timeouts = functions.input_timeouts(model)
+    of_model = model.acceptances(inputs, frequency)
+    timeouts = model.input_timeouts()
     facts = MonitorFacts(
         kind.name,
         model.name,
@@ -85,9 +85,9 @@ def compile_monitor(
         source.sha256,
         tuple(_input_facts(input_, timeouts.get(input_.id)) for input_ in inputs),
         path,
-        tuple(functions.claims(model, inputs, frequency)) or (_result(inputs, of_model),),
+        tuple(model.claims(inputs, frequency)) or (_result(inputs, of_model),),
         (*of_model, *accepted),
-        tuple(functions.elements(model)),
+        tuple(model.elements()),
         dict(model.links) or None,
     )
     return module, facts

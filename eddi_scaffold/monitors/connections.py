@@ -53,7 +53,7 @@ def _unknown_ids(
 
 def _given(monitor: BoundMonitor) -> Iterable[tuple[str, str]]:
     """Yield topic and type of the messages that a monitor publishes."""
-    kind, beside = monitor.kind, monitor.kind.functions.beside(monitor.model)
+    kind, beside = monitor.kind, monitor.model.companion_messages()
     config = monitor.config
     for output in config.config.EDDIOutputs if config is not None else ():
         assert config is not None

@@ -33,8 +33,8 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
     """
     data = source.data
     for model in models:
-        in_map = kinds()[model.kind].functions.in_map
-        if in_map is None:
+        eddi_map = model.as_eddi_map()
+        if eddi_map is None:
             title = kinds()[model.kind].title
             raise EddiError(problem("X036.kind", model.place, kind=title))
         document, problems = read_document(Source(source.name, data))
@@ -43,8 +43,7 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
         element = document.at(at)
         if element is None:
             raise EddiError(problem("X007.at", Place(source.name), path=at))
-        key, values = in_map(model)
-        data = with_map(data, document, element, key, values)
+        data = with_map(data, document, element, *eddi_map)
     reading = read_models(Source(source.name, data))
     if has_errors(reading.problems):
         raise EddiError(*reading.problems)
@@ -100,12 +99,12 @@ def pictures(
     found: dict[str, str] = {}
     stems: set[str] = set()
     for model in models:
-        draw = kinds()[model.kind].functions.diagram
-        if draw is not None:
+        picture = model.diagram()
+        if picture is not None:
             plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
             stem = free_name(plain, stems)
             stems.add(stem)
-            found[f"{stem}.svg"] = drawn(draw(model))
+            found[f"{stem}.svg"] = drawn(picture)
     if not found:
         names = ", ".join(kinds()[model.kind].title for model in models)
         raise EddiError(problem("G018", Place(str(path)), kinds=names))

@@ -24,7 +24,7 @@ from eddi_scaffold.config.field_paths import (
     plain_step,
 )
 from eddi_scaffold.config.schema import InputEntry
-from eddi_scaffold.kinds import JsonValue, Kind, Model, kinds
+from eddi_scaffold.kinds import JsonValue, Kind, kinds
 
 _LIMITLESS = "max_age: none"
 
@@ -58,7 +58,7 @@ def keys(accepted: Iterable[Acceptance]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(one.key for one in accepted if one.key != _LIMITLESS))
 
 
-def kind_of_message(type_: str) -> Kind[Model] | None:
+def kind_of_message(type_: str) -> Kind | None:
     """Return the kind whose monitors publish a message type, ``None`` for other types."""
     package, _, name = type_.partition("/")
     if package != "eddi_messages":
@@ -93,7 +93,7 @@ def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValu
     if kind is None:
         return []
     field = "".join(pattern(path)).removeprefix(".")
-    meaning = kind.functions.field_meanings(None).get(name, {}).get(field, Meaning())
+    meaning = kind.model_class.meanings(None).get(name, {}).get(field, Meaning())
     found: list[tuple[FieldPath, list[JsonValue]]] = [
         (path, [not value]) for value in meaning.silent or () if isinstance(value, bool)
     ]

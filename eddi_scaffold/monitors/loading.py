@@ -77,8 +77,8 @@ def named_like_mros(name: str) -> bool:
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadResult:
     """Read every model of every kind in one file, with all problems."""
     for kind in kinds().values():
-        if kind.sniff(source):
-            return kind.functions.read_file(source, default_guarantees)
+        if kind.recognises(source):
+            return kind.model_class.read_file(source, default_guarantees)
     with source.open() as stream:
         head = stream.read(_HEAD)
     if len(head) < _HEAD and not head.strip():
@@ -101,7 +101,7 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
         if stranger is not None:
             return ReadResult((), (stranger,))
         # damaged beyond recognition: this kind best describes what such a file should look like
-        return kinds()["consert"].functions.read_file(source, default_guarantees)
+        return kinds()["consert"].model_class.read_file(source, default_guarantees)
     if source.name.lower().endswith(".csv"):
         return ReadResult((), (problem("F003.recording", Place(source.name)),))
     known = ", ".join(kind.title for kind in kinds().values())
@@ -136,7 +136,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     models: list[Model] = []
     for kind in kinds().values():
         # to import the functions of a kind takes longer than to look for its models
-        read = kind.functions.read_eddi if _is_in(document, kind) else None
+        read = kind.model_class.read_eddi if _is_in(document, kind) else None
         if read is not None:
             reading = read(document, source, default_guarantees)
             models += reading.models
@@ -160,7 +160,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     return ReadResult(tuple(models), tuple(problems), tuple(not_read))
 
 
-def _is_in(document: EddiDocument, kind: Kind[Model]) -> bool:
+def _is_in(document: EddiDocument, kind: Kind) -> bool:
     return bool(kind.in_eddi) and any(select(root, kind.in_eddi) for root in document.roots)
 
 
@@ -202,7 +202,7 @@ def no_model(source: Source) -> Problem:
 
 def unfit(models: Sequence[Model]) -> list[Problem]:
     """Return why no monitor can be made of some models without a configuration, as warnings."""
-    found = [kinds()[model.kind].functions.configure(model, Options())[1] for model in models]
+    found = [model.configure(Options())[1] for model in models]
     return [
         replace(
             problem, level="warning", place=problem.place if problem.place.file else model.place
@@ -214,7 +214,7 @@ def unfit(models: Sequence[Model]) -> list[Problem]:
 
 
 def select_models(
-    models: Sequence[Model], name: str | None, kind: Kind[Model] | None = None
+    models: Sequence[Model], name: str | None, kind: Kind | None = None
 ) -> Sequence[Model]:
     """Select the models called ``name`` (compared without case) and of ``kind``.
 
@@ -280,7 +280,7 @@ def _of_other_type(models: Sequence[Model]) -> str:
     return f"{models[0].source.file_name} holds {shortened_list(found)}: is `type` right?"
 
 
-def _kinds_of(config: ConfigFile) -> Sequence[Kind[Model]]:
+def _kinds_of(config: ConfigFile) -> Sequence[Kind]:
     """Return the kinds that the ``Model: type:`` of a configuration can mean."""
     wanted = config.config.Model.type.casefold()
     return [

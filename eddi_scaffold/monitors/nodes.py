@@ -64,7 +64,7 @@ class MonitorNode:
     @property
     def status(self) -> str | None:
         """Return the type of the facts behind the result."""
-        name = self.monitor.kind.functions.beside(self.monitor.model).get(STATUS)
+        name = self.monitor.model.companion_messages().get(STATUS)
         return f"{MESSAGE_PACKAGE}/{name}" if name else None
 
     def answers(

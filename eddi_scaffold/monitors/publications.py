@@ -57,7 +57,7 @@ def publications(
     messages = _messages(monitor)
     found: list[Publication] = []
     problems: list[Problem] = []
-    parts = list(monitor.kind.functions.parts(monitor.model))
+    parts = list(monitor.model.separate_outputs())
     for index, output in enumerate(config.config.EDDIOutputs):
         places = partial(config.place, "EDDIOutputs", index)
         deadline, rate = output.qos.deadline, config.config.Model.frequency
@@ -92,7 +92,7 @@ def publications(
         found.append(
             Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
         )
-    for one in monitor.kind.functions.outputs(monitor.model):
+    for one in monitor.model.own_topics():
         path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
         end = _value_at(path, messages[one.of])
         own = _output(one.id, one.topic)
@@ -106,7 +106,7 @@ def check_path(
     text: str, path: Sequence[PlainStep], provider: BoundMonitor, place: Place
 ) -> Iterator[Problem]:
     """Report the id that a path into a message asks for, and the monitor does not have (K020)."""
-    ids = provider.kind.functions.ids(provider.model)
+    ids = provider.model.element_keys()
     before = ""
     for step in path:
         if isinstance(step, str):
@@ -130,7 +130,7 @@ def check_path(
 
 def _messages(monitor: BoundMonitor) -> dict[str, str]:
     """Return name -> type of the monitor's messages; the name of the result is empty."""
-    names = {"": monitor.kind.output_message, **monitor.kind.functions.beside(monitor.model)}
+    names = {"": monitor.kind.output_message, **monitor.model.companion_messages()}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 

@@ -12,7 +12,7 @@ from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
 from eddi_scaffold.config.field_paths import Attribute, ByKey, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
-from eddi_scaffold.kinds import JsonValue, Kind, Model
+from eddi_scaffold.kinds import JsonValue, Kind
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
@@ -25,7 +25,7 @@ _OUTLIVING = frozenset((*BUFFERED, *STARTS, "once", "age"))
 """Operations that may claim something when what they claim it of has gone."""
 
 
-def fleet_message(kind: Kind[Model]) -> str | None:
+def fleet_message(kind: Kind) -> str | None:
     """Return the message type by which monitors of a kind tell other robots what they guarantee."""
     return MESSAGE if MESSAGE.partition("/")[2] in kind.between_robots else None
 
@@ -99,7 +99,7 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
                 )
 
 
-def _check_section(fleet: FleetSection, kind: Kind[Model], config: ConfigFile) -> Iterator[Problem]:
+def _check_section(fleet: FleetSection, kind: Kind, config: ConfigFile) -> Iterator[Problem]:
     if fleet_message(kind) is None:
         yield problem("K080.guarantees_nothing", config.place("Fleet"), kind=kind.title)
     least = _PERIODS / config.config.Model.frequency

@@ -27,7 +27,7 @@ from eddi_scaffold.yaml_text.nodes import read_map
 
 def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
     """Return models, elements and references of a file, and what makes it unreadable."""
-    if is_xml(source) and not any(kind.sniff(source) for kind in kinds().values()):
+    if is_xml(source) and not any(kind.recognises(source) for kind in kinds().values()):
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
@@ -40,7 +40,7 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
             "name": model.name,
             "path": model.place.path,
             "line": model.place.line,
-            "counts": dict(kinds()[model.kind].functions.counts(model)),
+            "counts": dict(model.counts()),
         }
         for model in reading.models
     ]
@@ -177,7 +177,9 @@ def _is_ours(path: Path) -> bool:
     except EddiError:
         return False
     return (
-        is_mros(source) or any(kind.sniff(source) for kind in kinds().values()) or _may_be(source)
+        is_mros(source)
+        or any(kind.recognises(source) for kind in kinds().values())
+        or _may_be(source)
     )
 
 

@@ -238,10 +238,9 @@ def wiring_with(
 
 def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
     """Compare the compiled model with an independent tool, where its kind has one."""
-    if monitor.kind.functions.cross_check is None:
+    result = monitor.model.cross_check(lambda: monitor.compiled.monitor(monitor.model.name))
+    if result is None:
         return monitor
-    running = monitor.compiled.monitor(monitor.model.name)
-    result = monitor.kind.functions.cross_check(monitor.model, running)
     problems += result.problems
     return replace(monitor, cross_check=result.text)
 

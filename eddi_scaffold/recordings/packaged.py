@@ -218,7 +218,7 @@ def _remembered(
     )
     place = Place(str(folder))
     kind = kinds()[answers["kind"]]
-    model = Model(kind.name, facts.id, None, Source(str(folder / ANSWERS_FILE), b""), place)
+    model = Model(facts.id, Source(str(folder / ANSWERS_FILE), b""), place)
     inputs = [
         _binding(input_, types[input_.attribute], sources, by_hand) for input_ in facts.inputs
     ]

@@ -11,7 +11,9 @@ from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.expressions.emission import expression_lines
 from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
-from eddi_scaffold.kinds import Model, TypedModel, kinds
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.kinds.consert.compile import compile_consert
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 
 DIGEST = 64 * "0"
 
@@ -23,7 +25,9 @@ class BoundModel(NamedTuple):
     declaration: Declaration
 
     def compiled(self, **more: Any) -> CompiledMonitor:
-        return kinds()[self.model.kind].functions.compile(self.model, self.declaration, **more)
+        if isinstance(self.model, ConSertModel):
+            return compile_consert(self.model.data, self.model.options, self.declaration, **more)
+        return self.model.compile(self.declaration)
 
     def text(self, **more: Any) -> str:
         compiled, inputs = self.compiled(**more), self.declaration.inputs
@@ -46,5 +50,6 @@ def bound_model(
     kind: str, name: str, data: object, options: object, inputs: list[BoundInput], place=None
 ) -> BoundModel:
     source = Source(f"{name}.yml", b"")
-    model = TypedModel(kind, name, data, source, place or Place(source.name), options)
+    keys = {"data": data} if options is None else {"data": data, "options": options}
+    model = kinds()[kind].model_class(name, source, place or Place(source.name), **keys)
     return BoundModel(model, Declaration(name, DIGEST, tuple(inputs)))

@@ -8,6 +8,7 @@ import itertools
 import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +30,7 @@ from eddi_scaffold.deployments.drawing import picture_of_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds import TODO, kinds
+from eddi_scaffold.kinds import TODO
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.exports import written_into
 from eddi_scaffold.monitors.facts import from_json
@@ -90,8 +91,9 @@ def _samples(paths: Sequence[Path | str], oracles: str = "") -> list[Sample]:
 
 def without_cross_check(monitor: BoundMonitor) -> BoundMonitor:
     """Return a monitor that is not compared with an independent tool, which takes its time."""
-    functions = replace(monitor.kind.functions, cross_check=None)
-    return replace(monitor, kind=replace(monitor.kind, load=lambda: functions))
+    model = copy(monitor.model)
+    object.__setattr__(model, "cross_check", lambda _: None)
+    return replace(monitor, model=model)
 
 
 def used(path: Path) -> Steps:
@@ -104,11 +106,11 @@ def used(path: Path) -> Steps:
         yield
     reading = read_models(source)
     for model in () if has_errors(reading.problems) else reading.models:
-        kind = kinds()[model.kind].functions
-        json.dumps([list(kind.outline(model)), dict(kind.counts(model)), dict(kind.export(model))])
+        json.dumps([list(model.outline()), dict(model.counts()), dict(model.export())])
         yield
-        if kind.diagram is not None:
-            drawn(kind.diagram(model))
+        picture = model.diagram()
+        if picture is not None:
+            drawn(picture)
     yield
     yield from _generated(path)
 
@@ -225,7 +227,7 @@ def _exported(suffix: str) -> list[Sample]:
     found = []
     for path in (EXAMPLES / "pedestrian/pedestrian.xml", *sorted(ORACLES.glob("bn/net_[abc].xml"))):
         for model in read_models(read_source(path)).models:
-            for name, text in kinds()[model.kind].functions.export(model).items():
+            for name, text in model.export().items():
                 if name.endswith(suffix) and len(text) <= SMALL:
                     found.append(Sample(name, text.encode()))
     return found
@@ -576,7 +578,7 @@ def _adopt(folder: Path) -> Made:
 
 def _consert_yaml() -> str:
     (model, *_) = read_models(read_source(EXAMPLES / "two-conserts/two_conserts.xml")).models
-    return next(iter(kinds()["consert"].functions.export(model).values()))
+    return next(iter(model.export().values()))
 
 
 def _files(*folders: Path) -> Iterator[Path]:

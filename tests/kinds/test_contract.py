@@ -32,17 +32,17 @@ from tests.kinds.examples import EXAMPLES
 each_kind = pytest.mark.parametrize("kind", kinds().values(), ids=list(kinds()))
 
 
-def files_of(kind: Kind[Model]) -> tuple[Path, Path]:
+def files_of(kind: Kind) -> tuple[Path, Path]:
     model, config = EXAMPLES[kind.name]
     return HERE / "examples" / model, HERE / "examples" / config
 
 
-def model_of(kind: Kind[Model]) -> Model:
+def model_of(kind: Kind) -> Model:
     models = read_models(read_source(files_of(kind)[0])).models
     return next(model for model in models if model.kind == kind.name)
 
 
-def monitor_of(kind: Kind[Model]) -> BoundMonitor:
+def monitor_of(kind: Kind) -> BoundMonitor:
     model, config = files_of(kind)
     (monitor,), problems = monitors_of(model, [config])
     assert not has_errors(problems)
@@ -66,8 +66,8 @@ def test_descriptions_are_cheap() -> None:
 
 
 @each_kind
-def test_it_recognises_its_own_files(kind: Kind[Model]) -> None:
-    for name, text in kind.functions.export(model_of(kind)).items():
+def test_it_recognises_its_own_files(kind: Kind) -> None:
+    for name, text in model_of(kind).export().items():
         if Path(name).suffix == ".csv":
             continue
         exported = Source(name, text.encode())
@@ -75,21 +75,21 @@ def test_it_recognises_its_own_files(kind: Kind[Model]) -> None:
 
 
 @each_kind
-def test_it_checks_and_shows_its_example(kind: Kind[Model]) -> None:
+def test_it_checks_and_shows_its_example(kind: Kind) -> None:
     (model, *_) = (
         m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
     )
-    assert not has_errors(kind.functions.check(model))
-    assert kind.functions.outline(model)
-    assert all(isinstance(number, int) for number in kind.functions.counts(model).values())
+    assert not has_errors(model.check())
+    assert model.outline()
+    assert all(isinstance(number, int) for number in model.counts().values())
 
 
 @each_kind
-def test_what_it_exports_it_reads_back(kind: Kind[Model], tmp_path: Path) -> None:
+def test_what_it_exports_it_reads_back(kind: Kind, tmp_path: Path) -> None:
     (model, *_) = (
         m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
     )
-    exported = kind.functions.export(model)
+    exported = model.export()
     for name, text in exported.items():
         (tmp_path / name).write_text(text, "utf-8")
     for name in exported:
@@ -97,13 +97,13 @@ def test_what_it_exports_it_reads_back(kind: Kind[Model], tmp_path: Path) -> Non
             continue
         (again,) = read_models(read_source(tmp_path / name)).models
         assert again.kind == kind.name
-        assert kind.functions.counts(again) == kind.functions.counts(model)
-        assert kind.functions.export(again)[name] == (tmp_path / name).read_text("utf-8")
+        assert again.counts() == model.counts()
+        assert again.export()[name] == (tmp_path / name).read_text("utf-8")
 
 
 @each_kind
 @pytest.mark.parametrize("platform", platforms().values(), ids=list(platforms()))
-def test_every_platform_has_a_package_for_it(kind: Kind[Model], platform: Any) -> None:
+def test_every_platform_has_a_package_for_it(kind: Kind, platform: Any) -> None:
     monitor = monitor_of(kind)
     (package,), problems = packages_of([monitor], platform, None)
     assert not has_errors(problems)
@@ -112,7 +112,7 @@ def test_every_platform_has_a_package_for_it(kind: Kind[Model], platform: Any) -
 
 
 @each_kind
-def test_its_package_is_python(kind: Kind[Model], tmp_path: Path) -> None:
+def test_its_package_is_python(kind: Kind, tmp_path: Path) -> None:
     model, config = files_of(kind)
     words = ("-m", model, "-c", config)
     done = run("generate", "--platform", "plain", *words, "-o", "out", cwd=tmp_path)
@@ -125,7 +125,7 @@ def test_its_package_is_python(kind: Kind[Model], tmp_path: Path) -> None:
 
 
 @each_kind
-def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Model]) -> None:
+def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind) -> None:
     running = compiled(monitor_of(kind))
     unknown = SimpleNamespace(**{spec.attribute: None for spec in running.inputs})
     for second in range(3):
@@ -137,7 +137,7 @@ def test_nothing_is_claimed_while_everything_is_unknown(kind: Kind[Model]) -> No
     assert set(running.blocked()) <= {spec.id for spec in running.inputs}
 
 
-def without_limits(kind: Kind[Model], folder: Path) -> BoundMonitor:
+def without_limits(kind: Kind, folder: Path) -> BoundMonitor:
     """Return the monitor of the example, whose configuration lets no input grow old."""
     model, config = files_of(kind)
     shutil.copytree(config.parent, folder, dirs_exist_ok=True)
@@ -151,7 +151,7 @@ def without_limits(kind: Kind[Model], folder: Path) -> BoundMonitor:
 
 
 @each_kind
-def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Model], tmp_path: Path) -> None:
+def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind, tmp_path: Path) -> None:
     monitor = without_limits(kind, tmp_path)
     running, publisher = compiled(monitor), Publications(monitor, monitor.topic)
     states = {spec.id: InputState("ok") for spec in running.inputs}
@@ -167,20 +167,21 @@ def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind[Model], tmp_pat
 
 
 @each_kind
-def test_it_says_what_its_messages_mean(kind: Kind[Model]) -> None:
+def test_it_says_what_its_messages_mean(kind: Kind) -> None:
     monitor = monitor_of(kind)
     assert kind.output_message in kind.messages
-    for message in kind.functions.field_meanings(monitor.facts.claims):
+    for message in monitor.facts.claims.meanings():
         assert message in kind.all_messages
     inputs = {binding.model.id for binding in monitor.inputs}
     for claim in monitor.facts.claims:
         assert claim.rests_on <= inputs
-    for message in kind.functions.beside(monitor.model).values():
+    for message in monitor.model.companion_messages().values():
         assert message in kind.messages
 
 
 @each_kind
-def test_its_picture_is_drawn(kind: Kind[Model]) -> None:
-    if kind.functions.diagram is None:
+def test_its_picture_is_drawn(kind: Kind) -> None:
+    picture = monitor_of(kind).model.diagram()
+    if picture is None:
         pytest.skip("the kind has no picture")
-    assert drawn(kind.functions.diagram(monitor_of(kind).model)).startswith("<svg")
+    assert drawn(picture).startswith("<svg")

@@ -9,7 +9,6 @@ import pytest
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.eddi_xml.parsing import XMI
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.kinds import kinds as all_kinds
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
@@ -41,7 +40,7 @@ def test_what_is_said_of_each_file(file: str) -> None:
     assert not WRONG.search(text)
     if case["read"]:
         reading = read_models(read_source(FOLDER / file))
-        checked = [all_kinds()[model.kind].functions.check(model) for model in reading.models]
+        checked = [model.check() for model in reading.models]
         problems = [*reading.problems, *(problem for of in checked for problem in of)]
         assert not {problem.case for problem in problems} & NOT_THESE
     severe = [one for one in case.get("say", ()) if one.get("severity") == "error"]

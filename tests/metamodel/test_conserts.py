@@ -10,12 +10,11 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,
     ConSert,
-    ConSertModel,
     Dimension,
 )
 from eddi_scaffold.monitors.loading import read_models
@@ -188,7 +187,7 @@ def test_a_relation_without_its_dimension_is_of_the_only_one() -> None:
 )
 def test_export_refuses_what_yaml_cannot_say(file: str, name: str, word: str, line: int) -> None:
     with pytest.raises(EddiError) as failure:
-        FUNCTIONS.export(consert(file, name))
+        ConSertModel.export(consert(file, name))
     problem = failure.value.problems[0]
     assert (problem.code, problem.place.line) == ("G004", line)
     assert word in problem.message

@@ -9,8 +9,6 @@ from eddi_runtime.bayesian_network.asking import posteriors
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
-from eddi_scaffold.kinds.bayesian_network.options import settings_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, models
@@ -26,7 +24,7 @@ def test_content_outputs_and_posteriors(file: str, want: dict[str, Any]) -> None
     assert dict(model.data.known) == want.get("evidence", {"Wind": None})
     monitor, problems = joined(model)
     assert monitor is not None, problems
-    assert list(settings_of(monitor.model).outputs) == want["targets"]
+    assert list(monitor.model.settings.outputs) == want["targets"]
     for row in want["posteriors"]:
         found = posteriors(running(monitor), row["given"])
         for node, states in row["of"].items():
@@ -48,7 +46,7 @@ def test_what_states_mean_is_said_to_be_unused() -> None:
 
 def test_what_is_known_is_proposed_as_inputs() -> None:
     (model,) = models("07_bayesian_network.xml")
-    drafted = FUNCTIONS.skeleton(model, Options())
+    drafted = model.draft(Options())
     assert list(drafted.options["discretisation"]) == ["Weather", "Pedestrian"]
 
 

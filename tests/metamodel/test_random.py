@@ -13,7 +13,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.survey import MONITORED, survey
-from eddi_scaffold.kinds import Options, kinds
+from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.consert.running import monitor_of
@@ -38,7 +38,7 @@ def test_random_eddis_give_what_truth_tables_say(seed: int) -> None:
     consert, tree = reading.models
     problems = [
         *reading.problems,
-        *(p for model in reading.models for p in kinds()[model.kind].functions.check(model)),
+        *(p for model in reading.models for p in model.check()),
     ]
     assert not {one.code for one in problems} & NOT_OURS
     assert not {one.case for one in problems} & NOT_THESE
@@ -83,11 +83,10 @@ def test_damaged_files_are_a_model_or_a_diagnostic_with_a_line(file: str) -> Non
         reading = read_models(Source(file, changed))
         problems = [*reading.problems, *reading.unread]
         for model in reading.models if not has_errors(problems) else ():
-            functions = kinds()[model.kind].functions
-            found = functions.check(model)
+            found = model.check()
             problems += found
             if not has_errors(found):
-                problems += functions.configure(model, Options())[1]
+                problems += model.configure(Options())[1]
         assert all(one.place.line for one in problems if one.code[0] in "XRC"), (seed, problems)
         if not reading.models and not problems:
             document, _ = read_document(Source(file, changed))

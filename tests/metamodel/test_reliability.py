@@ -13,7 +13,6 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.survey import survey
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.show import cut_sets
 from eddi_scaffold.kinds.reliability.system import Chain, FaultTree, ReliabilitySystem
 from eddi_scaffold.kinds.reliability.trial import at_start
@@ -144,7 +143,7 @@ def test_a_normal_event_without_a_law_has_no_probability() -> None:
         "08.xml", text.replace('type="Fixed">\n          ' + law, 'type="NONE">').encode()
     )
     (model,) = read_models(source).models
-    assert codes(list(FUNCTIONS.check(model))) == [("R002", 68)]
+    assert codes(list(model.check())) == [("R002", 68)]
 
 
 def test_a_common_cause_is_named_with_all_its_members() -> None:
@@ -227,7 +226,7 @@ def test_other_cut_sets_are_a_warning() -> None:
     text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
     other = text.replace('<causes name="Power" failure', '<causes name="Power" other')
     (model,) = read_models(Source("08.xml", other.encode())).models
-    assert "R013" in {one.code for one in FUNCTIONS.check(model)}
+    assert "R013" in {one.code for one in model.check()}
 
 
 def test_an_unavailability_is_no_law() -> None:

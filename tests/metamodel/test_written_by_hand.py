@@ -12,7 +12,7 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import ReadResult, kinds
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.model import ConSert
 from eddi_scaffold.kinds.reliability.trial import at_start
@@ -34,7 +34,7 @@ def errors(file: str, *pairs: tuple[str, str]) -> list[tuple[str, int | None]]:
     found = reading(file, *pairs)
     problems: list[Problem] = list(found.problems)
     for model in found.models:
-        problems += kinds()[model.kind].functions.check(model)
+        problems += model.check()
     return [(one.code, one.place.line) for one in problems if one.level == "error"]
 
 

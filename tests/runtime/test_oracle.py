@@ -6,14 +6,14 @@ import pytest
 from eddi_runtime.testing import inputs
 
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.model import ConSertOptions
 from tests.kinds.consert.oracle import as_source, oracle
 from tests.kinds.consert.running import monitor_of
 
 
 def monitor(name, limit=STRAIGHT_LINE_LIMIT, options=None):
-    (model,) = FUNCTIONS.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
+    (model,) = ConSertModel.read_file(as_source(oracle()["models"][name], f"{name}.yml"), ()).models
     return monitor_of(model, limit, options)[0]
 
 
@@ -76,7 +76,7 @@ def test_explanations(name, guarantee, true, missing, losses):
 def test_every_model_that_the_generator_accepts_is_accepted_here():
     accepted = 0
     for case in oracle()["parse"]:
-        reading = FUNCTIONS.read_file(as_source(case.get("doc", case.get("text"))), ())
+        reading = ConSertModel.read_file(as_source(case.get("doc", case.get("text"))), ())
         if any(problem.level == "error" for problem in reading.problems):
             continue
         for model in reading.models:

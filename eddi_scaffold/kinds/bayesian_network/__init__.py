@@ -6,12 +6,11 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.eddi_xml.vocabulary import NETWORKS
-from eddi_scaffold.kinds import Alias, Functions, Kind
+from eddi_scaffold.kinds import Alias, Kind
 from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.kinds.bayesian_network.options import NetworkModel
 
 _SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".xml")
 _METHODS = "bayesian_network_config.py"
@@ -23,7 +22,7 @@ _KEYS = (
 )  # fmt: skip
 
 
-def _sniff(source: Source) -> bool:
+def _recognises(source: Source) -> bool:
     name = source.name.lower()
     if name.endswith((*_SUFFIXES[:4], _METHODS)):
         return True
@@ -33,21 +32,15 @@ def _sniff(source: Source) -> bool:
         return _ROOT.search(stream.read(_HEAD)) is not None
 
 
-def _functions() -> Functions[NetworkModel]:
-    from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS  # noqa: PLC0415 - lxml
-
-    return FUNCTIONS
-
-
 KIND = Kind(
     name="bayesian_network",
     title="Bayesian network",
     config_types=("BayesianNetwork", "Bayesian Network", "bayesian_network"),
-    sniff=_sniff,
+    recognises=_recognises,
     messages=MESSAGES,
     output_message="BayesianNetworkOutput",
     verdicts=VERDICTS,
-    load=_functions,
+    model="network_model.NetworkModel",
     topic="posteriors",
     in_eddi=NETWORKS,
     options=_KEYS,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
 from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.kinds.bayesian_network.discretisation import UNOBSERVED
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
@@ -33,12 +33,12 @@ MEANINGS: Meanings = {
 
 
 def acceptances(
-    model: NetworkModel, bound: Sequence[BoundInput], frequency: float
+    settings: NetworkOptions, bound: Sequence[BoundInput], frequency: float
 ) -> Sequence[Acceptance]:
     """Return what the declarations of the nodes accept in place of a known state."""
     inputs = {input_.id: input_ for input_ in bound}
     accepted = []
-    for entry in settings_of(model).declarations:
+    for entry in settings.declarations:
         path = ("Model", "discretisation", entry.node)
         policy, source = entry.data.get("missing", UNOBSERVED), inputs[entry.input]
         if policy in _POLICIES and (policy != "default" or source.default is not None):
@@ -56,14 +56,16 @@ def acceptances(
     return accepted
 
 
-def claims(model: NetworkModel, bound: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+def claims(
+    settings: NetworkOptions, bound: Sequence[BoundInput], frequency: float
+) -> Sequence[Claim]:
     """Return the thresholds: they rest on every input; raw posteriors claim nothing.
 
     They may outlive their inputs for as long as a state is held.
     """
-    held = [entry.seconds or 0.0 for entry in acceptances(model, bound, frequency)]
+    held = [entry.seconds or 0.0 for entry in acceptances(settings, bound, frequency)]
     inputs, hold_s = frozenset(input_.id for input_ in bound), max(held, default=0.0)
-    return [Claim(threshold.id, inputs, hold_s) for threshold in settings_of(model).thresholds]
+    return [Claim(threshold.id, inputs, hold_s) for threshold in settings.thresholds]
 
 
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}

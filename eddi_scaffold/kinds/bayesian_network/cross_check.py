@@ -6,7 +6,7 @@ import itertools
 import math
 import random
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
@@ -15,7 +15,7 @@ from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, post
 from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.network import Network
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, settings_of
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
 EVERY_CASE = 2000
 """Up to so many cases of hard and missing evidence are all tried."""
@@ -25,25 +25,26 @@ _ROUNDING = 1e-12
 Case = Mapping[str, "str | list[float]"]
 
 
-def cross_check(model: NetworkModel, monitor: BayesianNetworkMonitor) -> CrossCheck:
+def cross_check(
+    network: Network, settings: NetworkOptions, running: Callable[[], BayesianNetworkMonitor]
+) -> CrossCheck:
     """Compare posteriors of the engine that will run with those of pgmpy (B306)."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # it warns of its own modules
             import pgmpy.inference  # noqa: F401, PLC0415 - an extra of 500 MB
     except ImportError:
-        place = Place(model.place.file)  # no line of the model is to blame
+        place = Place(network.place.file)  # no line of the model is to blame
         found = problem("B306.not_run", place)
         return CrossCheck("", (found,))
-    network = model.data
-    settings = settings_of(model)
+    monitor = running()
     cases = list(cases_of(network, settings.observed))
     peer = PgmpyNetwork(network)
     largest = 0.0
     for case in cases:
         largest = max(largest, _difference(monitor, peer, settings.inferred, case))
     if largest > TOLERANCE:
-        return CrossCheck("", (problem("B306.differs", model.place, largest=largest),))
+        return CrossCheck("", (problem("B306.differs", network.place, largest=largest),))
     # Digits below that differ between machines; what is written must not.
     bound = 10.0 ** math.ceil(math.log10(max(largest, _ROUNDING)))
     tried = f"{len(cases)} sets of evidence"

@@ -13,12 +13,12 @@ from eddi_scaffold.kinds import (
     EditableModule,
     InputType,
     JsonValue,
+    ModelDraft,
     ModelInput,
     Options,
-    Skeleton,
 )
-from eddi_scaffold.kinds.bayesian_network.network import Node, identifiers, node_attributes
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, NetworkOptions, settings_of
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node, identifiers, node_attributes
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
 _NUMBER = r"(\d+(?:[._]\d+)?)"
 _BETWEEN = re.compile(rf"(?:\D*_)?{_NUMBER}_?(?:to|-|_)_?{_NUMBER}(?:_\D*)?")
@@ -77,10 +77,8 @@ _PLAIN = (
 )
 
 
-def config_module(model: NetworkModel) -> EditableModule:
+def config_module(network: Network, settings: NetworkOptions) -> EditableModule:
     """Return the module with a region for each node."""
-    network = model.data
-    settings = settings_of(model)
     attributes = node_attributes(network)
     return EditableModule(
         file=FILE,
@@ -145,12 +143,12 @@ _TRUE = ("true", "yes")
 _SECTION = "discretisation"
 
 
-def skeleton(model: NetworkModel, options: Options) -> Skeleton:
+def draft(network: Network, options: Options) -> ModelDraft:
     """Return a declaration for each node that nothing feeds yet, and the inputs of all.
 
     Of the nodes that are expected to be known; where the file expects none, of the roots.
     """
-    network, given = model.data, options.values.get(_SECTION)
+    given = options.values.get(_SECTION)
     there = given if isinstance(given, Mapping) else {}
     fed = {input_.id for input_ in options.inputs}
     named = {str(one) for key in ("outputs", "observed") for one in _list(options.values.get(key))}
@@ -178,7 +176,7 @@ def skeleton(model: NetworkModel, options: Options) -> Skeleton:
         for node in network.nodes
         if node.id in fed and node.id not in {input_.id for input_ in inputs}
     ]
-    return Skeleton([*inputs, *direct], {_SECTION: new} if new else {}, notes)
+    return ModelDraft([*inputs, *direct], {_SECTION: new} if new else {}, notes)
 
 
 def _declaration(node: Node) -> dict[str, JsonValue]:

@@ -9,7 +9,7 @@ from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.kinds import InputType, ModelInput, Options, TypedModel
+from eddi_scaffold.kinds import InputType, ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
 from eddi_scaffold.kinds.bayesian_network.influence import doubts, without_influence
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
@@ -67,20 +67,13 @@ class NetworkOptions:
         return self.observed if self.foreseen is None else self.foreseen
 
 
-NetworkModel = TypedModel[Network, NetworkOptions]
-"""A network; its options come from a configuration."""
-
-
-def configure(model: NetworkModel, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
-    """Take the configuration into the model (B301 to B305, B401 to B405)."""
-    network = model.data
+def read_options(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
+    """Read what a configuration says of a network (B301 to B305, B401 to B405)."""
     settings, problems = _settings(network, options)
     if settings is not None:
         problems += _too_wide(settings.width, options)
         problems += without_influence(network, settings.inferred, settings.observed, options)
-    if settings is None or has_errors(problems):
-        return None, problems
-    return replace(model, name=options.id or model.name, options=settings), problems
+    return None if has_errors(problems) else settings, problems
 
 
 def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
@@ -132,12 +125,10 @@ def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None
     return settings, problems
 
 
-def settings_of(model: NetworkModel) -> NetworkOptions:
-    """Return the settings of a model, by default those without a configuration."""
-    settings = model.options
-    if settings is None:
-        settings, _ = _settings(model.data, Options())
-        assert settings is not None, "a checked network needs no configuration"
+def default_options(network: Network) -> NetworkOptions:
+    """Return the settings without a configuration."""
+    settings, _ = _settings(network, Options())
+    assert settings is not None, "a checked network needs no configuration"
     return settings
 
 

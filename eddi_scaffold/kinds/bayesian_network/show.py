@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
-from eddi_scaffold.kinds.bayesian_network.network import Node
-from eddi_scaffold.kinds.bayesian_network.options import NetworkModel, NetworkOptions, settings_of
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
 _LEGEND = (
     LegendEntry("output", "table", "output"),
@@ -14,16 +14,12 @@ _LEGEND = (
 _SHOWN = 6
 
 
-def diagram(model: NetworkModel) -> Diagram:
+def diagram(name: str, network: Network, settings: NetworkOptions, *, configured: bool) -> Diagram:
     """Return what a picture of the network shows."""
-    network = model.data
-    settings = settings_of(model)
     edges = tuple(DiagramEdge(parent, node.id) for node in network.nodes for parent in node.parents)
     text = f"{len(network.nodes)} nodes, {len(edges)} edges; parents are above their children"
-    nodes = tuple(
-        _node(node, settings, configured=model.options is not None) for node in network.nodes
-    )
-    return Diagram(f"Bayesian network {model.name}", nodes, edges, "down", _LEGEND, text)
+    nodes = tuple(_node(node, settings, configured=configured) for node in network.nodes)
+    return Diagram(f"Bayesian network {name}", nodes, edges, "down", _LEGEND, text)
 
 
 def _node(node: Node, settings: NetworkOptions, *, configured: bool) -> DiagramNode:

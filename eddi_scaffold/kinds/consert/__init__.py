@@ -11,12 +11,11 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Functions, Kind
+from eddi_scaffold.kinds import Kind
 from eddi_scaffold.kinds.consert.options import KEYS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.kinds.consert.model import ConSertModel
 
 GUARANTEE = "string id\nbool active\n"
 
@@ -114,26 +113,20 @@ _OWN_KEY = re.compile(
 )
 
 
-def _sniff(source: Source) -> bool:
+def _recognises(source: Source) -> bool:
     return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
-
-
-def _functions() -> Functions[ConSertModel]:
-    from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS  # noqa: PLC0415 - lxml
-
-    return FUNCTIONS
 
 
 KIND = Kind(
     name="consert",
     title="ConSert",
     config_types=("ConSert", "ConSerts"),
-    sniff=_sniff,
+    recognises=_recognises,
     messages=MESSAGES,
     between_robots=BETWEEN_ROBOTS,
     output_message="ConSertOutput",
     verdicts={"ConSertStatus": _status},
-    load=_functions,
+    model="consert_model.ConSertModel",
     topic="guarantees",
     in_eddi=".",  # its reader says what is misspelt, too
     options=KEYS,

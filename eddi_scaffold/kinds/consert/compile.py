@@ -44,13 +44,13 @@ from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
-    ConSertModel,
+    ConSert,
+    ConSertOptions,
     Demand,
     Evidence,
     Gate,
     Guarantee,
     Range,
-    options_of,
 )
 from eddi_scaffold.kinds.consert.ranges import exact, range_text
 
@@ -88,25 +88,28 @@ class Leaf(NamedTuple):
 
 
 def compile_consert(
-    model: ConSertModel, declaration: Declaration, *, limit: int = STRAIGHT_LINE_LIMIT
+    consert: ConSert,
+    options: ConSertOptions,
+    declaration: Declaration,
+    *,
+    limit: int = STRAIGHT_LINE_LIMIT,
 ) -> CompiledMonitor:
     """Compile a configured ConSert.
 
     Args:
-        model: the ConSert.
+        consert: what is compiled.
+        options: of its configuration.
         declaration: of the monitor.
         limit: size above which step and path sets are left to the runtime.
     """
-    return _Compilation(model, declaration).compiled(limit)
+    return _Compilation(consert, options, declaration).compiled(limit)
 
 
 class _Compilation:
     """The elements of a ConSert by number: first the inputs, then gates and guarantees."""
 
-    def __init__(self, model: ConSertModel, declaration: Declaration) -> None:
-        self.consert, self.options = model.data, options_of(model)
-        self.declaration = declaration
-        consert = self.consert
+    def __init__(self, consert: ConSert, options: ConSertOptions, declaration: Declaration) -> None:
+        self.consert, self.options, self.declaration = consert, options, declaration
         nodes: Sequence[Evidence | Demand] = (*consert.evidence, *consert.demands)
         leaves = {node.id: node for node in nodes}
         self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]

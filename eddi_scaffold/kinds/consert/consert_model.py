@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, Use
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings, Use
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.kinds import Functions, InputType, ModelInput, ReadResult, with_status
+from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
+from eddi_scaffold.kinds.consert import read_eddi, show
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import mismatch
@@ -25,16 +28,14 @@ from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     CategoricalDimension,
     ConSert,
-    ConSertModel,
+    ConSertOptions,
     Dimension,
     Evidence,
-    options_of,
 )
 from eddi_scaffold.kinds.consert.names import published_class
-from eddi_scaffold.kinds.consert.options import acceptances, configure, published_ids
-from eddi_scaffold.kinds.consert.read_eddi import read_eddi
+from eddi_scaffold.kinds.consert.options import read_options
 from eddi_scaffold.kinds.consert.read_yaml import read_draft
-from eddi_scaffold.kinds.consert.show import counts, covered_text, diagram, outline
+from eddi_scaffold.kinds.consert.show import covered_text
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 
@@ -59,20 +60,132 @@ MEANINGS: Meanings = {
 """Message -> field -> its meaning."""
 
 
-def _read_eddi(document: EddiDocument, source: Source, marks: Sequence[str]) -> ReadResult:
-    conserts, problems = read_eddi(document, source, marks)
-    return _reading(conserts, problems, source, ())
+@dataclass(frozen=True)
+class ConSertModel(Model):
+    """A ConSert, and what its configuration chooses."""
+
+    kind: ClassVar[str] = NAME
+    data: ConSert = field(kw_only=True)
+    options: ConSertOptions = field(default=ConSertOptions(), kw_only=True)
+
+    @classmethod
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
+        draft, problems = read_draft(source)
+        reading = _models(() if draft is None else (draft,), problems, source, default_guarantees)
+        if has_errors(problems):  # the draft was only good for finding more
+            return ReadResult((), reading.problems)
+        return reading
+
+    @classmethod
+    def read_eddi(
+        cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
+    ) -> ReadResult:
+        conserts, problems = read_eddi.read_eddi(document, source, default_guarantees)
+        return _models(conserts, problems, source, ())
+
+    @classmethod
+    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
+        return MEANINGS
+
+    def check(self) -> Sequence[Problem]:
+        return static_checks(self.data)
+
+    def counts(self) -> Mapping[str, int]:
+        return show.counts(self.data)
+
+    def outline(self) -> Sequence[str]:
+        return show.outline(self.data)
+
+    def export(self) -> Mapping[str, str]:
+        safe = re.sub(r"[^\w.-]", "_", self.name).lstrip(".") or NAME
+        return {f"{safe}.yml": to_yaml(self.data)}
+
+    def diagram(self) -> Diagram:
+        return show.diagram(self.data)
+
+    def configure(self, options: Options) -> tuple[ConSertModel | None, list[Problem]]:
+        chosen, problems = read_options(options)
+        return None if chosen is None else replace(self, options=chosen), problems
+
+    def inputs(self) -> Sequence[ModelInput]:
+        """Return demands, then evidence, each in file order (the order of SESAME D7.2 Fig 44).
+
+        A demand is a Boolean at run time, whatever its dimensions: that it fits has been decided
+        when the ConSerts were composed.
+        """
+        demands = (
+            ModelInput(
+                demand.id,
+                "bool",
+                description=demand.description,
+                covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
+                is_good=_is_true,
+                is_demand=True,
+                uses=(Use(_is_true),),
+            )
+            for demand in self.data.demands
+        )
+        return (*demands, *(_evidence_input(evidence) for evidence in self.data.evidence))
+
+    def companion_messages(self) -> Mapping[str, str]:
+        return {"status": "ConSertStatus"}
+
+    def element_keys(self) -> Mapping[str, Sequence[str]]:
+        return {"guarantees": [*self._published_ids()]}
+
+    def compile(self, declaration: Declaration) -> CompiledMonitor:
+        return compile_consert(self.data, self.options, declaration)
+
+    def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+        """Return each guarantee, by its id in messages, with the leaves that it rests on."""
+        sources, leaves = inputs_of(self.data), frozenset(leaves_of(self.data))
+        return [
+            Claim(
+                self.options.published(guarantee.id),
+                frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
+                self.options.hold_s(frequency),
+            )
+            for guarantee in self.data.guarantees
+        ]
+
+    def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
+        """Return what a filter by majority accepts: the majority of old steps."""
+        seconds = self.options.hold_s(frequency)
+        if not seconds:
+            return ()
+        key, what = "filter: majority", "the majority of old steps"
+        return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
+
+    def elements(self) -> Sequence[Element]:
+        """Return what has a place, then the services."""
+        consert = self.data
+        nodes = [
+            *(("demand", demand.id, demand.place) for demand in consert.demands),
+            *(("evidence", evidence.id, evidence.place) for evidence in consert.evidence),
+            *(("gate", gate.id, gate.place) for gate in consert.gates),
+        ]
+        return [
+            *(Element(name, id_, None, place.line, place.path) for name, id_, place in nodes),
+            *(
+                Element("guarantee", g.id, published_class(g.id), g.place.line, g.place.path)
+                for g in consert.guarantees
+            ),
+            *(Element("provided service", service.id) for service in consert.provided_services),
+            *(Element("required service", service.id) for service in consert.required_services),
+        ]
+
+    def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
+        if not isinstance(user, ConSertModel):
+            return None
+        guarantee_id = self._published_ids().get(output, output)
+        return _why_not_fulfilled(self.data, guarantee_id, user.data, item)
+
+    def _published_ids(self) -> dict[str, str]:
+        """Return the ids that guarantees have in messages -> their ids in the model."""
+        return {self.options.published(g.id): g.id for g in self.data.guarantees}
 
 
-def _read_file(source: Source, marks: Sequence[str]) -> ReadResult:
-    draft, problems = read_draft(source)
-    reading = _reading(() if draft is None else (draft,), problems, source, marks)
-    if has_errors(problems):  # the draft was only good for finding more
-        return ReadResult((), reading.problems)
-    return reading
-
-
-def _reading(
+def _models(
     conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
 ) -> ReadResult:
     marked, unclear = (
@@ -84,57 +197,11 @@ def _reading(
         checked, more = check_consert(consert)
         all_problems += more
         if checked is not None:
-            models.append(ConSertModel(NAME, checked.name, checked, source, checked.place))
+            models.append(ConSertModel(checked.name, source, checked.place, data=checked))
     return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 
-def _export(model: ConSertModel) -> Mapping[str, str]:
-    safe = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or NAME
-    return {f"{safe}.yml": to_yaml(model.data)}
-
-
-def elements(model: ConSertModel) -> Sequence[Element]:
-    """Return what has a place, then the services."""
-    consert = model.data
-    nodes = [
-        *(("demand", demand.id, demand.place) for demand in consert.demands),
-        *(("evidence", evidence.id, evidence.place) for evidence in consert.evidence),
-        *(("gate", gate.id, gate.place) for gate in consert.gates),
-    ]
-    return [
-        *(Element(name, id_, None, place.line, place.path) for name, id_, place in nodes),
-        *(
-            Element("guarantee", g.id, published_class(g.id), g.place.line, g.place.path)
-            for g in consert.guarantees
-        ),
-        *(Element("provided service", service.id) for service in consert.provided_services),
-        *(Element("required service", service.id) for service in consert.required_services),
-    ]
-
-
-def inputs(model: ConSertModel) -> Sequence[ModelInput]:
-    """Return demands, then evidence, each in file order (the order of SESAME D7.2 Fig 44).
-
-    A demand is a Boolean at run time, whatever its dimensions: that it fits has been decided
-    when the ConSerts were composed.
-    """
-    consert = model.data
-    demands = (
-        ModelInput(
-            demand.id,
-            "bool",
-            description=demand.description,
-            covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
-            is_good=_is_true,
-            is_demand=True,
-            uses=(Use(_is_true),),
-        )
-        for demand in consert.demands
-    )
-    return (*demands, *(_evidence(evidence) for evidence in consert.evidence))
-
-
-def _evidence(evidence: Evidence) -> ModelInput:
+def _evidence_input(evidence: Evidence) -> ModelInput:
     dimension = evidence.dimension
     covered, good = covered_text(dimension), partial(_is_covered, dimension)
     if isinstance(dimension, BinaryDimension | CategoricalDimension):
@@ -179,21 +246,9 @@ def _is_covered(dimension: Dimension, value: object) -> bool:
     )
 
 
-def claims(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[Claim]:
-    """Return each guarantee, by its id in messages, with the evidence and demands it rests on."""
-    consert, options = model.data, options_of(model)
-    sources, leaves = inputs_of(consert), frozenset(leaves_of(consert))
-    return [
-        Claim(
-            options.published(guarantee.id),
-            frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
-            options.hold_s(frequency),
-        )
-        for guarantee in consert.guarantees
-    ]
-
-
-def unfulfilled(provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str) -> str | None:
+def _why_not_fulfilled(
+    provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str
+) -> str | None:
     """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
 
     Evidence asks for nothing that a guarantee could fulfil; it is not judged.
@@ -218,26 +273,3 @@ def _services(services: Any, members: str, id_: str) -> set[str]:
     return {
         service.functional_service_type for service in services if id_ in getattr(service, members)
     }
-
-
-FUNCTIONS = Functions(
-    read_eddi=_read_eddi,
-    read_file=_read_file,
-    check=lambda model: static_checks(model.data),
-    counts=lambda model: counts(model.data),
-    outline=lambda model: outline(model.data),
-    export=_export,
-    inputs=inputs,
-    beside=with_status("ConSertStatus"),
-    configure=configure,
-    diagram=lambda model: diagram(model.data),
-    ids=lambda model: {"guarantees": [*published_ids(model)]},
-    elements=elements,
-    compile=compile_consert,
-    claims=claims,
-    acceptances=acceptances,
-    field_meanings=lambda _claims: MEANINGS,
-    unfulfilled=lambda provider, output, user, item: unfulfilled(
-        provider.data, published_ids(provider).get(output, output), user.data, item
-    ),
-)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds import TypedModel
 from eddi_scaffold.kinds.consert.names import published_class
 
 NAME = "consert"
@@ -220,12 +219,3 @@ class ConSertOptions:
     def hold_s(self, frequency: float) -> float:
         """Return for how many seconds a majority may hold after it was lost: half its window."""
         return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
-
-
-ConSertModel = TypedModel[ConSert, ConSertOptions]
-"""A ConSert, and what its configuration chooses."""
-
-
-def options_of(model: ConSertModel) -> ConSertOptions:
-    """Return the options of a model, the defaults before it was configured."""
-    return model.options or ConSertOptions()

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.kinds.consert.model import ConSertModel, ConSertOptions, options_of
+from eddi_scaffold.kinds.consert.model import ConSertOptions
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
@@ -19,8 +17,8 @@ _MAX_SAMPLES = 100_000
 """Longest history of a filter; at 1 kHz that is 100 s."""
 
 
-def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | None, list[Problem]]:
-    """Take the ConSert's own keys of ``Model:`` into the model.
+def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]]:
+    """Read the ConSert's own keys of ``Model:``.
 
     ``guarantee_ids`` chooses between the ids of the model (``source``) and SESAME D7.2's class
     names (``class``); ``debounce: n`` lets a leaf count as TRUE again in the n-th step in a
@@ -36,23 +34,7 @@ def configure(model: ConSertModel, options: Options) -> tuple[ConSertModel | Non
     kind = filter_["kind"] if filter_ is not None else "none"
     steps = filter_.get(_FILTERS[kind], 1) if filter_ is not None and kind != "none" else 1
     ids = values.get("guarantee_ids") or "source"
-    configured = ConSertOptions(ids, kind if steps > 1 else "", steps)
-    return replace(model, options=configured), []
-
-
-def published_ids(model: ConSertModel) -> dict[str, str]:
-    """Return the ids that guarantees have in messages -> their ids in the model."""
-    publish = options_of(model).published
-    return {publish(guarantee.id): guarantee.id for guarantee in model.data.guarantees}
-
-
-def acceptances(model: ConSertModel, _inputs: object, frequency: float) -> Sequence[Acceptance]:
-    """Return what a filter by majority accepts: the majority of old steps."""
-    seconds = options_of(model).hold_s(frequency)
-    if not seconds:
-        return ()
-    key, what = "filter: majority", "the majority of old steps"
-    return [Acceptance(key, what, f"for {seconds:g} s", seconds, path=("Model", "filter"))]
+    return ConSertOptions(ids, kind if steps > 1 else "", steps), []
 
 
 def _wrong(options: Options) -> Iterator[Problem]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Functions, Kind
+from eddi_scaffold.kinds import Kind
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.kinds.event.events import EventModel
 
 EVENT_OUTPUT = """\
 # One conditional event in one step.
@@ -44,25 +43,19 @@ def _status(event: Any) -> StatusReading:
     return StatusReading((verdict,), accepted=tuple(event.accepted), whole=False)
 
 
-def _sniff(source: Source) -> bool:
+def _recognises(source: Source) -> bool:
     return source.name.lower().endswith(".events")
-
-
-def _functions() -> Functions[EventModel]:
-    from eddi_scaffold.kinds.event.event_model import FUNCTIONS  # noqa: PLC0415 - the language
-
-    return FUNCTIONS
 
 
 KIND = Kind(
     name="event",
     title="Event",
     config_types=("Event", "Events"),
-    sniff=_sniff,
+    recognises=_recognises,
     messages=MESSAGES,
     output_message="EventOutput",
     verdicts={"EventOutput": _status},
-    load=_functions,
+    model="event_model.EventModel",
     topic="events",
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.events"]',
 )

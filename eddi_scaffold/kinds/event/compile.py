@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.compiling.inputs import attribute_of, head_lines
@@ -22,14 +23,12 @@ from eddi_scaffold.compiling.text import (
     unpacked,
 )
 from eddi_scaffold.conditions.uses import accepted
-from eddi_scaffold.kinds.event.events import EventModel, form_of
 
 FORMAT = 1
 
 
-def compile_events(model: EventModel, declaration: Declaration) -> CompiledMonitor:
+def compile_events(form: Mapping[str, Any], declaration: Declaration) -> CompiledMonitor:
     """Compile configured events: what each needs as tables, the step as text."""
-    form = form_of(model)
     program = read_form(form)
     sampling = Sampling(program)
     numbers = {input_.id: k for k, input_ in enumerate(declaration.inputs)}

@@ -1,28 +1,25 @@
-"""What is done with events, what they rest on, and what their messages mean."""
+"""A file of events as a model: what they rest on, and what their messages mean."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
+from eddi_scaffold.common.escaping import markdown_code, markdown_text
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.conditions.analysis import Analysis, analyse
+from eddi_scaffold.conditions.findings import line_and_column
+from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
-from eddi_scaffold.kinds import Functions
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
+from eddi_scaffold.kinds.event import read_eddi
 from eddi_scaffold.kinds.event.compile import compile_events
-from eddi_scaffold.kinds.event.events import (
-    EventModel,
-    configure,
-    counts,
-    export,
-    form_of,
-    inputs,
-    outline,
-    parts,
-    read_file,
-    readme,
-    skeleton,
-)
-from eddi_scaffold.kinds.event.read_eddi import in_map, read_eddi
+from eddi_scaffold.kinds.event.events import NAME, Events, commented, input_of, read_text, uses_of
 
 _VERDICT = Meaning(
     (1,),
@@ -42,105 +39,192 @@ _INSTEAD = {
 }
 
 
-def field_meanings(claims: Sequence[Claim] | None) -> Meanings:
-    """Return the meaning of the fields of an ``EventOutput``.
+@dataclass(frozen=True)
+class EventModel(Model):
+    """A file of events; the configuration's rate goes into the events themselves."""
 
-    Args:
-        claims: the events on the topic; ``None``: not known.
-    """
-    polarities = {claim.polarity for claim in claims or ()}
-    verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
-    if claims is None:
-        active = Meaning((), known=_KNOWN)  # it may have the polarity that the reader has in mind
-    elif len(polarities) == 1:
-        (polarity,) = polarities
-        refused = _REFUSED[polarity].format(" ".join(claim.id for claim in claims))
-        active = Meaning(_SILENT[polarity], refused=refused, instead=_INSTEAD[polarity])
-    else:
-        refused = "the value of `active` when it is unknown depends on the event"
-        active = Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
-    return {"EventOutput": {"verdict": verdict, "active": active}}
+    kind: ClassVar[str] = NAME
+    data: Events = field(kw_only=True)
 
+    @classmethod
+    def read_file(cls, source: Source, default_guarantees: Sequence[str] = ()) -> ReadResult:
+        """Read a file of events; what depends on the rate is checked by ``configure``."""
+        try:
+            text = source.text("E001")
+        except EddiError as refused:
+            return ReadResult((), refused.problems)
+        data, problems = read_text(text, source.name)
+        if data is None:
+            return ReadResult((), tuple(problems))
+        model = cls(source.stem, source, Place(source.name, 1, 1), data=data)
+        return ReadResult((model,), tuple(problems))
 
-def claims(model: EventModel, _inputs: object, _frequency: float) -> Sequence[Claim]:
-    """Return the events, each with the variables that it rests on."""
-    form = form_of(model)
-    names = [inputs_of(variable) for variable in form["variables"]]
-    return [
-        Claim(
-            output["id"],
-            frozenset(
-                name
-                for node in nodes_below(form["nodes"], output["node"])
-                if node["op"] in ("variable", "age")
-                for name in names[node["value"]]
-            ),
-            polarity=output["polarity"],
+    @classmethod
+    def read_eddi(
+        cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
+    ) -> ReadResult:
+        files, problems = read_eddi.read_eddi(document, source)
+        models = (cls(of.model or "", part, of.place, data=events) for of, part, events in files)
+        return ReadResult(tuple(models), tuple(problems))
+
+    @classmethod
+    def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
+        polarities = {claim.polarity for claim in claims or ()}
+        verdict = replace(_VERDICT, bad=(2, 0)) if polarities == {"HAZARD"} else _VERDICT
+        if claims is None:
+            # It may have the polarity that the reader has in mind.
+            active = Meaning((), known=_KNOWN)
+        elif len(polarities) == 1:
+            (polarity,) = polarities
+            refused = _REFUSED[polarity].format(" ".join(claim.id for claim in claims))
+            active = Meaning(_SILENT[polarity], refused=refused, instead=_INSTEAD[polarity])
+        else:
+            refused = "the value of `active` when it is unknown depends on the event"
+            active = Meaning(refused=refused, instead="`verdict == 2`, or `verdict == 0`")
+        return {"EventOutput": {"verdict": verdict, "active": active}}
+
+    def counts(self) -> Mapping[str, int]:
+        analysis = self.data.analysis
+        return {"events": len(analysis.events), "variables": len(analysis.inputs)}
+
+    def outline(self) -> Sequence[str]:
+        """Return the events in canonical form, each above its line of the file."""
+        return [
+            f"event {event.id} ({event.polarity}): {event.canonical}"
+            for event in self.data.analysis.events
+        ]
+
+    def export(self) -> Mapping[str, str]:
+        return {f"{self.name}.events": self.data.text}
+
+    def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
+        place = replace(self.place, file=self.source.name)
+        return read_eddi.as_eddi_map(self.name, self.data, place)
+
+    def draft(self, options: Options) -> ModelDraft:
+        """Return the inputs, each with the comment at its declaration: a person wrote it."""
+        configured, problems = self.configure(options)
+        if configured is None:
+            raise EddiError(*problems)
+        comments = dict(commented(self.data.text))
+        limits = {
+            input_.name: input_.timeout / 1e9
+            for input_ in configured.data.analysis.inputs
+            if input_.timeout
+        }
+        return ModelDraft(
+            [
+                replace(input_, description=comments.get(input_.id), timeout=limits.get(input_.id))
+                for input_ in configured.inputs()
+            ]
         )
-        for output in form["outputs"]
-    ]
 
-
-def acceptances(model: EventModel, _inputs: object, _frequency: float) -> Sequence[Acceptance]:
-    """Return what the events of a file accept of silence, with the events that do."""
-    form = form_of(model)
-    events: dict[Silence, list[str]] = {}
-    for output in form["outputs"]:
-        for silence in accepted(form, output["node"]):
-            events.setdefault(silence, []).append(output["id"])
-    return [
-        Acceptance(
-            silence.word,
-            silence.accepts,
-            lasts(silence),
-            silence.seconds,
-            at=silence.at,
-            outputs=tuple(ids),
+    def configure(self, options: Options) -> tuple[EventModel | None, list[Problem]]:
+        """Bring the events to the frequency of the configuration."""
+        events = self.data
+        rate = events.rate if options.frequency is None else options.frequency
+        placed = events.placed
+        locate = placed.locate(events.text) if placed is not None else None
+        try:
+            analysis = analyse(events.text, rate=rate, name=self.source.name, locate=locate)
+        except EddiError as failure:
+            return None, list(failure.problems)
+        if analysis.form is None:
+            errors = [problem for problem in analysis.problems if problem.level == "error"]
+            return None, [placed.told(error) if placed is not None else error for error in errors]
+        configured = replace(self, data=replace(events, analysis=analysis, rate=rate))
+        return configured, [] if options.frequency is None else list(
+            self._check_topic(analysis, options.parts)
         )
-        for silence, ids in events.items()
-    ]
 
+    def inputs(self) -> Sequence[ModelInput]:
+        """Return an input for each variable, in the order of their first use."""
+        uses = uses_of(self.form)
+        variables = self.data.analysis.inputs
+        return [input_of(variable, uses.get(variable.name, ())) for variable in variables]
 
-def input_timeouts(model: EventModel) -> Mapping[str, float]:
-    """Return the TIMEOUT of each variable that has one."""
-    return {
-        name: variable["timeout"] / 1e9
-        for variable in form_of(model)["variables"]
-        if variable.get("timeout") is not None
-        for name in inputs_of(variable)
-    }
+    def separate_outputs(self) -> Sequence[str]:
+        """Return the ids of the events, each of which is a message of its own."""
+        return [event.id for event in self.data.analysis.events]
 
+    def readme(self) -> Sequence[str]:
+        """Return the events, their rate and what they cost."""
+        lines = ["| event | UNKNOWN counts as | condition |", "|---|---|---|"]
+        for event in self.data.analysis.events:
+            counts_as = "active" if event.polarity == "HAZARD" else "not active"
+            lines.append(
+                f"| {markdown_text(event.id)} | {counts_as} | `{markdown_code(event.canonical)}` |"
+            )
+        return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.form)}."]
 
-def elements(model: EventModel) -> Sequence[Element]:
-    """Return the events, in a file of their own with the line of each condition."""
-    form = form_of(model)
-    in_eddi = model.place.path is not None
-    return [
-        Element(
-            "event",
-            output["id"],
-            line=None if in_eddi else form["nodes"][output["node"]]["at"][0],
-        )
-        for output in form["outputs"]
-    ]
+    def compile(self, declaration: Declaration) -> CompiledMonitor:
+        return compile_events(self.form, declaration)
 
+    def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
+        """Return the events, each with the variables that it rests on."""
+        names = [inputs_of(variable) for variable in self.form["variables"]]
+        return [
+            Claim(
+                output["id"],
+                frozenset(
+                    name
+                    for node in nodes_below(self.form["nodes"], output["node"])
+                    if node["op"] in ("variable", "age")
+                    for name in names[node["value"]]
+                ),
+                polarity=output["polarity"],
+            )
+            for output in self.form["outputs"]
+        ]
 
-FUNCTIONS = Functions(
-    in_map=in_map,
-    read_eddi=read_eddi,
-    read_file=read_file,
-    counts=counts,
-    outline=outline,
-    export=export,
-    inputs=inputs,
-    configure=configure,
-    readme=readme,
-    parts=parts,
-    compile=compile_events,
-    claims=claims,
-    acceptances=acceptances,
-    input_timeouts=input_timeouts,
-    field_meanings=field_meanings,
-    elements=elements,
-    skeleton=skeleton,
-)
+    def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
+        """Return what the events of a file accept of silence, with the events that do."""
+        events: dict[Silence, list[str]] = {}
+        for output in self.form["outputs"]:
+            for silence in accepted(self.form, output["node"]):
+                events.setdefault(silence, []).append(output["id"])
+        return [
+            Acceptance(
+                silence.word,
+                silence.accepts,
+                lasts(silence),
+                silence.seconds,
+                at=silence.at,
+                outputs=tuple(ids),
+            )
+            for silence, ids in events.items()
+        ]
+
+    def input_timeouts(self) -> Mapping[str, float]:
+        """Return the TIMEOUT of each variable that has one."""
+        return {
+            name: variable["timeout"] / 1e9
+            for variable in self.form["variables"]
+            if variable.get("timeout") is not None
+            for name in inputs_of(variable)
+        }
+
+    def elements(self) -> Sequence[Element]:
+        """Return the events, in a file of their own with the line of each condition."""
+        nodes = self.form["nodes"]
+        in_eddi = self.place.path is not None
+        return [
+            Element("event", output["id"], None if in_eddi else nodes[output["node"]]["at"][0])
+            for output in self.form["outputs"]
+        ]
+
+    @property
+    def form(self) -> Mapping[str, Any]:
+        """The conditions of configured events."""
+        form = self.data.analysis.form
+        assert form is not None
+        return form
+
+    def _check_topic(self, analysis: Analysis, parts: Sequence[str | None]) -> Iterable[Problem]:
+        """Warn where the latest message of a topic may be that of another event."""
+        if len(analysis.events) > 1 and None in parts:
+            place = self.place
+            if self.data.placed is None:  # a file: the second event, the first is no mistake
+                line, column = line_and_column(self.data.text)(analysis.events[1].at)
+                place = replace(place, line=line, col=column)
+            yield problem("W005", place, events=len(analysis.events))

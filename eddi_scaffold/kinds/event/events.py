@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_scaffold.common.claims import Use
-from eddi_scaffold.common.escaping import markdown_code, markdown_text
-from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.common.problems import Place, Problem, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.findings import Locate, line_and_column
-from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.uses import uses
-from eddi_scaffold.kinds import InputType, ModelInput, Options, ReadResult, Skeleton, TypedModel
+from eddi_scaffold.kinds import InputType, ModelInput
 
 NAME = "event"
 DEFAULT_RATE = 10.0
@@ -79,23 +76,6 @@ class Events:
     placed: Placed | None = None
 
 
-EventModel = TypedModel[Events, None]
-"""A file of events; the configuration's rate goes into the events themselves."""
-
-
-def read_file(source: Source, _marks: Sequence[str] = ()) -> ReadResult:
-    """Read a file of events; what depends on the rate is checked by ``configure``."""
-    try:
-        text = source.text("E001")
-    except EddiError as refused:
-        return ReadResult((), refused.problems)
-    data, problems = read_text(text, source.name)
-    if data is None:
-        return ReadResult((), tuple(problems))
-    model = EventModel(NAME, source.stem, data, source, Place(source.name, 1, 1))
-    return ReadResult((model,), tuple(problems))
-
-
 def read_text(
     text: str, name: str, placed: Placed | None = None, rate: float | None = None
 ) -> tuple[Events | None, list[Problem]]:
@@ -119,52 +99,7 @@ def read_text(
     return None if has_errors(problems) else events, problems
 
 
-def configure(model: EventModel, options: Options) -> tuple[EventModel | None, list[Problem]]:
-    """Bring the events to the frequency of the configuration."""
-    events = model.data
-    rate = events.rate if options.frequency is None else options.frequency
-    placed = events.placed
-    locate = placed.locate(events.text) if placed is not None else None
-    try:
-        analysis = analyse(events.text, rate=rate, name=model.source.name, locate=locate)
-    except EddiError as failure:
-        return None, list(failure.problems)
-    if analysis.form is None:
-        errors = [problem for problem in analysis.problems if problem.level == "error"]
-        return None, [placed.told(error) if placed is not None else error for error in errors]
-    configured = replace(model, data=replace(events, analysis=analysis, rate=rate))
-    return configured, [] if options.frequency is None else list(
-        _one_topic(model, analysis, options.parts)
-    )
-
-
-def inputs(model: EventModel) -> Sequence[ModelInput]:
-    """Return one input for each variable, in the order of their first use."""
-    uses = uses_of(form_of(model))
-    inputs = model.data.analysis.inputs
-    return [_input(variable, uses.get(variable.name, ())) for variable in inputs]
-
-
-def skeleton(model: EventModel, options: Options) -> Skeleton:
-    """Return the inputs, each with the comment at its declaration: a person wrote what it is."""
-    configured, problems = configure(model, options)
-    if configured is None:
-        raise EddiError(*problems)
-    told = dict(_commented(model.data.text))
-    limits = {
-        input_.name: input_.timeout / 1e9
-        for input_ in configured.data.analysis.inputs
-        if input_.timeout
-    }
-    return Skeleton(
-        [
-            replace(input_, description=told.get(input_.id), timeout=limits.get(input_.id))
-            for input_ in inputs(configured)
-        ]
-    )
-
-
-def _commented(text: str) -> Iterator[tuple[str, str]]:
+def commented(text: str) -> Iterator[tuple[str, str]]:
     """Yield the name of each VAR, with the comments above and behind it."""
     above: list[str] = []
     for line in text.splitlines():
@@ -175,55 +110,8 @@ def _commented(text: str) -> Iterator[tuple[str, str]]:
         above = [*above, comment] if comment and not code else []
 
 
-def counts(model: EventModel) -> Mapping[str, int]:
-    """Return how many events and variables there are."""
-    analysis = model.data.analysis
-    return {"events": len(analysis.events), "variables": len(analysis.inputs)}
-
-
-def outline(model: EventModel) -> Sequence[str]:
-    """Return the events in canonical form, each above its line of the file."""
-    return [
-        f"event {event.id} ({event.polarity}): {event.canonical}"
-        for event in model.data.analysis.events
-    ]
-
-
-def export(model: EventModel) -> Mapping[str, str]:
-    """Return the file itself: it is the format of events."""
-    return {f"{model.name}.events": model.data.text}
-
-
-def readme(model: EventModel) -> Sequence[str]:
-    """Return the events, their rate and what they cost, for the package's README."""
-    events = model.data
-    lines = ["| event | UNKNOWN counts as | condition |", "|---|---|---|"]
-    for event in events.analysis.events:
-        counts_as = "active" if event.polarity == "HAZARD" else "not active"
-        lines.append(
-            f"| {markdown_text(event.id)} | {counts_as} | `{markdown_code(event.canonical)}` |"
-        )
-    return [*lines, "", f"{events.rate:g} steps a second; {cost_line(form_of(model))}."]
-
-
-def _one_topic(
-    model: EventModel, analysis: Analysis, parts: Sequence[str | None]
-) -> Iterable[Problem]:
-    """Warn where the latest message of a topic may be that of another event."""
-    if len(analysis.events) > 1 and None in parts:
-        place = model.place
-        if model.data.placed is None:  # a file: the second event, the first is no mistake
-            line, column = line_and_column(model.data.text)(analysis.events[1].at)
-            place = replace(place, line=line, col=column)
-        yield problem("W005", place, events=len(analysis.events))
-
-
-def parts(model: EventModel) -> Sequence[str]:
-    """Return the ids of the events, each of which is a message of its own."""
-    return [event.id for event in model.data.analysis.events]
-
-
-def _input(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
+def input_of(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
+    """Return the input of a variable."""
     types = _LISTS if is_list_path(variable.name) else _TYPES
     is_number = variable.type is not None and variable.type.kind == "number"
     covered = None
@@ -251,10 +139,3 @@ def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
         for name, more in uses(form, output["node"], wanted=is_evidence).items():
             uses_of_variable[name] = (*uses_of_variable.get(name, ()), *more)
     return uses_of_variable
-
-
-def form_of(model: EventModel) -> Mapping[str, Any]:
-    """Return the conditions of configured events."""
-    form = model.data.analysis.form
-    assert form is not None
-    return form

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import PartSource, Source
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
+from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.tokens import comments_of, tokens_of
 from eddi_scaffold.eddi_xml.extensions import (
@@ -21,8 +21,7 @@ from eddi_scaffold.eddi_xml.extensions import (
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.kinds import ReadResult
-from eddi_scaffold.kinds.event.events import DEFAULT_RATE, NAME, EventModel, Placed, read_text
+from eddi_scaffold.kinds.event.events import DEFAULT_RATE, Events, Placed, read_text
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
@@ -35,9 +34,11 @@ _WORD = re.compile(r"(?:ENUM|VAR|CONST|EVENT)\b", re.IGNORECASE)
 _TEXT = re.compile(r'"[^"]*"')
 
 
-def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> ReadResult:
-    """Read the events of an EDDI."""
-    models: list[EventModel] = []
+def read_eddi(
+    document: EddiDocument, source: Source
+) -> tuple[list[tuple[ExtensionMap, Source, Events]], list[Problem]]:
+    """Read the events of an EDDI: where they are, their text, what they are."""
+    files: list[tuple[ExtensionMap, Source, Events]] = []
     problems: list[Problem] = []
     for extension_map in extension_maps(document, EVENTS):
         known = (MODEL, FREQUENCY, *DECLARATIONS, COMMENT)
@@ -45,10 +46,18 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
         problems += wrong
         if extension_map.model is None or has_errors(wrong):
             continue  # a missing name is told once for all kinds
-        model, more = _model(extension_map, extension_map.model, source)
+        lines = extension_map.of(*DECLARATIONS, COMMENT)
+        text = "".join(
+            f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
+            for value in lines
+        )
+        rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
+        placed = Placed(tuple((value.tag, value.place) for value in lines), extension_map.place)
+        events, more = read_text(text, source.name, placed, rate)
         problems += more
-        models += [model] if model is not None else []
-    return ReadResult(tuple(models), tuple(problems))
+        if events is not None:
+            files.append((extension_map, PartSource(source, text.encode()), events))
+    return files, problems
 
 
 def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
@@ -69,23 +78,6 @@ def _wrong_values(extension_map: ExtensionMap) -> Iterator[Problem]:
         yield problem("X003.characters", extension_map.place, attribute=EVENTS, limit=_LIMIT)
 
 
-def _model(
-    extension_map: ExtensionMap, name: str, source: Source
-) -> tuple[EventModel | None, list[Problem]]:
-    lines = extension_map.of(*DECLARATIONS, COMMENT)
-    text = "".join(
-        f"// {value.text}\n" if value.tag == COMMENT else f"{value.tag} {value.text}\n"
-        for value in lines
-    )
-    rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
-    places = tuple((value.tag, value.place) for value in lines)
-    part = PartSource(source, text.encode())
-    data, problems = read_text(text, source.name, Placed(places, extension_map.place), rate)
-    if data is None:
-        return None, problems
-    return EventModel(NAME, name, data, part, extension_map.place), problems
-
-
 def _rate(text: str) -> float | None:
     try:
         rate = float(text)
@@ -94,13 +86,18 @@ def _rate(text: str) -> float | None:
     return rate if 1e-6 <= rate <= 1e9 else None
 
 
-def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
+def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[tuple[str, str]]]:
     """Return the map that holds the events of a file.
+
+    Args:
+        name: of the model.
+        events: of the file.
+        place: in the file.
 
     Raises:
         EddiError: a comment is not on a line of its own, or there is a bare expression (X031).
     """
-    text = model.data.text
+    text = events.text
     tokens = [
         token for token in tokens_of(text, TextFindings(text, in_text(text))) if token.text != ";"
     ]
@@ -110,24 +107,24 @@ def in_map(model: EventModel) -> tuple[str, Sequence[tuple[str, str]]]:
         if token.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
     ]
     if not begins or begins[0] != 0:
-        raise EddiError(problem("X031.not_a_declaration", model.place))
+        raise EddiError(problem("X031.not_a_declaration", place))
     entries: list[tuple[int, str, str]] = []
     for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
         start, end = tokens[first].end, tokens[last - 1].end
         words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
         entries.append((tokens[first].start, tokens[first].word, words))
-        _refuse_comments(model, text, tokens[first].start, end)
+        _refuse_comments(place.file, text, tokens[first].start, end)
     for start, end in comments_of(text):
         entries.append((start, COMMENT, text[start + 2 : end].strip()))
-    rate = [(FREQUENCY, f"{model.data.rate:g}")] if model.data.rate != DEFAULT_RATE else []
+    rate = [(FREQUENCY, f"{events.rate:g}")] if events.rate != DEFAULT_RATE else []
     declared = [(tag, value) for _, tag, value in sorted(entries)]
-    return EVENTS, [(MODEL, model.name), *rate, *declared]
+    return EVENTS, [(MODEL, name), *rate, *declared]
 
 
-def _refuse_comments(model: EventModel, text: str, start: int, end: int) -> None:
+def _refuse_comments(file: str, text: str, start: int, end: int) -> None:
     """Refuse a comment inside of a declaration, or behind it on its line."""
     line = text.find("\n", end)
     for at, _ in comments_of(text):
         if start < at < (line if line >= 0 else len(text)):
-            place = in_text(text, model.source.name)(at)
+            place = in_text(text, file)(at)
             raise EddiError(problem("X031.comment_behind", place))

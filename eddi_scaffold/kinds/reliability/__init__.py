@@ -10,12 +10,11 @@ import re
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES
-from eddi_scaffold.kinds import Functions, Kind
+from eddi_scaffold.kinds import Kind
 from eddi_scaffold.kinds.reliability.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.kinds.reliability.system import ReliabilityModel
 
 _SUFFIXES = (".yml", ".yaml")
 _MEF_SUFFIXES = (".xml", ".opsa", ".mef")
@@ -32,7 +31,7 @@ _CONFIG = re.compile(
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
 
-def _sniff(source: Source) -> bool:
+def _recognises(source: Source) -> bool:
     name = source.name.lower()
     if name.endswith(_MEF_SUFFIXES):
         with source.open() as stream:
@@ -44,21 +43,15 @@ def _sniff(source: Source) -> bool:
     return is_own and _CONFIG.search(data) is None
 
 
-def _functions() -> Functions[ReliabilityModel]:
-    from eddi_scaffold.kinds.reliability.functions import FUNCTIONS  # noqa: PLC0415 - numpy
-
-    return FUNCTIONS
-
-
 KIND = Kind(
     name="reliability",
     title="Reliability",
     config_types=("Reliability", "DynamicReliability"),
-    sniff=_sniff,
+    recognises=_recognises,
     messages=MESSAGES,
     output_message="ReliabilityOutput",
     verdicts=VERDICTS,
-    load=_functions,
+    model="reliability_model.ReliabilityModel",
     topic="reliability",
     in_eddi=CHAINS_AND_TREES,
     options=_KEYS,

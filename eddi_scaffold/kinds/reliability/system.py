@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds import TypedModel
 
 NAME = "reliability"
 GATES = ("OR", "AND", "NOT", "XOR", "VOTE", "PAND", "POR", "SAND")
@@ -205,10 +204,6 @@ class ReliabilitySystem:
     def usual_gap(self) -> float:
         """Seconds between two steps that are still usual: at least a step that is left out."""
         return max(1.0, 2.5 * self.quantum) if self.max_gap is None else self.max_gap
-
-
-ReliabilityModel = TypedModel[ReliabilitySystem, None]
-"""A system of chains and trees; the configuration goes into the system itself."""
 
 
 def order(top: str, below: Mapping[str, Sequence[str]]) -> tuple[list[str], tuple[str, ...]]:

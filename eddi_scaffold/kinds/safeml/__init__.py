@@ -9,12 +9,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.kinds import Functions, Kind
+from eddi_scaffold.kinds import Kind
 from eddi_scaffold.kinds.safeml.messages import MESSAGES, VERDICTS, VIOLATION_FIELD, respelt
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.kinds.safeml.scope import SafeMLModel
 
 _SUFFIXES = (".yml", ".yaml")
 _OWN_KEY = re.compile(
@@ -22,27 +21,21 @@ _OWN_KEY = re.compile(
 )
 
 
-def _sniff(source: Source) -> bool:
+def _recognises(source: Source) -> bool:
     return source.name.lower().endswith(_SUFFIXES) and _OWN_KEY.search(source.data) is not None
-
-
-def _functions() -> Functions[SafeMLModel]:
-    from eddi_scaffold.kinds.safeml.safeml_model import FUNCTIONS  # noqa: PLC0415 - numpy
-
-    return FUNCTIONS
 
 
 KIND = Kind(
     name="safeml",
     title="SafeML",
     config_types=("SafeML",),
-    sniff=_sniff,
+    recognises=_recognises,
     messages=MESSAGES,
     output_message="SafeMLOutput",
     options=(VIOLATION_FIELD,),
     respelt=respelt,
     verdicts=VERDICTS,
-    load=_functions,
+    model="safeml_model.SafeMLModel",
     topic="safeml",
     in_eddi='descendant-or-self::*[local-name()="keyValueMaps"][@key="eddi.safeml"]',
     requirements=("numpy",),

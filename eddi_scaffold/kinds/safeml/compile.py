@@ -19,7 +19,13 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
 )
 from eddi_scaffold.kinds.safeml.plan import upwards
-from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, Plan, Rows, SafeMLModel
+from eddi_scaffold.kinds.safeml.scope import (
+    METRIC_NAMES,
+    Plan,
+    ReferenceSample,
+    Rows,
+    SafeMLOptions,
+)
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
 
 FORMAT = 1
@@ -27,11 +33,11 @@ MOST_IN_TEXT = 2000
 """Numbers of a table that a person may still want to look at; more are in a file."""
 
 
-def compile_safeml(model: SafeMLModel, declaration: Declaration) -> CompiledMonitor:
+def compile_safeml(
+    reference: ReferenceSample, options: SafeMLOptions, declaration: Declaration
+) -> CompiledMonitor:
     """Compile a configured SafeML monitor."""
-    options = model.options
-    assert options is not None, "it was configured"
-    plan, settings, reference = options.plan, options.plan.settings, model.data.reference
+    plan, settings = options.plan, options.plan.settings
     tables: dict[str, bytes] = {}
     values: dict[str, object] = {
         "metric": settings.metric,

@@ -21,9 +21,8 @@ from eddi_scaffold.eddi_xml.extensions import (
     unknown_tags,
 )
 from eddi_scaffold.eddi_xml.parsing import select
-from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import NAME, SafeMLFile, SafeMLModel, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import SafeMLFile, SafeMLSettings
 from eddi_scaffold.kinds.safeml.settings import KEYS, export, read_settings
 
 if TYPE_CHECKING:
@@ -35,9 +34,11 @@ _REFERENCE = "reference_sample_file"
 _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
 
 
-def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> ReadResult:
+def read_eddi(
+    document: EddiDocument, source: Source
+) -> tuple[list[tuple[ExtensionMap, Source, SafeMLFile]], list[Problem]]:
     """Read the SafeML monitors of an EDDI, and the references that they name."""
-    models: list[SafeMLModel] = []
+    files: list[tuple[ExtensionMap, Source, SafeMLFile]] = []
     problems: list[Problem] = []
     for extension_map in extension_maps(document, SAFEML):
         known = (MODEL, *KEYS, DIGEST, ARTIFACT)
@@ -54,21 +55,17 @@ def read_eddi(document: EddiDocument, source: Source, _marks: Sequence[str]) -> 
                 wrong += _digest(extension_map, reference.source)
                 if not has_errors(wrong):
                     part = PartSource(source, text.encode())
-                    file = SafeMLFile(settings, reference)
-                    models.append(
-                        SafeMLModel(NAME, extension_map.model, file, part, extension_map.place)
-                    )
+                    files.append((extension_map, part, SafeMLFile(settings, reference)))
         problems += wrong
-    return ReadResult(tuple(models), tuple(problems))
+    return files, problems
 
 
-def in_map(model: SafeMLModel) -> tuple[str, Sequence[tuple[str, str]]]:
+def as_eddi_map(name: str, file: SafeMLFile) -> tuple[str, Sequence[tuple[str, str]]]:
     """Return the map that holds the settings, with the digest of their reference."""
-    file = model.data
-    (text, _) = export(file, model.name, file.settings.reference_sample_file).values()
+    (text, _) = export(file, name, file.settings.reference_sample_file).values()
     pairs = [line.partition(": ")[::2] for line in text.splitlines()]
     values = [(key, value) for key, value in pairs if value != "null"]
-    return SAFEML, [(MODEL, model.name), *values, (DIGEST, file.reference.source.sha256)]
+    return SAFEML, [(MODEL, name), *values, (DIGEST, file.reference.source.sha256)]
 
 
 def _settings(

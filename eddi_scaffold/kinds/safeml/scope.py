@@ -16,7 +16,6 @@ from eddi_runtime.safeml.arrays import rounded
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
-from eddi_scaffold.kinds import TypedModel
 
 NAME = "safeml"
 Rows = npt.NDArray[np.float64]
@@ -291,7 +290,3 @@ class SafeMLOptions:
     input_id: str
     max_age: float | None
     frequency: float | None
-
-
-SafeMLModel = TypedModel[SafeMLFile, SafeMLOptions]
-"""A SafeML monitor; its options are how it is connected."""

@@ -53,7 +53,7 @@ class Adoption:
     old: OldPackage
     id: str
     model: Model
-    kind: Kind[Model]
+    kind: Kind
     model_file: Path
     model_name: str
     wiring: Wiring
@@ -89,11 +89,11 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     renamed = own and package_name(own) != package_name(id_)
     model_name = f"{package_name(id_)}{file.suffix}" if renamed else file.name
     kind = kinds()[model.kind]
-    wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model, kind)
+    wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model)
     published = published_ids(old.monitor)
-    by_class = _options(published, model, kind)
+    by_class = _options(published, model)
     uses = _uses(old.config, {input_.id for input_ in wiring.inputs if input_.known_type == "bool"})
-    nodes = _nodes(model, kind)
+    nodes = _nodes(model)
     observed = [nodes[name] for name, use in uses.items() if use.observed and name in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
     wiring = replace(wiring, options=options)
@@ -118,7 +118,7 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
             for import_ in module.imports
             if not _is_frame_import(import_)
         ]
-    fitting = {*_fitting_inputs(old.eddi_input, wiring), *_fitting_nodes(old.config, model, kind)}
+    fitting = {*_fitting_inputs(old.eddi_input, wiring), *_fitting_nodes(old.config, model)}
     notes += [f"not recovered: {what}" for what in wiring.lost]
     if by_class:
         shown = ", ".join(f"{key}: {value}" for key, value in by_class.items())
@@ -140,23 +140,22 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     )
 
 
-def _options(published: frozenset[str], model: Model, kind: Kind[Model]) -> Mapping[str, JsonValue]:
+def _options(published: frozenset[str], model: Model) -> Mapping[str, JsonValue]:
     """Return what the configuration must say for the monitor to publish the ids of the old one."""
     choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
-    return next((choice for choice in choices if published <= _guarantees(model, kind, choice)), {})
+    return next((choice for choice in choices if published <= _guarantees(model, choice)), {})
 
 
-def _guarantees(model: Model, kind: Kind[Model], options: Mapping[str, JsonValue]) -> set[str]:
+def _guarantees(model: Model, options: Mapping[str, JsonValue]) -> set[str]:
     """Return the ids of guarantees that a monitor publishes."""
-    configured, _ = kind.functions.configure(model, Options(values=options))
-    return {*kind.functions.ids(configured or model).get("guarantees", ())}
+    configured, _ = model.configure(Options(values=options))
+    return {*(configured or model).element_keys().get("guarantees", ())}
 
 
 def _by_class(texts: Collection[str], models: Sequence[Model]) -> Iterator[str]:
     """Report class names with which hand-written code compares the ids of other monitors."""
     for model in models:
-        kind = kinds()[model.kind]
-        names = _guarantees(model, kind, _BY_CLASS) - _guarantees(model, kind, {})
+        names = _guarantees(model, _BY_CLASS) - _guarantees(model, {})
         if found := names & {*texts}:
             shown = ", ".join(sorted(found))
             yield f"{shown}: {model.name} publishes this with `guarantee_ids: class` only"
@@ -170,9 +169,9 @@ def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str
             yield f"process_{attribute(input_.id)}"
 
 
-def _fitting_nodes(module: ParsedModule | None, model: Model, kind: Kind[Model]) -> Iterator[str]:
+def _fitting_nodes(module: ParsedModule | None, model: Model) -> Iterator[str]:
     """Yield the regions of nodes whose methods have the outcomes that they had before."""
-    for new in (one for each in kind.functions.modules(model) for one in each.methods):
+    for new in (one for each in model.editable_modules() for one in each.methods):
         method = module.methods.get(new.name) if module is not None else None
         if method is not None and {*_outcomes(method.tree), "dra_data"} == {*new.uses}:
             yield new.name
@@ -205,14 +204,14 @@ def _chosen(models: Sequence[Model], name: str | None) -> Model:
     return models[0] if len(models) == 1 else select_models(models, name)[0]
 
 
-def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
+def _of_the_model(wiring: Wiring, model: Model) -> Wiring:
     """Leave out inputs that the model does not have, and defaults that would be good evidence."""
     declared = tuple(
         DeclaredInput(input_.id, None, None, input_.default, model.place)
         for input_ in wiring.inputs
     )
-    configured, _ = kind.functions.configure(model, Options(inputs=declared))
-    known = {input_.id: input_ for input_ in kind.functions.inputs(configured or model)}
+    configured, _ = model.configure(Options(inputs=declared))
+    known = {input_.id: input_ for input_ in (configured or model).inputs()}
     inputs: list[OldInput] = []
     lost = list(wiring.lost)
     for input_ in wiring.inputs:
@@ -233,9 +232,9 @@ def _of_the_model(wiring: Wiring, model: Model, kind: Kind[Model]) -> Wiring:
     return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
 
 
-def _nodes(model: Model, kind: Kind[Model]) -> dict[str, str]:
+def _nodes(model: Model) -> dict[str, str]:
     """Return name in Python -> id of each node."""
-    methods = [method for module in kind.functions.modules(model) for method in module.methods]
+    methods = [method for module in model.editable_modules() for method in module.methods]
     return {method.name.removeprefix("node_"): method.about for method in methods}
 
 

@@ -256,8 +256,9 @@ def pictures_of(paths: Iterable[Path]) -> Pictures:
     found = {}
     for model in (model for path in paths for model in _models(path)):
         kind = kinds()[model.kind]
-        if kind.functions.diagram is not None:
-            found[kind.title, model.name] = kind.functions.diagram(model)
+        picture = model.diagram()
+        if picture is not None:
+            found[kind.title, model.name] = picture
     return found
 
 

@@ -11,7 +11,6 @@ import pytest
 import yaml
 
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.kinds.bayesian_network.functions import FUNCTIONS
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
@@ -74,11 +73,11 @@ def test_people_are_told_what_evidence_asks_for(tmp_path: Path) -> None:
         "P(Critical = Yes) <= 0.3 for 1 s, gone above 0.3, on risk_is_low",
         "P(Critical = No) >= 0.8, gone below 0.75",
     ]
-    lines = FUNCTIONS.outline(monitor.model)
+    lines = monitor.model.outline()
     assert lines[-2:] == [f"evidence RiskIsLow: {texts[0]}", f"evidence Safe: {texts[1]}"]
-    readme = FUNCTIONS.readme(monitor.model)
+    readme = monitor.model.readme()
     assert readme[-2:] == (f"| `RiskIsLow` | {texts[0]} |", f"| `Safe` | {texts[1]} |")
-    assert FUNCTIONS.ids(monitor.model)["evidence"] == ["RiskIsLow", "Safe"]
+    assert monitor.model.element_keys()["evidence"] == ["RiskIsLow", "Safe"]
 
 
 def test_every_message_beside_a_result_has_a_method_and_a_definition(tmp_path: Path) -> None:
@@ -86,7 +85,7 @@ def test_every_message_beside_a_result_has_a_method_and_a_definition(tmp_path: P
     machine = running(monitor)
     machine.execute_step(SimpleNamespace(), 0)
     texts = messages_of({"net": {"kind": "bayesian_network", "config_json": None}})
-    for name, message in FUNCTIONS.beside(monitor.model).items():
+    for name, message in monitor.model.companion_messages().items():
         tree = getattr(machine, f"{name}_message")()
         assert tree[0] == message
         check_fields(tree, texts)

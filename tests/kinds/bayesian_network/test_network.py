@@ -23,14 +23,13 @@ from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
 from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
 from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
-from eddi_scaffold.kinds.bayesian_network.options import settings_of
+from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
 from tests.fuzz.mutations import mutations
 from tests.interpreters import old_python
 from tests.kinds.bayesian_network.networks import (
-    KIND,
     brute_force,
     joined,
     networks,
@@ -45,7 +44,7 @@ EXAMPLE = ROOT / "examples" / "pedestrian"
 
 
 def model_of(network: Network) -> Model:
-    return Model("bayesian_network", network.name, network, Source("n.xdsl", b""), Place("n.xdsl"))
+    return NetworkModel(network.name, Source("n.xdsl", b""), Place("n.xdsl"), data=network)
 
 
 @st.composite
@@ -79,7 +78,7 @@ def test_posteriors_are_those_of_brute_force(
         [float(v > 0) for v in value]
         for name, value in known.items()
     }  # fmt: skip
-    for output in settings_of(monitor.model).outputs:
+    for output in monitor.model.settings.outputs:
         wanted = brute_force(network, used, output)
         try:
             found = posteriors(machine, known)[output]
@@ -263,7 +262,7 @@ def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
         "from eddi_scaffold.common.files import read_source; "
         "from eddi_scaffold.kinds import kinds; "
         f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "
-        "print(''.join(kinds()['bayesian_network'].functions.export(model).values()))"
+        "print(''.join(model.export().values()))"
     )
     found = set()
     for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8")):
@@ -310,7 +309,7 @@ def test_names_that_look_like_bins(states: list[str], edges: list[float] | None)
 def test_damaged_networks_are_problems_not_tracebacks(one: tuple[str, bytes]) -> None:
     name, data = one
     for model in read(data, name).models:
-        KIND.functions.check(model)
+        model.check()
         monitor, _ = joined(model)
         if monitor is not None:
             running(monitor).execute_step(SimpleNamespace())

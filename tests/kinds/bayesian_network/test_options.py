@@ -9,7 +9,6 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.bayesian_network.options import settings_of
 from tests.kinds.bayesian_network.networks import joined, read, read_path, running
 from tests.kinds.bayesian_network.test_network import EXAMPLE
 
@@ -179,7 +178,7 @@ def test_observed_nodes_are_foreseen_by_the_robot() -> None:
     text = config({"outputs": ["Critical"], "observed": ["AV_Shuttle_Speed"]})
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
     assert monitor is not None
-    assert settings_of(monitor.model).foreseen == ("AV_Shuttle_Speed",)
+    assert monitor.model.settings.foreseen == ("AV_Shuttle_Speed",)
 
 
 CHAIN = """<smile version="1.0" id="N"><nodes>

@@ -14,7 +14,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import data_file
-from tests.kinds.bayesian_network.networks import KIND, joined, read, read_path, running
+from tests.kinds.bayesian_network.networks import joined, read, read_path, running
 
 
 @cache
@@ -148,7 +148,7 @@ def test_other_formats(section: str) -> None:
 @pytest.mark.parametrize("case", cases("exports"), ids=ident)
 def test_exports(case: dict[str, Any]) -> None:
     model = read_path(data_file("bn/" + case["file"]))
-    for name, text in KIND.functions.export(model).items():
+    for name, text in model.export().items():
         reading = read_models(Source(name, text.encode()))
         node = reading.models[0].data.node(case["node"])
         assert (list(node.parents), list(node.table)) == (case["parents"], case["values"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
@@ -95,7 +95,7 @@ provided_services:
 
 
 def read(text: str, name: str = "Rover.yml", marks: tuple[str, ...] = ()) -> Model:
-    reading = FUNCTIONS.read_file(Source(name, text.encode()), marks)
+    reading = ConSertModel.read_file(Source(name, text.encode()), marks)
     assert [p for p in reading.problems if p.level == "error"] == []
     (model,) = reading.models
     return model

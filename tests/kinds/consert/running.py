@@ -10,8 +10,8 @@ from eddi_runtime.testing import inputs
 
 from eddi_scaffold.compiling.monitor import Declaration
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
-from eddi_scaffold.kinds.consert.model import ConSertModel, ConSertOptions
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
+from eddi_scaffold.kinds.consert.model import ConSertOptions
 from runtime_lib.tests.bound_models import DIGEST, BoundModel, bound_input
 
 
@@ -22,6 +22,6 @@ def monitor_of(
 ) -> tuple[Any, Callable[[Mapping[str, Any]], Any]]:
     """Return the monitor, and what makes its input from values by id."""
     configured = replace(model, options=options)
-    bound = tuple(bound_input(one.id) for one in FUNCTIONS.inputs(model))
+    bound = tuple(bound_input(one.id) for one in model.inputs())
     made = BoundModel(configured, Declaration(model.name, DIGEST, bound)).monitor(limit=limit)
     return made, lambda values: inputs(made, values)

@@ -10,7 +10,7 @@ from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options, kinds
 from eddi_scaffold.kinds.consert import KIND, MESSAGES
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.model import Bound, ConSertOptions, Range
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
@@ -21,21 +21,21 @@ def test_the_kind_is_found():
 
 
 def test_export_writes_the_layout_of_d72():
-    assert FUNCTIONS.export(read(ROVER)) == {"Rover.yml": ROVER}
+    assert read(ROVER).export() == {"Rover.yml": ROVER}
 
 
 def test_export_of_an_empty_list_and_a_strange_name():
     text = ROVER.partition("gates:\n")[0].replace("demands:", "demands:", 1)
     text += "gates: []\ntree_propagations: []\nrequired_services: []\nprovided_services: []\n"
-    consert = FUNCTIONS.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
-    ((name, written),) = FUNCTIONS.export(consert).items()
+    consert = ConSertModel.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
+    ((name, written),) = consert.export().items()
     assert name == "b_c.yml"
     assert "gates: []\n" in written
 
 
 def test_counts_and_outline():
     model = read(ROVER)
-    assert dict(FUNCTIONS.counts(model)) == {
+    assert dict(model.counts()) == {
         "guarantees": 3,
         "demands": 1,
         "evidence": 2,
@@ -44,7 +44,7 @@ def test_counts_and_outline():
         "required_services": 1,
         "provided_services": 1,
     }
-    assert list(FUNCTIONS.outline(model)) == [
+    assert list(model.outline()) == [
         "guarantee FastDrive: Driving",
         "  And Both",
         "    evidence Distance: Clearance in [0.5, inf) or [-1, 0]",
@@ -59,7 +59,7 @@ def test_counts_and_outline():
 
 
 def test_inputs_are_demands_then_evidence():
-    demand, distance, lidar = FUNCTIONS.inputs(read(ROVER))
+    demand, distance, lidar = read(ROVER).inputs()
     assert (demand.id, demand.type, demand.covered) == (
         "MapKnown",
         "bool",
@@ -78,7 +78,7 @@ def test_inputs_are_demands_then_evidence():
 
 def test_units_of_a_velocity():
     text = ROVER.replace('        uom: ""\n', "        uom: kilometer_per_hour\n")
-    distance = FUNCTIONS.inputs(read(text))[1]
+    distance = read(text).inputs()[1]
     assert distance.unit == "kilometer_per_hour"
     assert distance.units == {
         **dict.fromkeys(("km/h", "kilometer_per_hour", "kmph"), (1, 1)),
@@ -107,7 +107,7 @@ def test_a_range_without_a_double_is_empty():
     ],
 )
 def test_what_a_configuration_chooses(values, chosen):
-    configured, problems = FUNCTIONS.configure(read(ROVER), Options(values=values))
+    configured, problems = read(ROVER).configure(Options(values=values))
     assert (configured.options, problems) == (chosen, [])
 
 
@@ -130,18 +130,18 @@ def test_what_a_configuration_chooses(values, chosen):
     ],
 )
 def test_what_no_configuration_may_choose(values, code):
-    configured, problems = FUNCTIONS.configure(read(ROVER), Options(values=values))
+    configured, problems = read(ROVER).configure(Options(values=values))
     assert (configured, [problem.code for problem in problems]) == (None, [code])
 
 
 def test_a_majority_holds_for_half_of_its_window():
     values = {"filter": {"kind": "majority", "window": 5}, "guarantee_ids": "class"}
-    model, _ = FUNCTIONS.configure(read(ROVER), Options(values=values))
-    inputs = FUNCTIONS.inputs(model)
-    fast, slow, default = FUNCTIONS.claims(model, inputs, 10.0)
+    model, _ = read(ROVER).configure(Options(values=values))
+    inputs = model.inputs()
+    fast, slow, default = model.claims(inputs, 10.0)
     assert fast == Claim("FastDrive", frozenset({"Distance", "MapKnown", "Lidar"}), 0.2)
     assert (slow.rests_on, default.rests_on) == (frozenset({"Lidar"}), frozenset())
-    (accepted,) = FUNCTIONS.acceptances(model, inputs, 10.0)
+    (accepted,) = model.acceptances(inputs, 10.0)
     assert (accepted.key, accepted.seconds) == ("filter: majority", 0.2)
 
 
@@ -163,10 +163,10 @@ def test_sniff():
 def test_marks_of_default_guarantees():
     text = ROVER.replace("    default: true\n", "")
     source = Source("Rover.yml", text.encode())
-    assert {p.code for p in FUNCTIONS.read_file(source, ()).problems} == {"C011"}
+    assert {p.code for p in ConSertModel.read_file(source, ()).problems} == {"C011"}
     for mark in ("StandStill", "Rover/StandStill"):
         assert read(text, marks=(mark,)).data == read(ROVER).data
-    (problem,) = FUNCTIONS.read_file(source, ("Standstill", "StandStill")).problems
+    (problem,) = ConSertModel.read_file(source, ("Standstill", "StandStill")).problems
     assert problem.message == "--default-guarantee Standstill: there is no guarantee 'Standstill'"
     assert (problem.code, problem.hint) == ("C008", "did you mean 'StandStill'?")
 
@@ -179,5 +179,5 @@ def test_a_deep_chain_is_cut_in_the_outline():
     text = text.replace(
         head, f"{head}{edges}  - {{from: g0, to: SlowDrive}}\n  - {{from: Lidar, to: g49}}\n"
     )
-    lines = FUNCTIONS.outline(read(text))
+    lines = read(text).outline()
     assert "  " * 30 + "Or g29 ..." in lines

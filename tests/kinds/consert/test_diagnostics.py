@@ -13,7 +13,7 @@ import pytest
 
 from eddi_scaffold.common.catalogue import area
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 
 SOUND = {
     "guarantees": "guarantees:\n  - id: G\n    dimensions:\n      - Binary: {type: Safe}\n",
@@ -49,7 +49,7 @@ CASES = read_cases()
 def test_text_of_the_diagnostic(name):
     text, expected = CASES[name]
     lines = []
-    for problem in FUNCTIONS.read_file(Source("m.yml", text.encode()), ()).problems:
+    for problem in ConSertModel.read_file(Source("m.yml", text.encode()), ()).problems:
         place = problem.place
         where = f"{place.file}:{place.line}:{place.col}"
         lines.append(f"{where}: {problem.level}: {problem.message} [{problem.code}]")
@@ -64,6 +64,6 @@ def test_every_code_has_a_case():
 
 
 def test_the_sound_file_has_no_problem():
-    reading = FUNCTIONS.read_file(Source("m.yml", changed("").encode()), ())
+    reading = ConSertModel.read_file(Source("m.yml", changed("").encode()), ())
     assert reading.problems == ()
     assert [model.name for model in reading.models] == ["m"]

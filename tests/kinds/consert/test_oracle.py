@@ -8,7 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.model import ConSert
 from tests.kinds.consert.oracle import as_source, oracle
 
@@ -19,7 +19,7 @@ MORE_UNITS = {"P_uom_percent", "P_uom_rad"}
 def test_parse_gives_the_wanted_severity_and_code():
     wrong = []
     for case in oracle()["parse"]:
-        problems = FUNCTIONS.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
+        problems = ConSertModel.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
         want, codes = case["want"], {problem.code for problem in problems}
         if case["id"] in MORE_UNITS:
             want = {"result": "ok"}
@@ -44,7 +44,7 @@ def test_names_agree():
 def test_every_model_is_read_with_the_listed_errors_only():
     wanted = oracle()["model_errors"]
     for name, document in oracle()["models"].items():
-        reading = FUNCTIONS.read_file(as_source(document, f"{name}.yml"), ())
+        reading = ConSertModel.read_file(as_source(document, f"{name}.yml"), ())
         errors = {problem.code for problem in reading.problems if problem.level == "error"}
         assert errors == set(wanted.get(name, ())), name
         assert [model.name for model in reading.models] == [name]
@@ -52,13 +52,13 @@ def test_every_model_is_read_with_the_listed_errors_only():
 
 def test_export_and_read_again_gives_the_same_model():
     for name, document in oracle()["models"].items():
-        (model,) = FUNCTIONS.read_file(as_source(document, f"{name}.yml"), ()).models
-        ((file_name, text),) = FUNCTIONS.export(model).items()
-        (again,) = FUNCTIONS.read_file(Source(file_name, text.encode()), ()).models
+        (model,) = ConSertModel.read_file(as_source(document, f"{name}.yml"), ()).models
+        ((file_name, text),) = model.export().items()
+        (again,) = ConSertModel.read_file(Source(file_name, text.encode()), ()).models
         assert isinstance(again.data, ConSert)
         assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
         assert again.data == model.data
-        assert FUNCTIONS.export(again) == {file_name: text}
+        assert again.export() == {file_name: text}
 
 
 def test_composition_agrees():
@@ -67,7 +67,7 @@ def test_composition_agrees():
         instances, codes = [], set()
         for number, document in enumerate(case["models"]):
             content = oracle()["models"][document] if isinstance(document, str) else document
-            reading = FUNCTIONS.read_file(as_source(content, f"m{number}.yml"), ())
+            reading = ConSertModel.read_file(as_source(content, f"m{number}.yml"), ())
             codes |= {problem.code for problem in reading.problems}
             instances += [(model.name, model.data) for model in reading.models]
         result, want = compose(instances), case["want"]
@@ -84,9 +84,9 @@ def test_composition_agrees():
 def test_implications_of_known_models():
     found = {}
     for name in ("ConSertA", "FabOS_Scanner2"):
-        (model,) = FUNCTIONS.read_file(
+        (model,) = ConSertModel.read_file(
             as_source(oracle()["models"][name], f"{name}.yml"), ()
         ).models
-        found[name] = [p.message for p in FUNCTIONS.check(model) if p.code == "S003"]
+        found[name] = [p.message for p in model.check() if p.code == "S003"]
     assert "guarantee 'System_A_G1' implies 'System_A_G0'" in found["ConSertA"]
     assert "guarantee 'UnoccupiedLong' implies 'UnoccupiedMedium'" in found["FabOS_Scanner2"]

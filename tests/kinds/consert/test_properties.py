@@ -14,7 +14,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert_model import FUNCTIONS
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.model import (
     BinaryDimension,
     Bound,
@@ -125,20 +125,20 @@ def test_checks_never_raise_and_what_is_left_can_be_used(consert):
         return
     static_checks(checked)
     compose([("a", checked), ("b", checked)])
-    (model,) = FUNCTIONS.read_file(Source("m.yml", to_yaml(checked).encode()), ()).models
+    (model,) = ConSertModel.read_file(Source("m.yml", to_yaml(checked).encode()), ()).models
     assert model.data == checked
     for use in (
-        FUNCTIONS.inputs,
-        FUNCTIONS.outline,
-        FUNCTIONS.counts,
-        FUNCTIONS.export,
+        ConSertModel.inputs,
+        ConSertModel.outline,
+        ConSertModel.counts,
+        ConSertModel.export,
     ):
         use(model)
     monitor_of(model)
 
 
 def test_order_of_lists_changes_nothing_but_the_order():
-    (model,) = FUNCTIONS.read_file(Source("m.yml", ROVER.encode()), ()).models
+    (model,) = ConSertModel.read_file(Source("m.yml", ROVER.encode()), ()).models
     lists = [f.name for f in dataclasses.fields(ConSert) if f.name not in ("name", "place")]
     for seed in range(20):
         shuffle = random.Random(seed)
@@ -182,7 +182,7 @@ def test_mutations_of_an_example_never_raise(data):
         ]
         new = data.draw(st.sampled_from(words) | st.text(max_size=3))
         text = text[:at] + new + text[at + length :]
-    reading = FUNCTIONS.read_file(
+    reading = ConSertModel.read_file(
         Source("m.yml", text.encode("utf-8", "surrogatepass")), ("StandStill",)
     )
     assert reading.models or has_errors(reading.problems)
@@ -202,7 +202,7 @@ def test_mutations_of_lines_never_raise(data):
             lines[at], lines[other] = lines[other], lines[at]
         else:
             lines[at] = "  " + lines[at]
-    reading = FUNCTIONS.read_file(Source("m.yml", "".join(lines).encode()), ())
+    reading = ConSertModel.read_file(Source("m.yml", "".join(lines).encode()), ())
     assert reading.models or has_errors(reading.problems)
 
 
@@ -254,8 +254,8 @@ def test_a_ladder_of_shared_gates_is_linear():
     assert checked == consert
     assert not has_errors(problems)
     static_checks(consert)
-    model = FUNCTIONS.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
-    assert len(FUNCTIONS.outline(model)) < 3_000
+    model = ConSertModel.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
+    assert len(model.outline()) < 3_000
 
 
 def test_thousands_of_wrong_edges_are_reported_in_time():

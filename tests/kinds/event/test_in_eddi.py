@@ -45,7 +45,7 @@ def problems(text: str) -> list[Problem]:
 def test_they_are_the_events_of_a_file() -> None:
     found = models(LANDING)["motor_watch"]
     (alone,) = read_models(Source("motor_watch.events", EVENTS.encode())).models
-    assert kinds()["event"].functions.export(found) == {"motor_watch.events": EVENTS}
+    assert found.export() == {"motor_watch.events": EVENTS}
     assert part(found) == part(alone)
 
 
@@ -69,17 +69,16 @@ def test_the_digest_is_that_of_the_events() -> None:
 
 
 def test_the_frequency_counts_without_a_configuration() -> None:
-    kind = kinds()["event"]
     for text, rate in ((LANDING, 10.0), (LANDING.replace('"10"', '"50"'), 50.0)):
-        configured, _ = kind.functions.configure(models(text)["motor_watch"], Options())
+        configured, _ = models(text)["motor_watch"].configure(Options())
         assert configured is not None
-        assert f"{rate:g} steps a second" in "".join(kind.functions.readme(configured))
+        assert f"{rate:g} steps a second" in "".join(configured.readme())
 
 
 def test_what_only_the_rate_decides_is_told_at_the_value() -> None:
     text = LANDING.replace("ONCE(temp > 80 degC, 2s)", "ONCE(temp > 80 degC, 1ms)")
     (model,) = [one for name, one in models(text).items() if name == "motor_watch"]
-    configured, (problem, *_) = kinds()["event"].functions.configure(model, Options(frequency=10.0))
+    configured, (problem, *_) = model.configure(Options(frequency=10.0))
     assert configured is None
     lines = text.splitlines()
     assert "1ms" in lines[(problem.place.line or 0) - 1]

@@ -14,13 +14,13 @@ from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.kinds.reliability.compile import compile_system
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from runtime_lib.tests.compiled_models import loaded
 
 
 def compiled(model: Model) -> Reliability:
     """Return the monitor of a configured model."""
-    inputs = tuple(BoundInput(input_.id, input_.id) for input_ in FUNCTIONS.inputs(model))
+    inputs = tuple(BoundInput(input_.id, input_.id) for input_ in model.inputs())
     declaration = Declaration("m", "", inputs)
     parts = compile_system(model.data, declaration)
     made: Reliability = loaded("reliability", parts, declaration).Monitor()
@@ -29,7 +29,7 @@ def compiled(model: Model) -> Reliability:
 
 def read_text(text: str) -> tuple[Model | None, list[Problem]]:
     """Read a ``reliability_config.yml``."""
-    reading = FUNCTIONS.read_file(Source("reliability_config.yml", text.encode()), ())
+    reading = ReliabilityModel.read_file(Source("reliability_config.yml", text.encode()), ())
     return (reading.models[0] if reading.models else None), list(reading.problems)
 
 
@@ -37,7 +37,7 @@ def sound(text: str) -> Model:
     """Return the configured model of a text without errors."""
     model, problems = read_text(text)
     assert model is not None, problems
-    configured, problems = FUNCTIONS.configure(model, Options())
+    configured, problems = model.configure(Options())
     assert configured is not None, problems
     return configured
 
@@ -46,8 +46,8 @@ def everything(text: str) -> list[Problem]:
     """Return all that is said about a text: read, checked, configured."""
     model, problems = read_text(text)
     if model is not None:
-        problems += FUNCTIONS.check(model)
-        problems += FUNCTIONS.configure(model, Options())[1]
+        problems += model.check()
+        problems += model.configure(Options())[1]
     return in_order(problems)
 
 
@@ -56,7 +56,7 @@ def models_of(path: Path) -> tuple[dict[str, Model], list[Problem]]:
     source = read_source(path)
     document, problems = read_document(source)
     assert document is not None
-    reading = FUNCTIONS.read_eddi(document, source, ())
+    reading = ReliabilityModel.read_eddi(document, source, ())
     return {one.name: one for one in reading.models}, [*problems, *reading.problems]
 
 

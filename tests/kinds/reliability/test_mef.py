@@ -14,7 +14,6 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Model, ReadResult
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.system import (
     BasicEvent,
     ComponentModel,
@@ -278,12 +277,12 @@ def test_the_examples_of_the_codes() -> None:
 
 def test_an_event_without_a_probability_and_a_cycle() -> None:
     (model,) = event("").models
-    assert [problem.code for problem in FUNCTIONS.check(model)] == ["R002"]
+    assert [problem.code for problem in model.check()] == ["R002"]
     inner = "<or><and><gate name='top'/><gate name='x'/></and><gate name='x'/></or>"
     for below in ('<gate name="top"/>', inner):  # also through a formula without a name
         text = tree('<gate name="x"/>', f'<define-gate name="x">{below}</define-gate>')
         (model,) = read(text).models
-        assert [problem.code for problem in FUNCTIONS.check(model)] == ["R012"]
+        assert [problem.code for problem in model.check()] == ["R012"]
 
 
 def drawn(chance: random.Random) -> ReliabilitySystem:

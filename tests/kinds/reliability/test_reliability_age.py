@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from tests.kinds.reliability.monitors import at_start, compiled, models_of, read_text, sound
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
@@ -95,7 +94,7 @@ def test_the_age_of_a_model_of_the_eddi() -> None:
 
     def start(age: str) -> float:
         change = {"models": {"MissionLoss": {"age": age}, "Rotors": {"age": age}}}
-        model, problems = FUNCTIONS.configure(models["MissionLoss"], Options(values=change))
+        model, problems = models["MissionLoss"].configure(Options(values=change))
         assert model is not None, problems
         return float(at_start(model).p_fail)
 
@@ -105,13 +104,13 @@ def test_the_age_of_a_model_of_the_eddi() -> None:
 def test_ages_are_exported_and_shown() -> None:
     text = TREE.format(age=", age: 500 h", own=", age: 2 day")
     model = sound(text)
-    (exported,) = FUNCTIONS.export(model).values()
+    (exported,) = model.export().values()
     again, problems = read_text(exported)
     assert problems == []
     assert again is not None
     assert again.data.components == model.data.components
-    assert "  age 500 h" in FUNCTIONS.outline(model)
-    assert "    A  0.001 1/h, age 48 h" in FUNCTIONS.outline(model)
+    assert "  age 500 h" in model.outline()
+    assert "    A  0.001 1/h, age 48 h" in model.outline()
 
 
 @given(

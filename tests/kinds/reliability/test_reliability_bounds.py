@@ -16,7 +16,6 @@ from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.cut_sets import cut_sets_of_gates, minimal_cut_sets
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, build
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.kinds.reliability import trees as written
@@ -87,7 +86,7 @@ def test_a_tree_above_its_limit_is_bounded() -> None:
     assert (unknown.valid, unknown.unknown, unknown.evidence) == (False, ("t_E",), {"go": False})
     assert unknown.p_fail_low == 1e-18 or math.isclose(unknown.p_fail_low, 1e-18)
     assert unknown.p_fail_high == happened.p_fail_high
-    readme = "\n".join(FUNCTIONS.readme(model))
+    readme = "\n".join(model.readme())
     assert "with probability from 1e-18 to 1e-17 at mission start" in readme
     assert "Minimal cut sets of `t`: 10" in readme
     exported = to_yaml(model.data)
@@ -105,7 +104,7 @@ def test_a_configuration_keeps_what_it_does_not_name() -> None:
     model, problems = read_text(VOTES.replace("    gates", "    repair: true\n    gates"))
     assert model is not None, problems
     change = {"models": {"t": {"events": {"A": {"p": 1e-5}}}}}
-    configured, problems = FUNCTIONS.configure(model, Options(values=change))
+    configured, problems = model.configure(Options(values=change))
     assert configured is not None, problems
     tree = configured.data.components["t"].content
     assert (tree.approximate, tree.repair, tree.node_limit) == (True, True, 5)
@@ -126,7 +125,7 @@ def test_what_r010_says_helps() -> None:
     assert problem.hint.endswith("or take bounds: `approximation: cut_sets`")
     assert not [one for one in everything(VOTES) if one.level == "error"]
     raised = sound(exact.replace("node_limit: 5", "node_limit: 10000000"))
-    assert "Minimal cut sets of `t`: 10" in "\n".join(FUNCTIONS.readme(raised))
+    assert "Minimal cut sets of `t`: 10" in "\n".join(raised.readme())
 
 
 def test_many_cut_sets_are_found_soon() -> None:

@@ -15,7 +15,6 @@ import pytest
 
 from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from tests.kinds.reliability.monitors import everything, models_of
 
 FILE = Path(__file__).with_name("diagnostics.txt")
@@ -47,8 +46,8 @@ def of_eddi(given: str, folder: Path) -> list[Problem]:
     path.write_text(text.replace("?> <i", "?><i"), "utf-8")
     models, problems = models_of(path)
     for model in models.values():
-        problems += FUNCTIONS.check(model)
-        problems += FUNCTIONS.configure(model, Options())[1]
+        problems += model.check()
+        problems += model.configure(Options())[1]
     return in_order(problems)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
@@ -52,7 +52,7 @@ def test_a_failed_rotor_takes_the_guarantee_away() -> None:
 
 def test_export_reads_back_as_the_same_system() -> None:
     models, _ = models_of(EXAMPLE / "drone.xml")
-    airframe = FUNCTIONS.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
+    airframe = ReliabilityModel.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
     for model in (*models.values(), airframe):
         text = to_yaml(model.data)
         again, problems = read_text(text)
@@ -60,7 +60,7 @@ def test_export_reads_back_as_the_same_system() -> None:
         assert again is not None
         assert again.data == model.data
         assert to_yaml(again.data) == text
-        assert FUNCTIONS.export(model) == {f"{model.name}.yml": text}
+        assert model.export() == {f"{model.name}.yml": text}
 
 
 def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
@@ -73,7 +73,7 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
     assert written is not None
     assert written.data == replace(configured.model.data, quantum=written.data.quantum)
     assert written.data.thresholds[0].id == "RtE_continue"
-    assert [one.id for one in FUNCTIONS.inputs(written)] == ["rotors_ok", "MissionLoss_Link"]
+    assert [one.id for one in written.inputs()] == ["rotors_ok", "MissionLoss_Link"]
     assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
 
 
@@ -125,13 +125,13 @@ def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: 
 
 def test_pictures_and_outlines() -> None:
     models, _ = models_of(EXAMPLE / "drone.xml")
-    assert FUNCTIONS.diagram is not None
-    drawn = FUNCTIONS.diagram(models["MissionLoss"])
+    assert ReliabilityModel.diagram is not None
+    drawn = models["MissionLoss"].diagram()
     assert {node.shape for node in drawn.nodes} == {"and", "or", "ellipse", "rounded"}
     ids = {node.id for node in drawn.nodes}
     assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
-    assert "    AND NoPosition" in FUNCTIONS.outline(models["MissionLoss"])
-    assert FUNCTIONS.counts(models["Rotors"]) == {"models": 1, "states": 3}
+    assert "    AND NoPosition" in models["MissionLoss"].outline()
+    assert models["Rotors"].counts() == {"models": 1, "states": 3}
 
 
 def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:

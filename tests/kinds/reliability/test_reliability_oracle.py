@@ -13,7 +13,7 @@ from eddi_runtime.thresholds import Evidence, Threshold
 from eddi_scaffold.common.units import rate
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
+from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.kinds.reliability.trial import mean_life, proximity
 from tests.data_files import data_file
 from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
@@ -153,7 +153,7 @@ def test_fault_trees() -> None:
         assert result.p_fail_low == pytest.approx(case["p_fail_low"], rel=1e-14, abs=0.0)
         assert result.p_fail_high == pytest.approx(case["p_fail_high"], rel=1e-14, abs=0.0)
         for one in case.get("minimal_cut_sets", ()):
-            assert f"- {', '.join(sorted(one))}" in FUNCTIONS.readme(model)
+            assert f"- {', '.join(sorted(one))}" in model.readme()
 
 
 def test_dynamic_gates() -> None:
@@ -186,7 +186,7 @@ def test_the_example_of_the_metamodel() -> None:
         assert warned == case["no_unit_warnings"]
         for name in ("Propulsion", "MissionLoss"):
             options = Options(values={"horizon": f"{case['t']} h"})
-            model, _ = FUNCTIONS.configure(models[name], options)
+            model, _ = ReliabilityModel.configure(models[name], options)
             assert model is not None
             result = at_start(model)
             assert result.p_fail == pytest.approx(case[name]["p_fail"], rel=1e-12, abs=0.0)
@@ -231,4 +231,4 @@ def test_storm() -> None:
     assert at_start(model).p_fail == pytest.approx(tree["P(F<=100)"], rel=1e-12)
     assert mean_life(model.data) == pytest.approx(tree["MTTF"], rel=1e-9)
     for one in tree["minimal_cut_sets"]:
-        assert f"- {', '.join(sorted(one))}" in FUNCTIONS.readme(model)
+        assert f"- {', '.join(sorted(one))}" in model.readme()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from tests.kinds.reliability.monitors import models_of
 from tests.kinds.reliability.test_reliability_diagnostics import HEAD, PACKAGE
 
@@ -22,9 +21,9 @@ def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
     path.write_text(HEAD + body + "</odeProductPackages></i:DDIPackage>\n", "utf-8")
     models, problems = models_of(path)
     assert [(one.level, one.code) for one in problems] == [("warning", "X014")]
-    assert FUNCTIONS.configure(models["T"], Options())[0] is not None
+    assert models["T"].configure(Options())[0] is not None
     options = Options(values={"thresholds": [{"id": "go", "activate": 0.1}]})
-    configured, problems = FUNCTIONS.configure(models["T"], options)
+    configured, problems = models["T"].configure(options)
     assert configured is None
     (one,) = problems
     assert (one.code, one.place.line) == ("R005", 10)

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.kinds.reliability.monitors import compiled, read_text, sound
@@ -40,7 +39,7 @@ def test_a_gap_is_longer_than_a_step_that_is_left_out(
 ) -> None:
     model, problems = read_text(MOTORS + given)
     assert model is not None, problems
-    configured, problems = FUNCTIONS.configure(model, Options(frequency=frequency))
+    configured, problems = model.configure(Options(frequency=frequency))
     assert configured is not None, problems
     assert configured.data.usual_gap == expected
     late = [str(one.message) for one in problems if one.code == "R014"]

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.kinds.reliability.functions import FUNCTIONS
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
 from tests.kinds.reliability.monitors import read_text, sound
@@ -58,7 +57,7 @@ def test_a_topic_is_shown_and_exported() -> None:
         "thresholds: [{id: go, activate: 0.5, topic: /rte/go}]\n"
     )
     model = sound(text)
-    assert FUNCTIONS.outline(model)[-1] == "threshold go: p_fail <= 0.5, gone above 0.5, on /rte/go"
-    (exported,) = FUNCTIONS.export(model).values()
+    assert model.outline()[-1] == "threshold go: p_fail <= 0.5, gone above 0.5, on /rte/go"
+    (exported,) = model.export().values()
     again, problems = read_text(exported)
     assert (problems, again and again.data.thresholds) == ([], model.data.thresholds)

@@ -21,7 +21,7 @@ from eddi_scaffold.common.problems import Problem, in_order
 from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.safeml_model import FUNCTIONS
+from eddi_scaffold.kinds.safeml.safeml_model import SafeMLModel
 
 CASES_FILE = Path(__file__).with_name("diagnostics.txt")
 SOUND = {
@@ -81,8 +81,8 @@ def shown(problem: Problem, folder: Path) -> str:
 
 
 def problems_of(path: Path) -> list[Problem]:
-    reading = FUNCTIONS.read_file(read_source(path), ())
-    return in_order([*reading.problems, *(p for m in reading.models for p in FUNCTIONS.check(m))])
+    reading = SafeMLModel.read_file(read_source(path), ())
+    return in_order([*reading.problems, *(p for m in reading.models for p in m.check())])
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -112,8 +112,8 @@ def test_s014_a_second_input(tmp_path: Path) -> None:
     )
     config, problems = read_config(Source("c.yml", text.encode()))
     assert problems == []
-    (model,) = FUNCTIONS.read_file(read_source(path), ()).models
-    configured, problems = FUNCTIONS.configure(model, options_of(config))
+    (model,) = SafeMLModel.read_file(read_source(path), ()).models
+    configured, problems = model.configure(options_of(config))
     assert configured is None
     (problem,) = problems
     assert (problem.code, problem.place.line) == ("K013", 3)

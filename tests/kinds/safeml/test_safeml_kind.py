@@ -13,7 +13,7 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.safeml_model import DEFAULT_INPUT, FUNCTIONS
+from eddi_scaffold.kinds.safeml.safeml_model import DEFAULT_INPUT, SafeMLModel
 from eddi_scaffold.kinds.safeml.scope import Plan
 from eddi_scaffold.kinds.safeml.show import detectable_shift
 from eddi_scaffold.recordings.parts import compiled
@@ -190,41 +190,41 @@ def test_numbers_that_yaml_takes_for_texts(tmp_path: Path) -> None:
 
 def test_export_reads_back(tmp_path: Path) -> None:
     keys = {"n_components": 2, "max_age": 3, "calibration_stride": 4, "stride": 2}
-    (model,) = FUNCTIONS.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
+    (model,) = SafeMLModel.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
     other = tmp_path / "other"
     other.mkdir()
-    for name, text in FUNCTIONS.export(model).items():
+    for name, text in model.export().items():
         (other / name).write_text(text)
-    (again,) = FUNCTIONS.read_file(read_source(other / "safeml_config.yml"), ()).models
+    (again,) = SafeMLModel.read_file(read_source(other / "safeml_config.yml"), ()).models
     assert again.data.settings == model.data.settings
     np.testing.assert_array_equal(again.data.reference.rows, model.data.reference.rows)
 
 
 def test_what_show_prints(tmp_path: Path) -> None:
-    (model,) = FUNCTIONS.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
-    assert FUNCTIONS.counts(model) == {
+    (model,) = SafeMLModel.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
+    assert model.counts() == {
         "rows": 300,
         "features": 2,
         "window_size": 10,
         "components": 0,
     }
-    lines = FUNCTIONS.outline(model)
+    lines = model.outline()
     assert lines[0] == "KolmogorovSmirnovDistance of the last 10 samples"
     assert any("calibrated with 141 windows" in line for line in lines)
-    (model,) = FUNCTIONS.read_file(
+    (model,) = SafeMLModel.read_file(
         read_source(lay(tmp_path, ROWS, **FIGURE, n_components=9)), ()
     ).models
-    assert FUNCTIONS.outline(model)[-1] == "  no thresholds: see `check`"
+    assert model.outline()[-1] == "  no thresholds: see `check`"
 
 
 def test_what_the_readme_says(tmp_path: Path) -> None:
     monitor, _ = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
-    text = "\n".join(FUNCTIONS.readme(monitor.model))
+    text = "\n".join(monitor.model.readme())
     assert "2 tests (features) at 0.05 each: 10 % together" in text
     assert "3,600 per hour at 10 Hz" in text
     assert "standard deviations" in text
     monitor, _ = joined(tmp_path, ROWS, **FIGURE)
-    assert "per hour" not in "\n".join(FUNCTIONS.readme(monitor.model))
+    assert "per hour" not in "\n".join(monitor.model.readme())
 
 
 @pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])
