@@ -71,7 +71,7 @@ def test_it_recognises_its_own_files(kind: Kind) -> None:
         if Path(name).suffix == ".csv":
             continue
         exported = Source(name, text.encode())
-        assert [one.name for one in kinds().values() if one.sniff(exported)] == [kind.name]
+        assert [one.name for one in kinds().values() if one.recognises(exported)] == [kind.name]
 
 
 @each_kind
@@ -170,7 +170,7 @@ def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind, tmp_path: Path
 def test_it_says_what_its_messages_mean(kind: Kind) -> None:
     monitor = monitor_of(kind)
     assert kind.output_message in kind.messages
-    for message in monitor.facts.claims.meanings():
+    for message in kind.model_class.meanings(monitor.facts.claims):
         assert message in kind.all_messages
     inputs = {binding.model.id for binding in monitor.inputs}
     for claim in monitor.facts.claims:

@@ -209,7 +209,7 @@ class EventModel(Model):
         nodes = self.form["nodes"]
         in_eddi = self.place.path is not None
         return [
-            Element("event", output["id"], None if in_eddi else nodes[output["node"]]["at"][0])
+            Element("event", output["id"], line=None if in_eddi else nodes[output["node"]]["at"][0])
             for output in self.form["outputs"]
         ]
 

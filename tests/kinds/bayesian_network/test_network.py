@@ -20,7 +20,6 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import Model
 from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
-from eddi_scaffold.kinds.bayesian_network.cross_check import cross_check
 from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
 from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel
@@ -114,7 +113,7 @@ def test_the_cross_check_agrees(network: Network) -> None:
     model = model_of(network)
     monitor, _ = joined(model)
     assert monitor is not None
-    result = cross_check(monitor.model, running(monitor))
+    result = monitor.model.cross_check(lambda: running(monitor))
     assert result.problems == ()
     assert result.text.startswith("Cross-checked with pgmpy: ")
 
@@ -124,7 +123,7 @@ def test_a_difference_stops_the_generation(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(crosscheck, "TOLERANCE", -1.0)
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
     assert monitor is not None
-    result = cross_check(monitor.model, running(monitor))
+    result = monitor.model.cross_check(lambda: running(monitor))
     (problem,) = result.problems
     assert_reported("B306", [problem])
 
@@ -134,7 +133,7 @@ def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pgmpy", None)
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
     assert monitor is not None
-    result = cross_check(monitor.model, running(monitor))
+    result = monitor.model.cross_check(lambda: running(monitor))
     (problem,) = result.problems
     assert problem.place == Place(str(EXAMPLE / "pedestrian.xml"))
     assert_reported("B306", [problem])

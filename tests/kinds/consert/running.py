@@ -21,7 +21,7 @@ def monitor_of(
     options: ConSertOptions | None = None,
 ) -> tuple[Any, Callable[[Mapping[str, Any]], Any]]:
     """Return the monitor, and what makes its input from values by id."""
-    configured = replace(model, options=options)
+    configured = replace(model, options=options or ConSertOptions())
     bound = tuple(bound_input(one.id) for one in model.inputs())
     made = BoundModel(configured, Declaration(model.name, DIGEST, bound)).monitor(limit=limit)
     return made, lambda values: inputs(made, values)

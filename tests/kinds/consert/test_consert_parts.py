@@ -153,11 +153,11 @@ def test_messages_keep_the_md5_of_the_packages_in_the_wild():
 
 
 def test_sniff():
-    assert KIND.sniff(Source("a.yml", ROVER.encode()))
-    assert KIND.sniff(Source("a.json", b'{\n"guarantees": []}'))
-    assert KIND.sniff(Source("a.yaml", b"{guarantees: []}"))
-    assert not KIND.sniff(Source("a.xml", ROVER.encode()))
-    assert not KIND.sniff(Source("eddi_config.yml", b"Model:\n  id: A\n# guarantees\n"))
+    assert KIND.recognises(Source("a.yml", ROVER.encode()))
+    assert KIND.recognises(Source("a.json", b'{\n"guarantees": []}'))
+    assert KIND.recognises(Source("a.yaml", b"{guarantees: []}"))
+    assert not KIND.recognises(Source("a.xml", ROVER.encode()))
+    assert not KIND.recognises(Source("eddi_config.yml", b"Model:\n  id: A\n# guarantees\n"))
 
 
 def test_marks_of_default_guarantees():

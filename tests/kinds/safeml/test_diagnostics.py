@@ -137,5 +137,5 @@ def test_figure_23_as_it_is_printed(tmp_path: Path) -> None:
         "distance_metric : 'KolmogorovSmirnovDistance'\n"
         "n_components : 10\n"
     )
-    assert KIND.sniff(read_source(path))
+    assert KIND.recognises(read_source(path))
     assert problems_of(path) == []

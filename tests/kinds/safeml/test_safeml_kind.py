@@ -245,10 +245,10 @@ def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
 
 
 def test_sniff() -> None:
-    assert KIND.sniff(Source("x.yml", b"window_size : 100 #[steps]\n"))
-    assert KIND.sniff(Source("x.yaml", b"# text\n'distance_metric': x\n"))
-    assert not KIND.sniff(Source("x.csv", b"window_size: 100\n"))
-    assert not KIND.sniff(Source("x.yml", b"Model: {window_size: 3}\n"))
+    assert KIND.recognises(Source("x.yml", b"window_size : 100 #[steps]\n"))
+    assert KIND.recognises(Source("x.yaml", b"# text\n'distance_metric': x\n"))
+    assert not KIND.recognises(Source("x.csv", b"window_size: 100\n"))
+    assert not KIND.recognises(Source("x.yml", b"Model: {window_size: 3}\n"))
 
 
 def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:
