@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.common.problems import (
@@ -56,7 +56,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What is known of a text.
+    """What is known of a text; the form is all that decides.
 
     Attributes:
         problems: everything that is wrong with it, in order, with source lines.
@@ -68,12 +68,12 @@ class Analysis:
         text: what was analysed.
     """
 
-    problems: tuple[Problem, ...]
-    events: tuple[Event, ...]
-    variables: tuple[Variable, ...]
-    enums: Mapping[str, tuple[str, ...]]
+    problems: tuple[Problem, ...] = field(compare=False)
+    events: tuple[Event, ...] = field(compare=False)
+    variables: tuple[Variable, ...] = field(compare=False)
+    enums: Mapping[str, tuple[str, ...]] = field(compare=False)
     form: dict[str, Any] | None
-    text: str
+    text: str = field(compare=False)
 
     @property
     def inputs(self) -> tuple[Variable, ...]:

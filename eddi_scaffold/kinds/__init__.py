@@ -292,9 +292,9 @@ class Model:
     name: str
     source: Source
     place: Place
-    file_stem: str = ""
-    links: Links = field(default_factory=dict)
-    observes: tuple[tuple[str, str], ...] = ()
+    file_stem: str = field(default="", compare=False)
+    links: Links = field(default_factory=dict, compare=False)
+    observes: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:

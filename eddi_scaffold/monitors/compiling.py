@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,11 +14,12 @@ from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.compiling.compilation import module_text
 from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.compiling.expressions.emission import expression_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
+from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.compiling.program.instructions import Program
 from eddi_scaffold.compiling.text import comment
 from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.kinds import Kind, Model
+from eddi_scaffold.monitors.digest import digest_of
 from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
 
 
@@ -64,10 +64,9 @@ def compile_monitor(
         EddiError: the runtime refuses the monitor (K028).
     """
     source, path = model.source, model.place.path
-    compiled = model.compile(Declaration(model.name, _NO_DIGEST, tuple(inputs)))
-    digest, compiled = _with_digest(
-        replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
-    )
+    digest = digest_of(kind.name, model, tuple(inputs))
+    compiled = model.compile(Declaration(model.name, digest, tuple(inputs)))
+    compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
     origin = f"{comment(source.file_name)} {comment(path or '')}"
     text = module_text(kind.name, compiled, model.name, origin)
     module = CompiledModule(text.removesuffix("\n"), compiled.tables, compiled.program)
@@ -91,21 +90,6 @@ def compile_monitor(
         dict(model.links) or None,
     )
     return module, facts
-
-
-_NO_DIGEST = "0" * 64
-
-
-def _with_digest(compiled: CompiledMonitor) -> tuple[str, CompiledMonitor]:
-    """Return the digest of all that decides what a monitor computes, and the monitor with it."""
-    digest = hashlib.sha256(str(compiled.format).encode())
-    for line in compiled.lines:
-        digest.update(f"{line}\n".encode())
-    for name, data in sorted(compiled.tables.items()):
-        digest.update(f"{name} {hashlib.sha256(data).hexdigest()}\n".encode())
-    text = digest.hexdigest()
-    written = {f'    digest = "{_NO_DIGEST}"': f'    digest = "{text}"'}
-    return text, replace(compiled, lines=[written.get(line, line) for line in compiled.lines])
 
 
 def _result(inputs: Sequence[BoundInput], accepted: Sequence[Acceptance]) -> Claim:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import hashlib
 import json
 import re
 from collections.abc import Iterator, Mapping
@@ -20,6 +22,8 @@ REFUSED = 2
 
 _LAST_OF_HEAD = "# sha256 of the lines below: "
 _DIGEST = re.compile(r'(?m)^(    digest = )"[0-9a-f]{64}"$')
+_COMPUTED: dict[str, str] = {}
+"""Digest of a model -> that of what it computes, of all that were compiled here."""
 _MEANT_TO_CHANGE = {"model_sha256", "generator_version"}
 
 
@@ -53,7 +57,15 @@ def compiled(folder: Path, *words: object) -> Parts:
         return {}
     assert file.exists(), result
     answers = yaml.load(file.read_text("utf-8"), yaml.CSafeLoader)
-    return parts_of(compiled_text(answers))
+    parts = parts_of(compiled_text(answers))
+    digest, computed = json.loads(answers["facts_json"])["digest"], computed_by(parts["body"])
+    assert _COMPUTED.setdefault(digest, computed) == computed, "two models have one digest"
+    return parts
+
+
+def computed_by(body: str) -> str:
+    """Return a digest of what a text computes: comments and the form of its lines do not count."""
+    return hashlib.sha256(ast.dump(ast.parse(body)).encode()).hexdigest()
 
 
 def parts_of(text: str) -> Parts:

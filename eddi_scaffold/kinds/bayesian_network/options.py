@@ -44,10 +44,10 @@ class NetworkOptions:
     observed: tuple[str, ...]
     declarations: tuple[Declaration, ...]
     direct: Mapping[str, str]
-    inputs: tuple[ModelInput, ...]
-    width: Width
+    inputs: tuple[ModelInput, ...] = field(compare=False)
+    width: Width = field(compare=False)
     foreseen: tuple[str, ...] | None = None
-    renamed: Mapping[str, str] = field(default_factory=dict)
+    renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
     virtual: bool = True
     on_inconsistent: str = "silent"
     explain: bool = False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from eddi_scaffold.common.claims import Use
@@ -70,10 +70,10 @@ class Events:
         placed: where the lines stand, ``None`` in a file of events.
     """
 
-    text: str
+    text: str = field(compare=False)
     analysis: Analysis
     rate: float
-    placed: Placed | None = None
+    placed: Placed | None = field(default=None, compare=False)
 
 
 def read_text(

@@ -62,7 +62,7 @@ class SafeMLSettings:
     """
 
     window_size: int
-    reference_sample_file: str
+    reference_sample_file: str = field(compare=False)
     significance_level: float
     metric: Metric
     n_components: int | None = None
@@ -238,7 +238,7 @@ class Plan:
 
     settings: SafeMLSettings
     spec: DesignSpec
-    design: Design
+    design: Design = field(compare=False)  # made of the reference by the specification
     n: int
     level: float
     theoretical: float

@@ -1,0 +1,166 @@
+"""The digest by which robots know a model: what computes something else has another one."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, make_dataclass
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+import yaml
+
+from eddi_scaffold.common.problems import Place
+from eddi_scaffold.compiling.monitor import BoundInput
+from eddi_scaffold.kinds.bayesian_network.network import Network, Node
+from eddi_scaffold.monitors.digest import digest_of
+from tests.cli.command import run
+from tests.frozen import corpus
+from tests.frozen.random_models import MAKERS
+from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of, write
+
+EDITS = 12
+"""Of one model in a run."""
+_TOKEN = re.compile(r"[A-Za-z_]\w*|\d+(?:\.\d+)?")
+
+
+@pytest.fixture(autouse=True)
+def no_pgmpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the comparison with pgmpy, which takes long."""
+    monkeypatch.setitem(sys.modules, "pgmpy", None)
+
+
+def compiled(folder: Path) -> tuple[str, str] | None:
+    """Return the digest of a compiled monitor, and what it computes: its text without comments."""
+    configs = corpus.configurations(folder)
+    words = ("-c", *configs) if configs else ("-m", *corpus.models(folder))
+    result = run("answers", *words, "-o", "answers.yml", "--platform", "plain", cwd=folder)
+    if result.status == REFUSED:
+        return None
+    answers = yaml.load((folder / "answers.yml").read_text("utf-8"), yaml.CSafeLoader)
+    digest = json.loads(answers["facts_json"])["digest"]
+    return digest, computed_by(parts_of(compiled_text(answers))["body"])
+
+
+def edited(files: Mapping[str, str], rng: Random) -> Mapping[str, str]:
+    """Return files in which one number or word is another one, or one line is gone."""
+    name = rng.choice(sorted(files))
+    text = files[name]
+    tokens = list(_TOKEN.finditer(text))
+    token = rng.choice(tokens)
+    if rng.random() < 0.15:
+        lines = text.splitlines(keepends=True)
+        del lines[rng.randrange(len(lines))]
+        return {**files, name: "".join(lines)}
+    other = rng.choice([one[0] for one in tokens if one[0][0].isdigit() == token[0][0].isdigit()])
+    if token[0].isdigit() and rng.random() < 0.5:
+        other = str(int(token[0]) + 1)
+    return {**files, name: text[: token.start()] + other + text[token.end() :]}
+
+
+def models(kind: str) -> Iterator[tuple[int, Mapping[str, str]]]:
+    for number in range(6):
+        files = MAKERS[kind](number)
+        if not any(len(re.findall("<ConSert |<FaultTree ", text)) > 1 for text in files.values()):
+            yield number, files
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", MAKERS)
+def test_monitors_that_differ_have_different_digests(kind: str, tmp_path: Path) -> None:
+    computed: dict[str, str] = {}
+    for number, files in models(kind):
+        rng = Random(f"{kind} {number}")
+        for edit in range(EDITS):
+            changed = edited(files, rng) if edit else files
+            data = {name: text.encode() for name, text in changed.items()}
+            if (monitor := compiled(write(tmp_path / f"{number}-{edit}", data))) is not None:
+                digest, text = monitor
+                assert computed.setdefault(digest, text) == text, (number, edit)
+    assert len(computed) > EDITS // 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", MAKERS)
+def test_lines_that_move_and_comments_change_no_digest(kind: str, tmp_path: Path) -> None:
+    comments = {".yml": "# moved\n\n", ".events": "// moved\n\n", ".csv": "# moved\n"}
+    compared = 0
+    for number, files in models(kind):
+        data = {name: text.encode() for name, text in files.items()}
+        moved = {
+            name: f"{comments.get(Path(name).suffix, '')}{text}\n".encode()
+            for name, text in files.items()
+        }
+        before = compiled(write(tmp_path / f"{number}", data))
+        if before is not None:
+            after = compiled(write(tmp_path / f"{number}-moved" / "elsewhere", moved))
+            assert after == before, number
+            compared += 1
+    assert compared > 2
+
+
+@dataclass(frozen=True)
+class Options:
+    limits: tuple[Fraction, ...]
+    names: frozenset[str] = frozenset()
+    description: str = ""
+    derived: int = field(default=0, compare=False)
+    place: Place | None = None
+
+
+def test_what_decides_nothing_is_left_out() -> None:
+    options = Options((Fraction(1, 3),))
+    about = Options((Fraction(1, 3),), description="a", derived=1, place=Place("b.yml", 2))
+    assert digest_of(about) == digest_of(options)
+    assert digest_of(Options((Fraction(1, 3),), frozenset({"a"}))) != digest_of(options)
+
+
+def test_a_new_field_with_a_default_changes_no_digest() -> None:
+    fields: list[Any] = [("limits", tuple[Fraction, ...]), ("added", float, 1.0)]
+    newer = make_dataclass("Options", fields, frozen=True)
+    old = digest_of(Options((Fraction(1, 3),)))
+    assert (digest_of(newer((Fraction(1, 3),))) == old, digest_of(newer((), 2.0)) == old) == (
+        True,
+        False,
+    )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"id": "b"},
+        {"attribute": "b"},
+        {"requires": ("x",)},
+        {"max_age": "none"},
+        {"factor": (1, 1000)},
+        {"default": 1},
+        {"default": True},
+        {"default": 1.0},
+        {"every_message": True},
+        {"expression": {"parts": ()}},
+        {"accepts": ("max_age: none",)},
+    ],
+)
+def test_each_property_of_an_input_counts(change: Mapping[str, Any]) -> None:
+    inputs = BoundInput("a", "a"), BoundInput(**{"id": "a", "attribute": "a", **change})
+    before, after = (digest_of(input_) for input_ in inputs)
+    assert before != after
+
+
+def test_what_has_no_text_is_refused() -> None:
+    with pytest.raises(TypeError, match="of the type object"):
+        digest_of(object())
+
+
+def test_a_large_network_is_quick() -> None:
+    table = tuple(Random(1).random() for _ in range(262_144))
+    network = Network("n", (Node("a", "a", ("x", "y"), (), table),))
+    start = time.process_time()
+    digest_of(network)
+    assert time.process_time() - start < 0.5  # 0.1 s where nothing else runs
