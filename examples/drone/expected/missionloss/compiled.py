@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: 14955a259c7f6acf24253bcd9e027f9e2ee25d5cfd909ea647beeee3b9912d7f
+# sha256 of the lines below: 899ad1b020d4c92356035b996c90b90f07a4143b9bac580d64a987351a716752
 
 
 # Markov Rotors
@@ -96,7 +96,7 @@ class Tree1(tree.FaultTree):
 
 class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
-    digest = "f1cfe764d3228de6d6809971739d65d4760c91c1ada6a011656b07b33b146151"
+    digest = "65f0153670f13c4e188645cf228d316d65ac882bde5badc8fd8812ac4563c387"
     inputs = (
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),

@@ -9,14 +9,14 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: 320342972622b0c4926006c42ad323b0b329f3ed7cdd233adfcafeee04754086
+# sha256 of the lines below: 0c0083e5d6aa409242fa47c75b3f3a4bc6f8e87e413c5bcadd9bb04469a666fb
 INF = float("inf")
 NAN = float("nan")
 
 
 class Monitor(event.EventMonitor):
     model_id = "motor_watch"
-    digest = "22f37059697f407dea845f4fb14244d74f773e4cd41733d201936147cb68f3d9"
+    digest = "d50db499454ce80280ea63411dae6f95a936d631df27552e914b50ec3ead444a"
     inputs = (
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),

@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: c8033b930d8e3a9a1f3b1d95b244ff74a310198d7249b0d7e5e675f7d27f7484
+# sha256 of the lines below: 245cc55da17ed4c5a3150f950df201c69a7847a99e12ca6c70c0df59ede6c6f0
 
 
 def part_0_0_total(v):
@@ -177,7 +177,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "636c9f070d5cdfdcb6212fcdf603bbb54d3c754558078719eace67c237fdca2a"
+    digest = "32f23d480d3921887c338854431ec56741d3f8b3fff06a4292fadaae91f9289f"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),

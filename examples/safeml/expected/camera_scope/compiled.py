@@ -8,12 +8,12 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: 49252511ef61ef991d5b44171899302812dc2f6ba4a548e71efa5b33ad9bf0af
+# sha256 of the lines below: f1a1e4e0f7dcab1c8e0dcc5d4135afb6597d61be0632e81a79d74c1e6f8c47b1
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
-    digest = "6cd3375307ef35816b0885ab37595490a96c03aad30e40693457d1a1b6cd4ef0"
+    digest = "b8587ca9114806394807b99ee989e1ec7b3b67f886b3ca523eed483def5bcfac"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
     metric = "ad"
     metric_name = "AndersonDarlingDistance"

@@ -8,13 +8,13 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: bdec77ad5ae56019269eea90268a2d66862f4fd7b66fef65601feca8733c1d0c
+# sha256 of the lines below: 7e50fb7e03abe61807019ffea2a1a936c94e0e54e4e070fbcb9b0a5eed64ea5f
 INF = float("inf")
 
 
 class Monitor(consert.ConSert):
     model_id = "rover"
-    digest = "b5b7e66866c20f16430b4fd3bcd0550ff69cb6bb4fb81a50afac1774652c8580"
+    digest = "54e385fcbec46bc30296dc69f1b6fc7ddabd25fbb34a40bb8ca0204d6c6d0216"
     inputs = (
         InputSpec("MapKnown", "MapKnown", requires=("MapKnown",)),
         InputSpec("Distance", "Distance", requires=("Distance",)),

@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 1f5435c335c4e9ed8e733ff610731897bf755b63d4ec3e8c7fafa914ac1e0404
+# sha256 of the lines below: f452720f40bbc3743b1899692ea033ffa9078479db96fef34579143283e2c820
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertB"
-    digest = "4b14d5e67fa27f9f362478ebca7a37a581eaf8738ff9439c700c30a90877d19e"
+    digest = "5ef85d7b82b47a12e07a6f435cb1fca2bbfa2c99a733542ddfe22c4a844337d1"
     inputs = (
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),

@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 66e56c4c4d1c5f7b477d5f48933db573a1819041f24089f25dcdaed51ab32f29
+# sha256 of the lines below: 37dd7bbb40363ce2d356389f7b273a8138d34184b9b7ff11e7eea26cddd4c1cf
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertA"
-    digest = "1740b131ffeb57dad6c2286b89e1d6b5de18cf2f585ab9357323c71966e27112"
+    digest = "81b1be22af9fd5a478bd706df23b38af7c842bee97bdd23071cd72063dc8fe00"
     inputs = (
         # //@odeProductPackages.0/@conSerts.0/@demands.0
         InputSpec("RtE_A_D0", "RtE_A_D0", requires=("consertb",), max_age=0.5, default=False),
