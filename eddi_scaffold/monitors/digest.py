@@ -67,7 +67,7 @@ def _text(value: object) -> str:
 
 
 def _decisive(value: Any) -> Iterator[str]:
-    for name, usual in _fields(type(value)):
+    for name, usual in _fields(value.__class__):
         text = _text(getattr(value, name))
         if text not in ("", usual):
             yield f"{name}={text}"
