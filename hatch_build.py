@@ -25,7 +25,6 @@ PATHS = (
     "copier.yml",
     "copier_templates",
     "eddi_scaffold/__init__.py",
-    "eddi_scaffold/compiling",
     "eddi_scaffold/regions",
     "runtime_lib/src",
 )

@@ -32,12 +32,13 @@ from eddi_runtime.bayesian_network import BayesianNetworkMonitor  # noqa: E402 -
 from benchmarks import bayesian_network_peers as peers  # noqa: E402
 from benchmarks.bayesian_network_peers import Evidence, Net  # noqa: E402
 from benchmarks.timing import per_call  # noqa: E402
-from eddi_scaffold.compiling.execution import module_of  # noqa: E402
-from eddi_scaffold.compiling.monitor import BoundInput, Declaration  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.structure import Shape  # noqa: E402
 from eddi_scaffold.kinds.bayesian_network.width import Width, width_of  # noqa: E402
+from eddi_scaffold.program.input_expressions import BoundInput  # noqa: E402
+from eddi_scaffold.program.monitor_text import Declaration  # noqa: E402
+from eddi_scaffold.program.running import module_of  # noqa: E402
 from runtime_lib.tests.compiled_models import text_of  # noqa: E402
 
 CRITICAL = [0.2, 0.8, 0.1, 0.9, 0.05, 0.95, 0.5, 0.5, 0.25, 0.75, 0.1, 0.9]

@@ -28,9 +28,9 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
-from eddi_scaffold.compiling.expressions.engine import build_engine  # noqa: E402 - runs from the checkout
 from eddi_scaffold.conditions import analyse  # noqa: E402
 from eddi_scaffold.conditions.standalone import generate  # noqa: E402
+from eddi_scaffold.program.running import build_engine  # noqa: E402 - runs from the checkout
 
 RATE = 100
 PERIOD = 10**9 // RATE

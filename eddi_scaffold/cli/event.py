@@ -76,7 +76,7 @@ def event(
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
     from eddi_scaffold.conditions.standalone import without_limits
-    from eddi_scaffold.targets.names import check_module_name
+    from eddi_scaffold.program.standalone import check_module_name
 
     path = file or _file_of(text or "")
     if serve:
@@ -129,7 +129,7 @@ def _source(text: str, path: Path | None) -> tuple[str, str]:
 def _name_of(file: Path) -> str:
     """Return the prefix of files and functions; report it where it is not the file's name."""
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.targets.names import module_name
+    from eddi_scaffold.program.standalone import module_name
 
     name = module_name(file.stem)
     if name != file.stem:
@@ -238,7 +238,7 @@ def _write(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.targets.kept_bodies import keep_in_folder
+    from eddi_scaffold.program.kept_bodies import keep_in_folder
 
     lost: list[str] = []
     if output is not None:

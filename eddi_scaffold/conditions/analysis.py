@@ -63,7 +63,7 @@ class Analysis:
         events: in the order of the text; those with an error are left out.
         variables: those that are used, in the order of the form.
         enums: ENUM -> literals.
-        form: the intermediate form (``eddi_scaffold.compiling.expressions.form``); ``None`` after
+        form: the intermediate form (``eddi_scaffold.program.builder``); ``None`` after
             an error.
         text: what was analysed.
     """

@@ -7,9 +7,6 @@ from dataclasses import replace
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import root
-from eddi_scaffold.compiling.expressions.form import MAX_CAPACITY
-from eddi_scaffold.compiling.program.instructions import BUFFERED
-from eddi_scaffold.compiling.program.instructions import WINDOWS as WINDOW_OPS
 from eddi_scaffold.conditions.alignment import Pair, Value, aligned
 from eddi_scaffold.conditions.findings import TextFindings
 from eddi_scaffold.conditions.form_builder import GraphBuilder, capacity
@@ -18,6 +15,9 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Scope, Type
 from eddi_scaffold.conditions.signatures import arguments_of, result_of
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
 from eddi_scaffold.conditions.uses import Bounds, bounds, decided
+from eddi_scaffold.program.builder import MAX_CAPACITY
+from eddi_scaffold.program.instructions import BUFFERED
+from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
 
 _ORDER = ("lt", "le", "gt", "ge")
 _SAME_UNIT = ("add", "sub", *_ORDER, "eq", "ne", "least", "greatest", "hypot")

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.form import SIGNATURES, VERSION
-from eddi_scaffold.compiling.program.instructions import BUFFERED
+from eddi_scaffold.program.builder import SIGNATURES, VERSION
+from eddi_scaffold.program.instructions import BUFFERED
 
 Row = dict[str, Any]
 _CONSTANTS = ("number", "truth", "literal")

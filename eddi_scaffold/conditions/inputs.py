@@ -1,4 +1,4 @@
-"""Expressions of EDDI inputs: checked here, compiled by ``eddi_scaffold.compiling``."""
+"""Expressions of EDDI inputs: checked here, compiled by ``eddi_scaffold.program``."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CompiledExpression:
     """A checked expression of an input.
 
     Attributes:
-        document: JSON for ``eddi_scaffold.compiling.expressions``.
+        document: JSON for ``eddi_scaffold.program``.
         names: variables, in order and once each.
         requires: first words of the variables: SimulatorOutputs, or other inputs.
         canonical: the expression in canonical form; several for a state.

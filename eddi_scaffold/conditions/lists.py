@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.common.units import converted, find
-from eddi_scaffold.compiling.program.reduction import OPERATIONS, TRUTHS
 from eddi_scaffold.conditions.findings import TextFindings
 from eddi_scaffold.conditions.form_builder import GraphBuilder
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, Scope, Variable
@@ -19,6 +18,7 @@ from eddi_scaffold.conditions.syntax import (
     canonical,
     is_list_path,
 )
+from eddi_scaffold.program.lists import OPERATIONS, TRUTHS
 
 _PLAIN = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
 _KEEP_INFINITY = ("list_min", "list_max", "list_median")

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
-from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.program.instructions import BOOL
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.syntax import is_list_path
+from eddi_scaffold.program.instructions import BOOL
+from eddi_scaffold.program.running import build_engine
 
 Verdict = bool | float | None
 """A truth value or a number; None is UNKNOWN."""

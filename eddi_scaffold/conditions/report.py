@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from eddi_scaffold.common.problems import has_errors, plural
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import duration_text
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation
 
 _ARRAYS = {"count": 1, "median": 3, "sum": 4, "average": 4, "stddev": 4}
 """Buffered operation -> arrays of 8 bytes per sample in C; 2 for all others."""

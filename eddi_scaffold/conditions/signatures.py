@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from eddi_scaffold.compiling.expressions.form import SIGNATURES
-from eddi_scaffold.compiling.program.reduction import TRUTHS
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type
 from eddi_scaffold.conditions.syntax import REDUCTIONS
+from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.lists import TRUTHS
 
 _KINDS = {"number": NUMBER, "bool": BOOL}
 _NUMBERS = (NUMBER, NUMBER, NUMBER)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from eddi_scaffold.common.problems import Place, Problem, problem
-from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.conditions.analysis import Analysis
-from eddi_scaffold.targets import Target, printed
-from eddi_scaffold.targets.monitor_model import StandaloneMonitor, named
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
+from eddi_scaffold.program.standalone_python import python_module
 
 __all__ = ["Target", "generate", "monitor_model", "without_limits"]
+
+_FILES = {"python": python_module, "c": c_files}
 
 
 def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
@@ -22,7 +25,7 @@ def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
     Raises:
         EddiError: the language has no lists or texts yet (E026).
     """
-    return printed(monitor_model(analysis, name), target)
+    return _FILES[target](monitor_model(analysis, name))
 
 
 def without_limits(analysis: Analysis, file: str) -> list[Problem]:

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
     from eddi_scaffold.common.claims import Claim
     from eddi_scaffold.common.files import Source
     from eddi_scaffold.common.problems import Problem
-    from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
     from eddi_scaffold.diagrams import Diagram
     from eddi_scaffold.eddi_xml.document import EddiDocument
     from eddi_scaffold.eddi_xml.links import Links
+    from eddi_scaffold.program.input_expressions import BoundInput
+    from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 InputType = Literal["bool", "float", "int", "str", "state", "float[]", "bool[]"]
 """``state``: a text, the name of a state, or one number per state (likelihoods)."""

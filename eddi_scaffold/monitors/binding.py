@@ -21,7 +21,6 @@ from eddi_scaffold.common.problems import (
     has_errors,
     problem,
 )
-from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.field_paths import documented_at, resolve
 from eddi_scaffold.config.file import ConfigFile
@@ -46,6 +45,7 @@ from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
 from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.input_rules import taken
+from eddi_scaffold.program.input_expressions import BoundInput
 
 _PYTHON_TYPES: dict[str, type | tuple[type, ...]] = {
     "bool": bool,

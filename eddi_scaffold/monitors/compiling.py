@@ -11,16 +11,15 @@ from eddi_runtime.history import EDDIInputBase
 
 from eddi_scaffold.common.claims import Acceptance, Claim
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.emission import expression_lines
-from eddi_scaffold.compiling.monitor import BoundInput, Declaration
-from eddi_scaffold.compiling.program.instructions import Program
-from eddi_scaffold.compiling.text import comment
 from eddi_scaffold.conditions.uses import inputs_of
 from eddi_scaffold.kinds import Kind, Model
 from eddi_scaffold.monitors.digest import digest_of
 from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
+from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
+from eddi_scaffold.program.instructions import Program
+from eddi_scaffold.program.monitor_text import Declaration, module_text
+from eddi_scaffold.program.python_text import comment
+from eddi_scaffold.program.running import module_of
 
 
 @dataclass(frozen=True)

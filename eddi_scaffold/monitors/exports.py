@@ -15,8 +15,8 @@ from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, read_models, select_models, unfit
-from eddi_scaffold.targets import Target, printed
-from eddi_scaffold.targets.monitor_model import named
+from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.standalone import Target, named
 
 
 def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
@@ -68,7 +68,7 @@ def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, st
             problem("E026.kind", model.place, target=target, title=kind.title, model=model.name)
         )
     source = (f"{kind.title} {model.name}", f"{model.source.file_name} {model.place.path or ''}")
-    return printed(named(program, name, source, kind=kind.name), target)
+    return c_files(named(program, name, source, kind=kind.name))
 
 
 def without_limits(monitor: BoundMonitor) -> list[Problem]:

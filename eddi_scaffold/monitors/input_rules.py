@@ -13,7 +13,6 @@ from eddi_runtime.inputs import UNSAFE_DEFAULT
 
 from eddi_scaffold.common.claims import Acceptance, Meaning
 from eddi_scaffold.common.escaping import python_literal
-from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.conditions.uses import accepted, lasts
 from eddi_scaffold.config.field_paths import (
     Attribute,
@@ -25,6 +24,7 @@ from eddi_scaffold.config.field_paths import (
 )
 from eddi_scaffold.config.schema import InputEntry
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
+from eddi_scaffold.program.input_expressions import BoundInput
 
 _LIMITLESS = "max_age: none"
 

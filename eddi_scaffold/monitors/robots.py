@@ -8,7 +8,6 @@ from typing import Any
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import attribute, full_topic
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.compiling.program.instructions import BUFFERED, STARTS
 from eddi_scaffold.config.field_paths import Attribute, ByKey, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
@@ -16,6 +15,7 @@ from eddi_scaffold.kinds import JsonValue, Kind
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.program.instructions import BUFFERED, STARTS
 
 MESSAGE = "eddi_messages/RobotGuarantees"
 _PERIODS = 3

@@ -11,12 +11,12 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.common.files import stays
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
 from eddi_scaffold.platforms import Platform, owner_of
+from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from eddi_scaffold.regions.package import MANIFEST, BusyError, locked
 
 _OF_INPUTS = ("id", "attribute", "title", "sources", "region_begin")

@@ -12,7 +12,6 @@ from shlex import quote
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
-from eddi_scaffold.compiling.parts import PEERS, runtime_parts_of
 from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
@@ -27,6 +26,7 @@ from eddi_scaffold.platforms import (
     Platform,
     Templates,
 )
+from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
 from eddi_scaffold.ros_packages.messages import types_of
 
 _IDS = {

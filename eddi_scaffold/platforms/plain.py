@@ -9,11 +9,11 @@ from shlex import quote
 from eddi_scaffold.common.escaping import python_literal, toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
+from eddi_scaffold.program.runtime_parts import runtime_parts_of
 
 _TEMPLATES = Templates("plain_monitor")
 

@@ -12,7 +12,6 @@ import rospkg
 
 from eddi_scaffold import platforms
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.compiling.parts import HOST
 from eddi_scaffold.config.message_types import known_messages, packages_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
@@ -28,6 +27,7 @@ from eddi_scaffold.platforms import (
     Workspace,
     built_in,
 )
+from eddi_scaffold.program.runtime_parts import HOST
 from eddi_scaffold.ros_packages import packages
 from eddi_scaffold.ros_packages.messages import (
     class_of,

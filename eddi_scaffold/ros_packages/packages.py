@@ -11,12 +11,12 @@ import rospkg
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.compiling.parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.config.message_types import element, fields_of, is_primitive
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import identity_answers
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication
+from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
 from eddi_scaffold.regions.package import LINK, entries
 
 _DIAGNOSTICS = ("/diagnostics", "diagnostic_msgs/DiagnosticArray")

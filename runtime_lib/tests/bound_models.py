@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.emission import expression_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
+from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, module_text
+from eddi_scaffold.program.running import module_of
 
 DIGEST = 64 * "0"
 

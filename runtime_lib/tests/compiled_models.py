@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, module_text
+from eddi_scaffold.program.running import module_of
 
 
 def text_of(kind: str, compiled: CompiledMonitor, declaration: Declaration) -> str:

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from eddi_runtime import expressions
 
-from eddi_scaffold.compiling.program.instructions import Program, Read
-from eddi_scaffold.targets.c import c_files
-from eddi_scaffold.targets.monitor_model import StandaloneMonitor
+from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.instructions import Program, Read
+from eddi_scaffold.program.standalone import StandaloneMonitor
 from tests.conditions.formulas import Step
 
 FLAGS = [

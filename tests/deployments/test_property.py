@@ -16,8 +16,8 @@ from eddi_runtime.expressions import expression
 from hypothesis import settings
 
 from eddi_scaffold.common.problems import EddiError, has_errors
-from eddi_scaffold.compiling import execution
 from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.program import running as execution
 from eddi_scaffold.recordings import node
 from tests.deployments.cases import deployment_of as deployment_of_case
 from tests.deployments.cases import read_case

@@ -17,9 +17,9 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.digest import digest_of
+from eddi_scaffold.program.input_expressions import BoundInput
 from tests.cli.command import run
 from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS

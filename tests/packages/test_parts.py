@@ -11,7 +11,7 @@ from typing import Any
 import jinja2
 import pytest
 
-from eddi_scaffold.compiling.parts import HOST, LIFE_CYCLE, PARTS, with_needed
+from eddi_scaffold.program.runtime_parts import HOST, LIFE_CYCLE, PARTS, with_needed
 from eddi_scaffold.regions.check import list_regions
 from tests.cli.command import run
 

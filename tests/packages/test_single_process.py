@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.compiling.parts import HOST
+from eddi_scaffold.program.runtime_parts import HOST
 from tests.cli.command import EXAMPLE, run
 
 MODEL = EXAMPLE / "two_conserts.xml"

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from eddi_runtime import __version__
 
-from eddi_scaffold.compiling.parts import PARTS
+from eddi_scaffold.program.runtime_parts import PARTS
 from tests.checkouts import HERE, assert_licensed, run
 from tests.cli.command import EXAMPLE
 from tests.cli.command import run as eddi

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from eddi_scaffold.common.claims import Acceptance, Claim, Meaning, Meanings
-from eddi_scaffold.compiling.monitor import BoundInput
 from eddi_scaffold.kinds.bayesian_network.discretisation import UNOBSERVED
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
+from eddi_scaffold.program.input_expressions import BoundInput
 
 _EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
 _VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)

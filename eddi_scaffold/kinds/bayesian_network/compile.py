@@ -6,25 +6,6 @@ import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
-from eddi_scaffold.compiling.text import (
-    Group,
-    Item,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    numbers,
-    returned,
-    text_literal,
-    tuple_of,
-    unpacked,
-)
-from eddi_scaffold.compiling.text import (
-    Part as Text,
-)
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
     Part,
     Program,
@@ -45,6 +26,28 @@ from eddi_scaffold.kinds.bayesian_network.table_text import (
 )
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.width import WIDE, Plan
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import (
+    CompiledMonitor,
+    Declaration,
+    attribute_of,
+    head_lines,
+)
+from eddi_scaffold.program.python_text import (
+    Group,
+    Item,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    numbers,
+    returned,
+    text_literal,
+    tuple_of,
+    unpacked,
+)
+from eddi_scaffold.program.python_text import Part as Text
 
 FORMAT = 3
 MODULES = (

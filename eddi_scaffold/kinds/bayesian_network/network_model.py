@@ -12,7 +12,6 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meanings
 from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
@@ -45,6 +44,8 @@ from eddi_scaffold.kinds.bayesian_network.read_xdsl import read_xdsl
 from eddi_scaffold.kinds.bayesian_network.read_xmlbif import read_xmlbif, without_doctype
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 NAME = "bayesian_network"
 

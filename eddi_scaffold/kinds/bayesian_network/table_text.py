@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_scaffold.compiling.text import WIDTH, Group, Item, number, returned, unpacked
+from eddi_scaffold.program.python_text import WIDTH, Group, Item, number, returned, unpacked
 
 
 def sum_lines(target: str, terms: Sequence[str], indent: int) -> list[str]:

@@ -8,10 +8,22 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from eddi_scaffold.common.graphs import in_order, reached
-from eddi_scaffold.compiling.expressions.inlining import inlined
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
-from eddi_scaffold.compiling.program.instructions import (
+from eddi_scaffold.kinds.consert.graph import inputs_of, written_paths
+from eddi_scaffold.kinds.consert.model import (
+    BinaryDimension,
+    Bound,
+    CategoricalDimension,
+    ConSert,
+    ConSertOptions,
+    Demand,
+    Evidence,
+    Gate,
+    Guarantee,
+    Range,
+)
+from eddi_scaffold.kinds.consert.ranges import exact, range_text
+from eddi_scaffold.program.input_expressions import BoundInput, inlined
+from eddi_scaffold.program.instructions import (
     BOOL,
     MAX_NS,
     NUMBER,
@@ -22,8 +34,14 @@ from eddi_scaffold.compiling.program.instructions import (
     Read,
     Result,
 )
-from eddi_scaffold.compiling.program.python import Printer
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.program.monitor_text import (
+    CompiledMonitor,
+    Declaration,
+    attribute_of,
+    head_lines,
+)
+from eddi_scaffold.program.python_step import Printer
+from eddi_scaffold.program.python_text import (
     Group,
     Item,
     Part,
@@ -39,20 +57,6 @@ from eddi_scaffold.compiling.text import (
     unpacked,
     variables,
 )
-from eddi_scaffold.kinds.consert.graph import inputs_of, written_paths
-from eddi_scaffold.kinds.consert.model import (
-    BinaryDimension,
-    Bound,
-    CategoricalDimension,
-    ConSert,
-    ConSertOptions,
-    Demand,
-    Evidence,
-    Gate,
-    Guarantee,
-    Range,
-)
-from eddi_scaffold.kinds.consert.ranges import exact, range_text
 
 FORMAT = 3
 MODULES = ("filters", "search")

@@ -13,7 +13,6 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Mea
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, has_errors, in_order
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
@@ -38,6 +37,8 @@ from eddi_scaffold.kinds.consert.read_yaml import read_draft
 from eddi_scaffold.kinds.consert.show import covered_text
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 _ACTIVE = Meaning(
     (False,),

@@ -6,13 +6,25 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
-from eddi_scaffold.compiling.program.instructions import NUMBER, Program, Read, reads_of_results
-from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
-from eddi_scaffold.compiling.program.sampling import HostInput, Sampling
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.conditions.uses import accepted
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.instructions import (
+    NUMBER,
+    HostInput,
+    Program,
+    Read,
+    Sampling,
+    reads_of_results,
+)
+from eddi_scaffold.program.monitor_text import (
+    CompiledMonitor,
+    Declaration,
+    attribute_of,
+    head_lines,
+)
+from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
+from eddi_scaffold.program.python_text import (
     Part,
     assignment,
     call,
@@ -22,7 +34,6 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
     unpacked,
 )
-from eddi_scaffold.conditions.uses import accepted
 
 FORMAT = 1
 

@@ -10,7 +10,6 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Mea
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.findings import line_and_column
 from eddi_scaffold.conditions.report import cost_line
@@ -20,6 +19,8 @@ from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResu
 from eddi_scaffold.kinds.event import read_eddi
 from eddi_scaffold.kinds.event.compile import compile_events
 from eddi_scaffold.kinds.event.events import NAME, Events, commented, input_of, read_text, uses_of
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 _VERDICT = Meaning(
     (1,),

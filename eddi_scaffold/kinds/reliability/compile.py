@@ -4,22 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from eddi_scaffold.compiling.inputs import attribute_of, head_lines
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
-from eddi_scaffold.compiling.text import (
-    WIDTH,
-    Group,
-    Item,
-    Part,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    returned,
-    text_literal,
-    tuple_of,
-)
 from eddi_scaffold.kinds.reliability import component_text
 from eddi_scaffold.kinds.reliability.chains import Chain, mean_times
 from eddi_scaffold.kinds.reliability.component_text import NODES_WRITTEN_OUT, STATES_WRITTEN_OUT
@@ -40,6 +24,27 @@ from eddi_scaffold.kinds.reliability.lowering import (
     order_chain,
 )
 from eddi_scaffold.kinds.reliability.system import DYNAMIC, ReliabilitySystem
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import (
+    CompiledMonitor,
+    Declaration,
+    attribute_of,
+    head_lines,
+)
+from eddi_scaffold.program.python_text import (
+    WIDTH,
+    Group,
+    Item,
+    Part,
+    assignment,
+    call,
+    comment,
+    literal,
+    number,
+    returned,
+    text_literal,
+    tuple_of,
+)
 
 FORMAT = 2
 MODULES = (

@@ -6,7 +6,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import fsum, inf
 
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.kinds.reliability.chains import (
+    Chain,
+    certain,
+    mean_times,
+    propagator,
+    rates_of,
+)
+from eddi_scaffold.kinds.reliability.fault_tree import FALSE, TRUE, Diagram
+from eddi_scaffold.kinds.reliability.lowering import Event, FaultTree
+from eddi_scaffold.program.python_text import (
     WIDTH,
     Group,
     Item,
@@ -19,15 +28,6 @@ from eddi_scaffold.compiling.text import (
     text_literal,
     tuple_of,
 )
-from eddi_scaffold.kinds.reliability.chains import (
-    Chain,
-    certain,
-    mean_times,
-    propagator,
-    rates_of,
-)
-from eddi_scaffold.kinds.reliability.fault_tree import FALSE, TRUE, Diagram
-from eddi_scaffold.kinds.reliability.lowering import Event, FaultTree
 
 STATES_WRITTEN_OUT = 8
 """States up to which the sums are written out."""

@@ -9,7 +9,6 @@ from typing import ClassVar
 from eddi_scaffold.common.claims import Claim, Element, Meanings
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
@@ -29,6 +28,8 @@ from eddi_scaffold.kinds.reliability.system import NAME, ReliabilitySystem, orde
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.write import to_mef, to_yaml
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
 
 

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
-from eddi_scaffold.compiling.compilation import module_text
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.component_text import STATES_WRITTEN_OUT
 from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
 from eddi_scaffold.kinds.reliability.lowering import used
 from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import Declaration, module_text
+from eddi_scaffold.program.running import module_of
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300

@@ -5,9 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Sequence
 
-from eddi_scaffold.compiling.inputs import head_lines
-from eddi_scaffold.compiling.monitor import CompiledMonitor, Declaration
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.kinds.safeml.plan import upwards
+from eddi_scaffold.kinds.safeml.scope import (
+    METRIC_NAMES,
+    Plan,
+    ReferenceSample,
+    Rows,
+    SafeMLOptions,
+)
+from eddi_scaffold.kinds.safeml.thresholds import critical_values
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
+from eddi_scaffold.program.python_text import (
     Item,
     Part,
     assignment,
@@ -18,15 +26,6 @@ from eddi_scaffold.compiling.text import (
     text_literal,
     tuple_of,
 )
-from eddi_scaffold.kinds.safeml.plan import upwards
-from eddi_scaffold.kinds.safeml.scope import (
-    METRIC_NAMES,
-    Plan,
-    ReferenceSample,
-    Rows,
-    SafeMLOptions,
-)
-from eddi_scaffold.kinds.safeml.thresholds import critical_values
 
 FORMAT = 1
 MOST_IN_TEXT = 2000

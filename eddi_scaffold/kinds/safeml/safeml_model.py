@@ -9,7 +9,6 @@ from typing import ClassVar
 from eddi_scaffold.common.claims import Claim, Element, Meanings
 from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import (
@@ -34,6 +33,8 @@ from eddi_scaffold.kinds.safeml.scope import (
 )
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
 _PERIODS = 10

@@ -13,7 +13,6 @@ from eddi_runtime.bayesian_network.memory import Remembering
 from eddi_runtime.bayesian_network.readers import Declaration as ReaderDeclaration
 from eddi_runtime.bayesian_network.readers import Discretiser
 
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.compile import (
     FORMAT,
@@ -27,6 +26,8 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, Shape
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.kinds.bayesian_network.width import Width
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from runtime_lib.tests.compiled_models import loaded, text_of
 
 

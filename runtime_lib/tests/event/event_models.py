@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.emission import class_of
-from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.kinds.event.events import Events
+from eddi_scaffold.program.input_expressions import class_of
+from eddi_scaffold.program.instructions import BUFFERED, WINDOWS
+from eddi_scaffold.program.running import module_of
 from runtime_lib.tests.bound_models import bound_input, bound_model
 
 SECOND = 10**9

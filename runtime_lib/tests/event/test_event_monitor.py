@@ -9,7 +9,7 @@ import pytest
 from eddi_runtime.expressions.expression import read_path
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
 
-from eddi_scaffold.compiling.expressions.emission import split_name
+from eddi_scaffold.program.input_expressions import split_name
 
 from . import event_models
 from .event_models import SECOND, form

@@ -11,9 +11,9 @@ from eddi_runtime.expressions import reduced
 from eddi_runtime.expressions.expression import gather
 from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.form import read_reduction
-from eddi_scaffold.compiling.program.lists import reduction_lines
+from eddi_scaffold.program.builder import read_reduction
+from eddi_scaffold.program.lists import reduction_lines
+from eddi_scaffold.program.running import module_of
 
 from .event_models import SECOND, monitor
 

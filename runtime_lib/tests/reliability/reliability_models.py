@@ -7,7 +7,6 @@ from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tu
 
 from eddi_runtime.reliability import Reliability
 
-from eddi_scaffold.compiling.monitor import BoundInput, CompiledMonitor, Declaration
 from eddi_scaffold.kinds.reliability.chains import Chain, rotors_chain, survived
 from eddi_scaffold.kinds.reliability.compile import compile_lowered
 from eddi_scaffold.kinds.reliability.component_text import NODES_WRITTEN_OUT, STATES_WRITTEN_OUT
@@ -29,6 +28,8 @@ from eddi_scaffold.kinds.reliability.lowering import (
     connected,
 )
 from eddi_scaffold.kinds.reliability.system import ReliabilitySystem, Threshold
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from runtime_lib.tests.compiled_models import loaded, text_of
 
 NS = 1_000_000_000

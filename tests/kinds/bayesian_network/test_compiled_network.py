@@ -17,8 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.compiling.parts import runtime_parts_of
 from eddi_scaffold.kinds.bayesian_network import inference_plan, width
+from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     NODES,
@@ -36,7 +36,7 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_row,
     threshold,
 )
-from tests.compiling.formatting import objections
+from tests.program.formatting import objections
 
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 

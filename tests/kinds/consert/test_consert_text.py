@@ -7,9 +7,9 @@ import ast
 import pytest
 from eddi_runtime import ModelError
 
-from eddi_scaffold.compiling.parts import runtime_parts_of
+from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.conserts import categorical, consert, give, numeric
-from tests.compiling.formatting import objections
+from tests.program.formatting import objections
 
 HOSTILE = [
     '"""',

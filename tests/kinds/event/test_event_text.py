@@ -13,10 +13,10 @@ from eddi_scaffold.conditions import analyse
 from runtime_lib.tests import conserts
 from runtime_lib.tests.bound_models import bound_input
 from runtime_lib.tests.event.event_models import SECOND, events, form, monitor
-from tests.compiling.formatting import objections
 from tests.conditions import test_lists
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 from tests.kinds.consert.test_consert_text import HOSTILE
+from tests.program.formatting import objections
 
 LONG = "a_name_of_more_than_twenty_four_characters"
 

@@ -10,11 +10,12 @@ from eddi_runtime.reliability import Reliability
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem, in_order
-from eddi_scaffold.compiling.monitor import BoundInput, Declaration
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.kinds.reliability.compile import compile_system
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
+from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.monitor_text import Declaration
 from runtime_lib.tests.compiled_models import loaded
 
 

@@ -25,7 +25,7 @@ from runtime_lib.tests.reliability.reliability_models import (
     tree,
 )
 from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU, UNITS
-from tests.compiling.formatting import objections
+from tests.program.formatting import objections
 
 ARCS = [[i, j, 0.1 / (1 + i + 2 * j)] for i in range(8) for j in range(8) if i != j]
 DENSE = chain(ARCS, 8, [7], observe=[[0, "new", False], [7, "ok", True]])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.compiling.execution import module_of
 from eddi_scaffold.kinds.reliability.component_text import NODES_WRITTEN_OUT, tree_lines
 from eddi_scaffold.kinds.reliability.fault_tree import Diagram, Gate
 from eddi_scaffold.kinds.reliability.lowering import Event, FaultTree, Named
+from eddi_scaffold.program.running import module_of
 
 
 def compiled(diagram: Diagram, limit: int = NODES_WRITTEN_OUT) -> Any:

@@ -10,7 +10,7 @@ from eddi_runtime import ModelError
 
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from runtime_lib.tests.safeml.monitors import scope, step
-from tests.compiling.formatting import objections
+from tests.program.formatting import objections
 
 ROWS = [[k / 10] for k in range(10)]
 WIDE = np.random.RandomState(1).normal(size=(60, 5)).tolist()

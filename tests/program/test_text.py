@@ -8,7 +8,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.program.python_text import (
     Group,
     Item,
     assignment,
@@ -20,7 +20,7 @@ from eddi_scaffold.compiling.text import (
     tuple_of,
     variables,
 )
-from tests.compiling.formatting import objections
+from tests.program.formatting import objections
 
 anything = st.text(st.characters())
 

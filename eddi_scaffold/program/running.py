@@ -1,20 +1,54 @@
-"""Events in this process: a program, compiled once, stepped with raw values.
-
-Time is passed in. Memory is fixed when the engine is built; a step costs the same whatever the
-length of the windows.
-"""
+"""Compiled text as a running monitor, in a program that has the generator."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import linecache
+from collections.abc import Callable, Mapping, Sequence
+from importlib.abc import Loader
+from importlib.machinery import ModuleSpec
+from pathlib import PurePath
+from types import ModuleType
 from typing import Any
 
-from eddi_scaffold.compiling.execution import module_of
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.program.instructions import Program
-from eddi_scaffold.compiling.program.python import Printer, names_of, stamp_name
-from eddi_scaffold.compiling.program.sampling import Sampling
-from eddi_scaffold.compiling.text import assignment, tuple_of, unpacked
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.instructions import Program, Sampling
+from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
+from eddi_scaffold.program.python_text import assignment, tuple_of, unpacked
+
+_NAME = "compiled"
+
+
+class _Files(Loader):
+    """Gives a module in memory its data files, as loaders of files do (PEP 302)."""
+
+    def __init__(self, data: Callable[[str], bytes]) -> None:
+        self._data = data
+
+    def get_data(self, path: str) -> bytes:
+        """Return the bytes of a file beside the module."""
+        return self._data(PurePath(path).name)
+
+
+def _no_data(name: str) -> bytes:
+    raise FileNotFoundError(name)
+
+
+def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data) -> ModuleType:
+    """Return the module of a compiled text; tracebacks and debuggers show its lines.
+
+    Args:
+        text: of ``compiled.py``.
+        model_id: id of its model.
+        data: name -> bytes of a bulk file beside it.
+    """
+    name = f"<{model_id}>/compiled.py".replace("\0", "?")  # which no name of a file may hold
+    linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
+    module = ModuleType(_NAME)
+    module.__file__ = name
+    module.__spec__ = ModuleSpec(_NAME, _Files(data), origin=name)
+    exec(compile(text, name, "exec"), vars(module))  # noqa: S102 - our own text, in the generator
+    return module
+
 
 Values = tuple[float | int, ...]
 """One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""

@@ -1,15 +1,10 @@
-"""The back end ``python``: straight-line text, one line for each operation of a program.
-
-Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene: AND is the minimum,
-OR the maximum); values of an ENUM are its numbers, -1 is UNKNOWN. Code holds numbers and the given
-names only, all else of a model is in comments.
-"""
+"""Evidence judged in Python: common values by the text, all others by the runtime's function."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from eddi_scaffold.compiling.program.instructions import (
+from eddi_scaffold.program.instructions import (
     BOOL,
     BUFFERED,
     ENUM,
@@ -17,15 +12,15 @@ from eddi_scaffold.compiling.program.instructions import (
     NUMBER,
     STARTS,
     WINDOWS,
+    Interval,
     Operation,
     Program,
     Read,
+    Sampling,
     must_be_finite,
 )
-from eddi_scaffold.compiling.program.judgements import JUDGEMENTS, judgement
-from eddi_scaffold.compiling.program.lists import OPERATIONS, reduction_lines
-from eddi_scaffold.compiling.program.sampling import Sampling
-from eddi_scaffold.compiling.text import (
+from eddi_scaffold.program.lists import ON_VALUES, reduction_lines
+from eddi_scaffold.program.python_text import (
     WIDTH,
     Item,
     Part,
@@ -38,6 +33,54 @@ from eddi_scaffold.compiling.text import (
     unpacked,
     variables,
 )
+
+JUDGEMENTS = ("is_true", "is_false", "is_covered", "is_within")
+
+_MAX_RANGES = 8
+"""Ranges that are written out; more are judged by the general function."""
+
+
+def judgement(one: Operation, place: int, value: str, target: str) -> list[str]:
+    """Return the lines that judge a raw value.
+
+    Args:
+        one: the operation.
+        place: number of what is read.
+        value: name of the raw value.
+        target: name of the truth value.
+    """
+    judged = f"1 if {value} is None else self.judge({place}, {value})"
+    if one.op in ("is_true", "is_false"):
+        good, bad = ("True", "False") if one.op == "is_true" else ("False", "True")
+        return [
+            f"if {value} is {good}:",
+            f"    {target} = 2",
+            "else:",
+            f"    {target} = 0 if {value} is {bad} else {judged}",
+        ]
+    if one.op == "is_covered":
+        return _covered(one.value, value, target, judged)
+    if not 0 < len(one.value) <= _MAX_RANGES:
+        return [f"{target} = {judged}"]
+    lines = [f"if type({value}) is float or type({value}) is int:"]
+    for k, interval in enumerate(one.value):
+        lines.append(f"    {'elif' if k else 'if'} {_inside(value, interval)}:")
+        lines.append(f"        {target} = 2")
+    lines += ["    else:", f"        {target} = 0 if {value} == {value} else 1  # NaN is unknown"]
+    return [*lines, "else:", f"    {target} = {judged}"]
+
+
+def _covered(texts: Sequence[str], value: str, target: str, judged: str) -> list[str]:
+    known = f"{target} = 2 if {value} in {{{', '.join(map(text_literal, texts))}}} else 0"
+    if not texts or len(known) > 88:
+        return [f"{target} = {judged}"]
+    return [f"if type({value}) is str:", f"    {known}", "else:", f"    {target} = {judged}"]
+
+
+def _inside(value: str, interval: Interval) -> str:
+    end = "<=" if interval.closed else "<"
+    return f"{number(interval.start)} <= {value} {end} {number(interval.end)}"
+
 
 CLASSES = {
     "average": "stacks.Average",
@@ -285,8 +328,8 @@ class Printer:
             return [f"{r} = {a} / {b} if {zero} else NAN", *self._finite(k)]
         if op == "sqrt":
             return [f"{r} = {self._called('lists.root')}({a})"]
-        if op in OPERATIONS:
-            return [f"{r} = {OPERATIONS[op].format(a, b)}"]
+        if op in ON_VALUES:
+            return [f"{r} = {ON_VALUES[op].format(a, b)}"]
         if op in WINDOWS:
             sample = f"NAN if {a} == 1 else {a}" if op == "count" else a
             if self._operations[one.args[0]].infinite and not one.infinite and op in BUFFERED:

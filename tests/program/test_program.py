@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from eddi_scaffold.compiling.expressions.form import SIGNATURES
-from eddi_scaffold.compiling.program import instructions
-from eddi_scaffold.compiling.program.instructions import (
+from eddi_scaffold.program import c_step, instructions
+from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.instructions import (
     BOOL,
     FILTERS,
     LEAVES,
@@ -18,10 +18,8 @@ from eddi_scaffold.compiling.program.instructions import (
     Read,
     Result,
 )
-from eddi_scaffold.compiling.program.judgements import JUDGEMENTS
-from eddi_scaffold.compiling.program.python import Printer
-from eddi_scaffold.targets import c_step
-from eddi_scaffold.targets.monitor_model import named
+from eddi_scaffold.program.python_step import JUDGEMENTS, Printer
+from eddi_scaffold.program.standalone import named
 
 _VALUES = {
     "variable": 0,

@@ -19,11 +19,11 @@ from eddi_runtime.expressions import (
 )
 
 from eddi_scaffold.common.escaping import python_literal
-from eddi_scaffold.compiling.program.instructions import BUFFERED, WINDOWS, Read
-from eddi_scaffold.compiling.program.python import CLASSES, class_lines
-from eddi_scaffold.targets import values
-from eddi_scaffold.targets.kept_bodies import HEADER, region
-from eddi_scaffold.targets.monitor_model import HostArgument, StandaloneMonitor
+from eddi_scaffold.program import three_valued
+from eddi_scaffold.program.instructions import BUFFERED, WINDOWS, Read
+from eddi_scaffold.program.kept_bodies import HEADER, region
+from eddi_scaffold.program.python_step import CLASSES, class_lines
+from eddi_scaffold.program.standalone import HostArgument, StandaloneMonitor
 
 _NOQA = re.compile(r"\s*# noqa.*$", re.MULTILINE)
 _MODULES = {"hold": hold, "stacks": stacks, "windows": windows}
@@ -135,7 +135,7 @@ def _lists() -> list[str]:
 
 def _types() -> list[str]:
     lines = _title(3, "Types")
-    return [*lines, *_source(values.BoolVal), "", "", *_source(values.NumVal)]
+    return [*lines, *_source(three_valued.BoolVal), "", "", *_source(three_valued.NumVal)]
 
 
 @cache
@@ -224,7 +224,7 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
     """Return the lines that read what lists and stamps need, and the arguments of a step."""
     lines: list[str] = []
     calls: list[str] = []
-    values = {}
+    three_valued = {}
     for one in model.given:
         word, value = one.word, f"self.read_{one.word}()"
         if one.stamped:
@@ -234,13 +234,13 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
         elif model.has_lists:  # several reductions may read it
             lines += [f"        value_{word} = {value}"]
             value = f"value_{word}"
-        values[word] = value
+        three_valued[word] = value
     for k, name in enumerate(model.variables):
         variable = model.program.reads[k]
         used = [model.given[number] for number in model.sampling.uses[k]]
-        value = values[used[0].word]
+        value = three_valued[used[0].word]
         if variable.reduction is not None:
-            parts = "".join(f"{_part(one, values[one.word])}, " for one in used)
+            parts = "".join(f"{_part(one, three_valued[one.word])}, " for one in used)
             called = f"reduced(self.engine.reduce_{k}, ({parts.rstrip()}))"
             lines += [f"        value_{name}, _ = {called}"]
             value = f"value_{name}"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.program.instructions import reads_of_results
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.instructions import reads_of_results
+from eddi_scaffold.program.running import build_engine
 from runtime_lib.tests.event.event_models import form
 
 

@@ -7,12 +7,12 @@ variables (stubs in which a person writes) and the main program.
 from __future__ import annotations
 
 from eddi_scaffold.common.escaping import c_comment
-from eddi_scaffold.compiling.program.instructions import Read
-from eddi_scaffold.targets import c_step
-from eddi_scaffold.targets.c_functions import TYPES, functions
-from eddi_scaffold.targets.kept_bodies import HEADER, region
-from eddi_scaffold.targets.monitor_model import StandaloneMonitor, describe
-from eddi_scaffold.targets.names import unique_names
+from eddi_scaffold.common.problems import EddiError, problem
+from eddi_scaffold.program import c_step
+from eddi_scaffold.program.c_functions import TYPES, functions
+from eddi_scaffold.program.instructions import Read
+from eddi_scaffold.program.kept_bodies import HEADER, region
+from eddi_scaffold.program.standalone import StandaloneMonitor, describe, unique_names
 
 _KLEENE = """\
 #ifndef EDDI_EVENT_TYPES
@@ -42,7 +42,17 @@ static void publish(event_output *event, int verdict, bool hazard)
 
 
 def c_files(model: StandaloneMonitor) -> dict[str, str]:
-    """Return file name -> text of the monitor in C99."""
+    """Return file name -> text of the monitor in C99.
+
+    Raises:
+        EddiError: C has no lists or numbers in texts yet (E026).
+    """
+    given = [(read, model.sampling.uses[k]) for k, read in enumerate(model.program.reads)]
+    used = {use for read, uses in given if read.reduction is not None or read.text for use in uses}
+    inputs = [model.sampling.inputs[k] for k in sorted(used)]
+    lists = [input_.name for input_ in inputs if input_.list or input_.type == "text"]
+    if lists:
+        raise EddiError(problem("E026.lists", lists=", ".join(lists)))
     return {
         f"{model.name}_{model.kind}.h": _text(_header(model)),
         f"{model.name}_{model.kind}.c": _text(_implementation(model)),

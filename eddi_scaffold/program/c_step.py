@@ -6,7 +6,7 @@ import string
 from collections.abc import Sequence
 
 from eddi_scaffold.common.escaping import c_comment
-from eddi_scaffold.compiling.program.instructions import (
+from eddi_scaffold.program.instructions import (
     BUFFERED,
     LEAVES,
     STARTS,
@@ -16,7 +16,7 @@ from eddi_scaffold.compiling.program.instructions import (
     Program,
     must_be_finite,
 )
-from eddi_scaffold.targets.monitor_model import StandaloneMonitor
+from eddi_scaffold.program.standalone import StandaloneMonitor
 
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}
 _COMPARISONS = {

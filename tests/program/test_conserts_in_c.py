@@ -15,9 +15,9 @@ from eddi_scaffold.kinds.consert.model import (
     CategoricalDimension,
     NumericDimension,
 )
-from eddi_scaffold.targets import printed
-from eddi_scaffold.targets.kept_bodies import keep_in_folder
-from eddi_scaffold.targets.monitor_model import named
+from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.kept_bodies import keep_in_folder
+from eddi_scaffold.program.standalone import named
 from runtime_lib.tests.conserts import binary, categorical, consert, give, numeric
 from tests.cli.command import ROOT, run
 from tests.conditions.c_program import SANITIZE, compile_c
@@ -83,7 +83,7 @@ def verdicts_in_c(folder, played):
     """Return what a program prints that calls the steps of models with arguments."""
     main, calls, sources = [], [], [folder / "main.c"]
     for model, steps in played:
-        for name, text in printed(model, "c").items():
+        for name, text in c_files(model).items():
             (folder / name).write_text(text, "ascii")
         sources.append(folder / f"{model.name}_consert.c")
         monitor = f"s_{model.name}"
@@ -190,7 +190,7 @@ def test_no_text_of_a_model_is_code_or_a_marker(tmp_path: Path) -> None:
         specs={one: {"attribute": f"a{k}"} for k, one in enumerate(ids)},
     )
     model = named(made.compiled().program, "odd", ids, kind="consert")
-    files = printed(model, "c")
+    files = c_files(model)
     for name, text in files.items():
         (tmp_path / name).write_text(text, "utf-8")
     assert keep_in_folder(files, tmp_path) == (files, [])

@@ -1,8 +1,4 @@
-"""The program of conditions, made of the graph that their check gives.
-
-``nodes`` are in the order of evaluation, each argument before its use; equal sub-expressions are
-one node. No name takes part in the evaluation: variables are numbered.
-"""
+"""The words of a condition, as a form has them: comments beside what was made of them."""
 
 from __future__ import annotations
 
@@ -10,19 +6,130 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.words import words_of
-from eddi_scaffold.compiling.program.building import Builder
-from eddi_scaffold.compiling.program.instructions import (
+from eddi_scaffold.program.instructions import (
     BOOL,
     ENUM,
     LEAVES,
     NUMBER,
+    WINDOWS,
     Operation,
     Program,
     Read,
     Result,
 )
-from eddi_scaffold.compiling.program.reduction import Element, Part, Reduction
+from eddi_scaffold.program.lists import Element, Part, Reduction
+from eddi_scaffold.program.python_text import comment
+
+_BETWEEN = {
+    "add": "+",
+    "sub": "-",
+    "mul": "*",
+    "div": "/",
+    "lt": "<",
+    "le": "<=",
+    "gt": ">",
+    "ge": ">=",
+    "eq": "==",
+    "ne": "!=",
+    "eq_bool": "==",
+    "ne_bool": "!=",
+    "eq_enum": "==",
+    "ne_enum": "!=",
+    "and": "AND",
+    "or": "OR",
+    "xor": "XOR",
+    "implies": "IMPLIES",
+}
+_TRUTHS = ("FALSE", "UNKNOWN", "TRUE")
+
+
+def words_of(reads: Sequence[Read], operations: Sequence[Operation]) -> list[str]:
+    """Return the words of each operation, cut to what fits a comment."""
+    found: list[str] = []
+    for operation in operations:
+        whole = operation.op not in _BETWEEN and operation.op not in ("neg", "not")
+        inner = [found[k] if whole else _inside(operations[k], found[k]) for k in operation.args]
+        if operation.op in ("eq_enum", "ne_enum"):
+            inner = _named(reads, [operations[k] for k in operation.args], inner)
+        found.append(comment(_words(reads, operation, inner)))
+    return found
+
+
+def _inside(one: Operation, text: str) -> str:
+    return f"({text})" if one.op in _BETWEEN else text
+
+
+def _words(reads: Sequence[Read], one: Operation, inner: list[str]) -> str:
+    if one.op in ("variable", "age"):
+        name = reads[one.value].name
+        return name if one.op == "variable" else f"AGE({name})"
+    if one.op == "number":
+        return "UNKNOWN" if one.value is None else f"{one.value!r}".removesuffix(".0")
+    if one.op == "truth":
+        return _TRUTHS[one.value]
+    if one.op == "literal":
+        return f"literal {one.value}"
+    if one.op in _BETWEEN:
+        return f"{inner[0]} {_BETWEEN[one.op]} {inner[1]}"
+    if one.op in ("neg", "not"):
+        return f"{'-' if one.op == 'neg' else 'NOT '}{inner[0]}"
+    if one.op in WINDOWS:
+        inner = [*inner, f"{one.window / 1e9:g} s"]
+    if one.coverage is not None:
+        inner = [*inner, f"COVERAGE {one.coverage!r}"]
+    return f"{one.op.partition('_')[0].upper()}({', '.join(inner)})"
+
+
+def _named(reads: Sequence[Read], values: Sequence[Operation], texts: list[str]) -> list[str]:
+    """Return the texts of two values of an ENUM, literals by the names that the other one has."""
+    literals = next((reads[value.value].literals for value in values if value.op == "variable"), ())
+    return [
+        literals[value.value] if value.op == "literal" and value.value < len(literals) else text
+        for value, text in zip(values, texts, strict=True)
+    ]
+
+
+class Builder:
+    """A program in the making; equal reads are one."""
+
+    def __init__(self) -> None:
+        self._reads: dict[Read, int] = {}
+        self._operations: list[Operation] = []
+
+    def add(self, one: Operation) -> int:
+        """Add an operation; return its number."""
+        self._operations.append(one)
+        return len(self._operations) - 1
+
+    def append(self, program: Program, given: Mapping[int, int] | None = None) -> list[int]:
+        """Add the operations of a program; return the new number of each.
+
+        Args:
+            program: what is added.
+            given: what it reads -> the operation here that gives that.
+        """
+        given = given or {}
+        numbers = {
+            k: self._reads.setdefault(read, len(self._reads))
+            for k, read in enumerate(program.reads)
+            if k not in given
+        }
+        places: list[int] = []
+        for operation in program.operations:
+            if operation.op == "variable" and operation.value in given:
+                places.append(given[operation.value])
+                continue
+            value = (
+                numbers[operation.value] if operation.op in ("variable", "age") else operation.value
+            )
+            args = tuple(places[k] for k in operation.args)
+            places.append(self.add(operation._replace(args=args, value=value)))
+        return places
+
+    def program(self, period: int, results: Sequence[Result]) -> Program:
+        """Return the program."""
+        return Program(period, tuple(self._reads), tuple(self._operations), tuple(results))
+
 
 VERSION = 1
 NUMBERS = (NUMBER, NUMBER)
