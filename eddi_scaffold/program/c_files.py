@@ -1,4 +1,4 @@
-"""Target ``c``: C99 without heap, recursion or globals; SESAME D7.2's four parts in three files.
+"""Monitors in C99 without heap, recursion or globals; SESAME D7.2's four parts in three files.
 
 ``<name>_event.h`` holds the types, ``<name>_event.c`` the functions, ``<name>_main.c`` the
 variables (stubs in which a person writes) and the main program.
@@ -6,39 +6,21 @@ variables (stubs in which a person writes) and the main program.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+from importlib.resources import files
+
 from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.program import c_step
-from eddi_scaffold.program.c_functions import TYPES, functions
-from eddi_scaffold.program.instructions import Read
+from eddi_scaffold.program.c_step import CStep, int64
+from eddi_scaffold.program.instructions import MAX_NS, Read
 from eddi_scaffold.program.kept_bodies import HEADER, region
 from eddi_scaffold.program.standalone import StandaloneMonitor, describe, unique_names
 
-_KLEENE = """\
-#ifndef EDDI_EVENT_TYPES
-#define EDDI_EVENT_TYPES
-typedef enum { EVENT_FALSE = 0, EVENT_UNKNOWN = 1, EVENT_TRUE = 2 } event_kleene;
-
-typedef struct {
-    event_kleene verdict;
-    bool active;  /* EVIDENCE: TRUE; HAZARD: TRUE or UNKNOWN */
-    bool raised;  /* the verdict became TRUE in this step */
-    bool cleared; /* the verdict was TRUE and is no longer */
-} event_output;
-
-"""
 _TYPES = {"number": "double ", "text": "const char *"}
 _UNKNOWN = {"number": "NAN", "bool": "EVENT_UNKNOWN", "enum": "-1", "text": "NULL"}
-_PUBLISH = """\
-static void publish(event_output *event, int verdict, bool hazard)
-{
-    bool before = event->verdict == EVENT_TRUE;
-    event->verdict = (event_kleene)verdict;
-    event->raised = verdict == 2 && !before;
-    event->cleared = verdict != 2 && before;
-    event->active = verdict == 2 || (hazard && verdict == 1);
-}
-"""
+_CALLED = re.compile(r"\b([a-z_]\w*)\(")
+_NAME = re.compile(r"(?m)^static \w+ (\w+)\(")
 
 
 def c_files(model: StandaloneMonitor) -> dict[str, str]:
@@ -53,39 +35,42 @@ def c_files(model: StandaloneMonitor) -> dict[str, str]:
     lists = [input_.name for input_ in inputs if input_.list or input_.type == "text"]
     if lists:
         raise EddiError(problem("E026.lists", lists=", ".join(lists)))
+    texts = {
+        f"{model.name}_{model.kind}.h": _header(model),
+        f"{model.name}_{model.kind}.c": _implementation(model),
+        f"{model.name}_main.c": _main(model),
+    }
     return {
-        f"{model.name}_{model.kind}.h": _text(_header(model)),
-        f"{model.name}_{model.kind}.c": _text(_implementation(model)),
-        f"{model.name}_main.c": _text(_main(model)),
+        file: "".join(f"{line.rstrip()}\n" for line in text.rstrip("\n").split("\n"))
+        for file, text in texts.items()
     }
 
 
-def _text(lines: list[str]) -> str:
-    return "\n".join(line.rstrip() for line in lines) + "\n"
+def functions(body: str) -> str:
+    """Return the static functions that a text calls, and those that they call."""
+    wanted, parts = set(_CALLED.findall(body)), []
+    _, *texts = files(__package__).joinpath("functions.c").read_text("utf-8").split("\n\n")
+    for function in reversed(texts):
+        name = _NAME.search(function)
+        assert name is not None
+        if name[1] in wanted:
+            wanted.update(_CALLED.findall(function))
+            parts.append(function.rstrip("\n"))
+    return "".join(f"{function}\n\n" for function in reversed(parts))
 
 
-def _indented(lines: list[str]) -> list[str]:
-    return [f"    {line}" for line in lines]
+def _block(lines: Iterable[str], blanks: int = 4) -> str:
+    return "".join(f"{' ' * blanks}{line}\n" for line in lines)
 
 
-def _banner(model: StandaloneMonitor, what: str) -> list[str]:
-    lines = [f"/* {what}, {HEADER}.", " *"]
-    lines += [f" *     {line}" for line in model.source[:200]]
-    return [*lines, " */"]
+def _banner(model: StandaloneMonitor, what: str) -> str:
+    source = (f" *     {line}\n" for line in model.source[:200])
+    return f"/* {what}, {HEADER}.\n *\n{''.join(source)} */"
 
 
 def _declared(read: Read, name: str) -> str:
     """Return the declaration of what holds or returns a value."""
     return f"{_TYPES.get(read.type, 'int ')}{name}"
-
-
-def _parameters(model: StandaloneMonitor) -> str:
-    found = ["int64_t t_ns"]
-    for k, variable in enumerate(model.program.reads):
-        found.append(f"{_declared(variable, 'v_' + model.variables[k])}")
-        if variable.stamped:
-            found.append(f"int64_t v_{model.variables[k]}_stamp")
-    return ", ".join(found)
 
 
 def _result(model: StandaloneMonitor) -> str:
@@ -95,195 +80,204 @@ def _result(model: StandaloneMonitor) -> str:
 
 
 def _signature(model: StandaloneMonitor) -> str:
-    return f"{_result(model)} {model.name}_step({model.name}_t *m, {_parameters(model)})"
+    parameters = ["int64_t t_ns"]
+    for name, read in zip(model.variables, model.program.reads, strict=True):
+        parameters.append(_declared(read, f"v_{name}"))
+        if read.stamped:
+            parameters.append(f"int64_t v_{name}_stamp")
+    return f"{_result(model)} {model.name}_step({model.name}_t *m, {', '.join(parameters)})"
 
 
-def _header(model: StandaloneMonitor) -> list[str]:
+def _header(model: StandaloneMonitor) -> str:
     name, guard = model.name, f"{model.name}_{model.kind}_H".upper()
-    lines = [*_banner(model, "3. Types: do not edit"), f"#ifndef {guard}", f"#define {guard}", ""]
-    lines += ["#include <stdbool.h>", "#include <stdint.h>", ""]
-    lines += [*_KLEENE.split("\n")[:-1], *TYPES.split("\n")[:-1], "#endif", ""]
-    for enum, literals in _enums(model).items():
+    literals = {
+        enum: read.literals
+        for enum, read in sorted(zip(model.enums, model.program.reads, strict=True))
+        if enum
+    }
+    enums = ""
+    for enum, texts in literals.items():
         prefix = f"{name}_{enum}".upper()
-        lines += [f"/* {enum}, -1 is UNKNOWN */", "enum {"]
-        words = unique_names(literals)
-        lines += [f"    {prefix}_{word} = {k}," for k, word in enumerate(words)]
-        lines[-1] = lines[-1].rstrip(",")
-        lines += ["};", ""]
+        words = (f"    {prefix}_{word} = {k}" for k, word in enumerate(unique_names(texts)))
+        rows = ",\n".join(words)
+        enums += f"/* {enum}, -1 is UNKNOWN */\nenum {{\n{rows}\n}};\n\n"
     if not model.numeric:
-        lines += ["enum {"]
-        lines += [
-            f"    {name.upper()}_{event.upper()}_{k}," for k, event in enumerate(model.events)
-        ]
-        lines += [f"    {name.upper()}_EVENTS", "};", ""]
-    lines += [
-        "typedef struct {",
-        "    bool started;",
-        "    int64_t last;  /* time of the last step */",
-    ]
-    lines += ["    int64_t since; /* time of the first sample of full windows */"]
-    events = f"    event_output events[{max(1, len(model.events))}];"
-    lines += ["    double value;" if model.numeric else events]
-    lines += [*_indented(c_step.fields(model)), f"}} {name}_t;", ""]
-    lines += ["/* Forget everything. Call it before the first step. */"]
-    lines += [
-        f"void {name}_reset({name}_t *m);",
-        "",
-        *_contract(model),
-        f"{_signature(model)};",
-        "",
-    ]
-    return [*lines, "#endif"]
-
-
-def _contract(model: StandaloneMonitor) -> list[str]:
+        events = (f"{name.upper()}_{event.upper()}_{k}," for k, event in enumerate(model.events))
+        enums += f"enum {{\n{_block([*events, f'{name.upper()}_EVENTS'])}}};\n\n"
+    results = f"event_output events[{max(1, len(model.events))}];"
     period = model.program.period
     rate = f"Call it every {period} ns. " if period else ""
-    lines = [f"/* One step. {rate}t_ns: any clock, within +-2^62; the same time again is ignored,"]
-    lines += [" * an earlier one: the clock went back, all is forgotten first.", " *"]
-    for k, name in enumerate(model.variables):
-        kind = model.program.reads[k].type
-        lines.append(f" * v_{name}: {describe(model, k)}; {_UNKNOWN[kind]} is UNKNOWN")
-    return [*lines, " *", " * Compile with -ffp-contract=off and without -ffast-math. */"]
+    variables = (
+        f"* v_{word}: {describe(model, k)}; {_UNKNOWN[model.program.reads[k].type]} is UNKNOWN"
+        for k, word in enumerate(model.variables)
+    )
+    return f"""\
+{_banner(model, "3. Types: do not edit")}
+#ifndef {guard}
+#define {guard}
+
+#include <stdbool.h>
+#include <stdint.h>
+
+{files(__package__).joinpath("types.h").read_text("utf-8")}#endif
+
+{enums}typedef struct {{
+    bool started;
+    int64_t last;  /* time of the last step */
+    int64_t since; /* time of the first sample of full windows */
+    {"double value;" if model.numeric else results}
+{_block(CStep(model).fields())}}} {name}_t;
+
+/* Forget everything. Call it before the first step. */
+void {name}_reset({name}_t *m);
+
+/* One step. {rate}t_ns: any clock, within +-2^62; the same time again is ignored,
+ * an earlier one: the clock went back, all is forgotten first.
+ *
+{_block(variables, 1)} *
+ * Compile with -ffp-contract=off and without -ffast-math. */
+{_signature(model)};
+
+#endif
+"""
 
 
-def _enums(model: StandaloneMonitor) -> dict[str, tuple[str, ...]]:
-    pairs = zip(model.enums, model.program.reads, strict=True)
-    return {enum: variable.literals for enum, variable in sorted(pairs) if enum}
+def _implementation(model: StandaloneMonitor) -> str:
+    name, operations = model.name, model.program.operations
+    step, forget = CStep(model), CStep(model).resets()
+    body = _step(model, step)
+    texts = "#include <string.h>\n" if any(one.op == "is_covered" for one in operations) else ""
+    called = "\n".join([*forget, body, *([] if model.numeric else ["publish("])])
+    reset = ["m->value = NAN;"] if model.numeric else []
+    for k, hazard in enumerate(() if model.numeric else _hazards(model)):
+        reset += [f"m->events[{k}].verdict = EVENT_UNKNOWN;"]
+        reset += [f"publish(&m->events[{k}], 1, {hazard});"]
+    for k, operation in enumerate(operations):
+        reset += [f"m->w{k}.overflows = 0u;"] if operation.capacity else []
+        reset += [f"m->c{k}.overflows = 0u;"] if operation.coverage is not None else []
+    return f"""\
+{_banner(model, "2. Functions: do not edit")}
+#include "{name}_{model.kind}.h"
+
+#include <math.h>
+{texts}
+#ifdef __FAST_MATH__
+#error "-ffast-math has no NaN: compile without it"
+#endif
+
+{functions(called)}static void forget({name}_t *m)
+{{
+{_block(forget or ["(void)m;"])}}}
+
+void {name}_reset({name}_t *m)
+{{
+    m->started = false;
+    m->last = 0;
+    m->since = 0;
+{_block(reset)}    forget(m);
+}}
+
+{_signature(model)}
+{{
+{body}}}
+"""
 
 
-def _implementation(model: StandaloneMonitor) -> list[str]:
-    name = model.name
-    forget, step, done = c_step.resets(model), _step(model), model.program.operations
-    lines = [*_banner(model, "2. Functions: do not edit"), f'#include "{name}_{model.kind}.h"', ""]
-    texts = ["#include <string.h>"] if any(one.op == "is_covered" for one in done) else []
-    lines += ["#include <math.h>", *texts, "", "#ifdef __FAST_MATH__"]
-    lines += ['#error "-ffast-math has no NaN: compile without it"', "#endif", ""]
-    lines += functions("\n".join([*forget, *step])).split("\n")[:-1]
-    lines += _PUBLISH.split("\n") if model.events and not model.numeric else []
-    lines += [f"static void forget({name}_t *m)", "{", *_indented(forget or ["(void)m;"]), "}", ""]
-    lines += [f"void {name}_reset({name}_t *m)", "{", "    m->started = false;"]
-    lines += ["    m->last = 0;", "    m->since = 0;"]
-    if model.numeric:
-        lines += ["    m->value = NAN;"]
-    else:
-        for k in range(len(model.events)):
-            lines += [f"    m->events[{k}].verdict = EVENT_UNKNOWN;"]
-            lines += [f"    publish(&m->events[{k}], 1, {_hazard(model, k)});"]
-    for k, node in enumerate(model.program.operations):
-        if node.capacity:
-            lines += [f"    m->w{k}.overflows = 0u;"]
-        if node.coverage is not None:
-            lines += [f"    m->c{k}.overflows = 0u;"]
-    lines += ["    forget(m);", "}", "", _signature(model), "{", *step, "}"]
-    return lines
+def _hazards(model: StandaloneMonitor) -> list[str]:
+    return ["true" if result.hazard else "false" for result in model.program.results]
 
 
-def _hazard(model: StandaloneMonitor, k: int) -> str:
-    return "true" if model.program.results[k].hazard else "false"
-
-
-def _step(model: StandaloneMonitor) -> list[str]:
+def _step(model: StandaloneMonitor, step: CStep) -> str:
     period = model.program.period
-    windows = any(node.window for node in model.program.operations)
-    lines = ["const int64_t t = t_ns;"]
-    lines += ["int64_t age, start;"] if windows else []
-    lines += c_step.declarations(model)
+    windows = any(operation.window for operation in model.program.operations)
     last = {"double": "return m->value;", "event_kleene": "return m->events[0].verdict;"}
     back = last.get(_result(model), "return;")
-    quiet = []
-    for k in range(len(model.events) if not model.numeric else 0):
-        quiet += [f"m->events[{k}].raised = false;", f"m->events[{k}].cleared = false;"]
-    limit = c_step.int64(1 << 62)
-    lines += ["", f"if (t > {limit} || t < -{limit} || (m->started && t == m->last)) {{"]
-    lines += [*_indented([*quiet, back]), "}"]
+    quiet = [
+        f"m->events[{k}].{flag} = false;"
+        for k in range(0 if model.numeric else len(model.events))
+        for flag in ("raised", "cleared")
+    ]
+    limit = int64(MAX_NS)
+    lines = ["const int64_t t = t_ns;", *(["int64_t age, start;"] if windows else [])]
+    lines += [*step.declarations(), ""]
+    lines += [f"if (t > {limit} || t < -{limit} || (m->started && t == m->last)) {{"]
+    lines += [*(f"    {line}" for line in (*quiet, back)), "}"]
     lines += ["if (!m->started || t < m->last) {", "    forget(m);", "    m->started = true;"]
     lines += ["    m->since = t;"]
     if period:
-        lines += [f"}} else if (2 * (t - m->last) > {c_step.int64(5 * period)}) {{"]
+        lines += [f"}} else if (2 * (t - m->last) > {int64(5 * period)}) {{"]
         lines += ["    m->since = t; /* a gap: windows fill again */"]
-    lines += ["}", "m->last = t;"]
-    lines += ["age = t - m->since;"] if windows else []
-    lines += [*c_step.statements(model), ""]
-    for k, output in enumerate(model.program.results):
-        found = c_step.value(model, output.operation)
-        if model.numeric:
-            lines += [f"m->value = {found};"]
-        else:
-            about = f" /* {c_comment(output.about)} */" if output.about else ""
-            lines += [f"publish(&m->events[{k}], {found}, {_hazard(model, k)});{about}"]
-    return _indented([line for line in (*lines, back) if line != "return;"])
+    lines += ["}", "m->last = t;", *(["age = t - m->since;"] if windows else [])]
+    lines += [*step.statements(), ""]
+    for k, (result, hazard) in enumerate(zip(model.program.results, _hazards(model), strict=True)):
+        value = step.value(result.operation)
+        about = f" /* {c_comment(result.about)} */" if result.about else ""
+        published = f"publish(&m->events[{k}], {value}, {hazard});{about}"
+        lines += [f"m->value = {value};" if model.numeric else published]
+    return _block([*lines, *([] if back == "return;" else [back])])
 
 
-def _main(model: StandaloneMonitor) -> list[str]:
-    name = model.name
-    lines = [*_banner(model, "1. Variables, 4. Main: edit between the markers only")]
-    lines += [
-        f'#include "{name}_{model.kind}.h"',
-        "",
-        "#include <math.h>",
-        "#include <stdio.h>",
-        "",
-    ]
-    lines += [
-        "/* ---- 1. Variables: where the values come from; each is read once in a step ---- */",
-        "",
-    ]
-    for k, variable in enumerate(model.program.reads):
-        unknown = _UNKNOWN[variable.type]
-        stamp = "int64_t *stamp" if variable.stamped else "void"
-        lines += [f"/* {describe(model, k)}; {unknown} is UNKNOWN. */"]
-        function = _declared(variable, f"read_{model.variables[k]}")
-        lines += [f"static {function}({stamp})", "{"]
-        if variable.stamped:  # outside of the region: a body need not use it
-            lines += ["    (void)stamp; /* set *stamp when the sample is not from now */"]
-        body = [f"    return {unknown};"]
-        lines += [*region(f"variable:{variable.name}", body, c=True, indent="    "), "}", ""]
-    for k, output in enumerate(model.program.results if not model.numeric else ()):
-        for what in ("raised", "cleared"):
-            lines += [f"static void on_{what}_{model.events[k]}(int64_t t_ns)", "{"]
-            lines += region(f"{what}:{output.id}", ["    (void)t_ns;"], c=True, indent="    ")
-            lines += ["}", ""]
-    return [*lines, *_loop(model)]
-
-
-def _loop(model: StandaloneMonitor) -> list[str]:
+def _main(model: StandaloneMonitor) -> str:
     name, period = model.name, model.program.period or 10**9
-    lines = [
-        "/* ---- 4. Main ---- */",
-        "",
-        "/* Wait for the next step and return its time; ends the",
-    ]
-    lines += [" * program by returning false. */", "static bool next_step(int64_t *t_ns)", "{"]
-    body = ["    /* A real program waits for its monotonic clock here. */"]
-    body += [
-        f"    *t_ns += {c_step.int64(period)};",
-        f"    return *t_ns < {c_step.int64(10 * period)};",
-    ]
-    lines += [*region("main:next_step", body, c=True, indent="    "), "}", ""]
-    lines += [f"static {name}_t monitor; /* too large for some stacks */", ""]
-    lines += ["int main(void)", "{", "    int64_t t = 0;"]
-    arguments = ["t"]
-    for k, variable in enumerate(model.program.reads):
-        word = model.variables[k]
-        if variable.stamped:
-            lines += [f"    int64_t stamp_{word};"]
-        lines += [f"    {_declared(variable, 'v_' + word)};"]
-        arguments += [f"v_{word}", *([f"stamp_{word}"] if variable.stamped else [])]
-    lines += ["", f"    {name}_reset(&monitor);", "    while (next_step(&t)) {"]
-    for k, variable in enumerate(model.program.reads):
-        word = model.variables[k]
-        if variable.stamped:
-            lines += [f"        stamp_{word} = t;"]
-        lines += [
-            f"        v_{word} = read_{word}({f'&stamp_{word}' if variable.stamped else ''});"
+    stubs, declared, read, arguments = "", [], [], ["t"]
+    for k, (word, variable) in enumerate(zip(model.variables, model.program.reads, strict=True)):
+        unknown, stamped = _UNKNOWN[variable.type], variable.stamped
+        # The unused stamp stands outside of the region: a body need not use it.
+        unused = ["    (void)stamp; /* set *stamp when the sample is not from now */"]
+        parameter = "int64_t *stamp" if stamped else "void"
+        lines = [
+            f"/* {describe(model, k)}; {unknown} is UNKNOWN. */",
+            f"static {_declared(variable, f'read_{word}')}({parameter})",
+            *("{", *(unused if stamped else [])),
+            *region(f"variable:{variable.name}", [f"    return {unknown};"], c=True, indent="    "),
         ]
-    lines += [f"        (void){name}_step(&monitor, {', '.join(arguments)});"]
-    if model.numeric:
-        lines += ['        printf("%.17g\\n", monitor.value);']
-    for k, event in enumerate(model.events if not model.numeric else ()):
-        lines += [f"        if (monitor.events[{k}].raised) {{ on_raised_{event}(t); }}"]
-        lines += [f"        if (monitor.events[{k}].cleared) {{ on_cleared_{event}(t); }}"]
-        number = f"(int)monitor.events[{k}].verdict"
-        lines += [f'        printf("{event} %d\\n", {number});']
-    return [*lines, "    }", "    return 0;", "}"]
+        stubs += _block([*lines, "}", ""], 0)
+        declared += [f"int64_t stamp_{word};"] if stamped else []
+        declared += [f"{_declared(variable, f'v_{word}')};"]
+        read += [f"stamp_{word} = t;"] if stamped else []
+        read += [f"v_{word} = read_{word}({f'&stamp_{word}' if stamped else ''});"]
+        arguments += [f"v_{word}", *([f"stamp_{word}"] if stamped else [])]
+    results = ['printf("%.17g\\n", monitor.value);'] if model.numeric else []
+    pairs = zip(model.events, model.program.results, strict=True)
+    for k, (event, result) in enumerate(() if model.numeric else pairs):
+        for what in ("raised", "cleared"):
+            body = region(f"{what}:{result.id}", ["    (void)t_ns;"], c=True, indent="    ")
+            head = [f"static void on_{what}_{event}(int64_t t_ns)", "{"]
+            stubs += _block([*head, *body, "}", ""], 0)
+            results += [f"if (monitor.events[{k}].{what}) {{ on_{what}_{event}(t); }}"]
+        results += [f'printf("{event} %d\\n", (int)monitor.events[{k}].verdict);']
+    clock = [
+        "    /* A real program waits for its monotonic clock here. */",
+        f"    *t_ns += {int64(period)};",
+        f"    return *t_ns < {int64(10 * period)};",
+    ]
+    return f"""\
+{_banner(model, "1. Variables, 4. Main: edit between the markers only")}
+#include "{name}_{model.kind}.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* ---- 1. Variables: where the values come from; each is read once in a step ---- */
+
+{stubs}/* ---- 4. Main ---- */
+
+/* Wait for the next step and return its time; ends the
+ * program by returning false. */
+static bool next_step(int64_t *t_ns)
+{{
+{_block(region("main:next_step", clock, c=True, indent="    "), 0)}}}
+
+static {name}_t monitor; /* too large for some stacks */
+
+int main(void)
+{{
+    int64_t t = 0;
+{_block(declared)}
+    {name}_reset(&monitor);
+    while (next_step(&t)) {{
+{_block(read, 8)}        (void){name}_step(&monitor, {", ".join(arguments)});
+{_block(results, 8)}    }}
+    return 0;
+}}
+"""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.common.escaping import c_comment
 from eddi_scaffold.program.instructions import (
@@ -13,138 +13,96 @@ from eddi_scaffold.program.instructions import (
     WINDOWS,
     Interval,
     Operation,
-    Program,
     must_be_finite,
 )
 from eddi_scaffold.program.standalone import StandaloneMonitor
 
-_ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}
-_COMPARISONS = {
-    "lt": "less({0}, {1})",
-    "le": "less_or_equal({0}, {1})",
-    "gt": "less({1}, {0})",
-    "ge": "less_or_equal({1}, {0})",
-    "eq": "equal({0}, {1})",
-    "ne": "2 - equal({0}, {1})",
-    "eq_bool": "same_truth({0}, {1})",
-    "ne_bool": "2 - same_truth({0}, {1})",
-    "xor": "2 - same_truth({0}, {1})",
-    "eq_enum": "same_literal({0}, {1})",
-    "ne_enum": "2 - same_literal({0}, {1})",
-    "not": "2 - {0}",
-    "implies": "greatest(2 - {0}, {1})",
-    "abs": "fabs({0})",
-    "sqrt": "(0.0 <= {0} && {0} < (double)INFINITY) ? sqrt({0}) : (double)NAN",
-    "least": "(isnan({0}) || isnan({1})) ? (double)NAN : ({1} < {0}) ? {1} : {0}",
-    "greatest": "(isnan({0}) || isnan({1})) ? (double)NAN : ({1} > {0}) ? {1} : {0}",
-    "is_true": "{0}",
-    "is_false": "2 - {0}",
-    "known": "isnan({0}) ? 0 : 2",
-    "known_bool": "{0} == 1 ? 0 : 2",
-    "known_enum": "{0} < 0 ? 0 : 2",
+_EXPRESSIONS = {
+    "lt": "less({a}, {b})",
+    "le": "less_or_equal({a}, {b})",
+    "gt": "less({b}, {a})",
+    "ge": "less_or_equal({b}, {a})",
+    "eq": "equal({a}, {b})",
+    "ne": "2 - equal({a}, {b})",
+    "eq_bool": "same_truth({a}, {b})",
+    "ne_bool": "2 - same_truth({a}, {b})",
+    "xor": "2 - same_truth({a}, {b})",
+    "eq_enum": "same_literal({a}, {b})",
+    "ne_enum": "2 - same_literal({a}, {b})",
+    "not": "2 - {a}",
+    "implies": "greatest(2 - {a}, {b})",
+    "abs": "fabs({a})",
+    "sqrt": "(0.0 <= {a} && {a} < (double)INFINITY) ? sqrt({a}) : (double)NAN",
+    "least": "(isnan({a}) || isnan({b})) ? (double)NAN : ({b} < {a}) ? {b} : {a}",
+    "greatest": "(isnan({a}) || isnan({b})) ? (double)NAN : ({b} > {a}) ? {b} : {a}",
+    "is_true": "{a}",
+    "is_false": "2 - {a}",
+    "known": "isnan({a}) ? 0 : 2",
+    "known_bool": "{a} == 1 ? 0 : 2",
+    "known_enum": "{a} < 0 ? 0 : 2",
+    "debounce": "debounced(&m->n{k}, &m->p{k}, {value}u, {a})",
+    "majority": "majority(m->n{k}, m->w{k}, {value}u, {a})",
+    "age": "m->has_s{value} ? (double)(t - m->s{value}) / 1e9 : (double)NAN",
 }
+_ARITHMETIC = {
+    "add": "{a} + {b}",
+    "sub": "{a} - {b}",
+    "mul": "{a} * {b}",
+    "neg": "-{a}",
+    "div": "({b} != 0.0 && !isinf({b})) ? {a} / {b} : (double)NAN",
+}
+_STATEFUL = {
+    "rise": "{r} = least({a}, 2 - {p});\n{p} = {a};",
+    "fall": "{r} = least(2 - {a}, {p});\n{p} = {a};",
+    "edge": "{r} = greatest(least({a}, 2 - {p}), least(2 - {a}, {p}));\n{p} = {a};",
+    "latch": "{r} = greatest({a}, least({p}, 2 - {b}));\n{p} = {r};",
+    "hysteresis": """\
+{r} = (isnan({a}) || isnan({b}) || isnan({c})) ? 1 : {a} >= {c} ? 2 : {a} <= {b} ? 0 : {p};
+{p} = {r};""",
+    "elapsed": """\
+if ({a} == 1) {{ m->has_e{k} = false; }}
+else if ({a} == 2 && {p} == 0) {{ m->e{k} = t; m->has_e{k} = true; }}
+{p} = {a};
+{r} = m->has_e{k} ? (double)(t - m->e{k}) / 1e9 : (double)NAN;""",
+}
+_RING, _QUEUE = "ring_expire({w}, {t}, {n}, start)", "{w}, {t}, {x}, {n}"
+_MEDIAN, _STACKS = "{w}, {t}, {x}, m->w{k}_s, {n}", "{w}, {t}, {x}, m->w{k}_h, m->w{k}_l, {n}"
+_SUM = "sum_value({w}, m->w{k}_h, m->w{k}_l)"
+_ON_WINDOWS = {
+    "count": (
+        _RING,
+        "if ({a} == 2) {{ (void)ring_append({w}, {t}, {n}, t); }}",
+        "(double)m->w{k}.size",
+    ),
+    "max": (_RING, f"max_add({_QUEUE}, t, {{a}})", "{x}[m->w{k}.head]"),
+    "min": (_RING, f"min_add({_QUEUE}, t, {{a}})", "{x}[m->w{k}.head]"),
+    "rate": (_RING, f"queue_add({_QUEUE}, t, {{a}})", f"rate_value({_QUEUE})"),
+    "median": (
+        f"median_expire({_MEDIAN}, start)",
+        f"median_add({_MEDIAN}, t, {{a}})",
+        "median_value({w}, m->w{k}_s)",
+    ),
+    "sum": (f"sum_expire({_STACKS}, start)", f"sum_add({_STACKS}, t, {{a}})", _SUM),
+    "average": (
+        f"sum_expire({_STACKS}, start)",
+        f"sum_add({_STACKS}, t, {{a}})",
+        f"{_SUM} / (double)m->w{{k}}.size",
+    ),
+    "stddev": (
+        f"stddev_expire({_STACKS}, start)",
+        f"stddev_add({_STACKS}, t, {{a}})",
+        "stddev_value({w}, m->w{k}_h, m->w{k}_l)",
+    ),
+}
+"""Operation -> how its window drops old samples, takes a new one, and what its value is."""
+_ARRAYS = {"count": "", "median": "xs", "sum": "xhl", "average": "xhl", "stddev": "xhl"}
+"""Operation -> arrays beside the times of the samples, ``x`` if it is not here."""
 _PLAIN = frozenset(f"{string.ascii_letters}{string.digits} _.,:;+*/")
 """What stands for itself in a literal: neither trigraphs nor markers of regions can be made of it.
 """
 _EXTREMES = {"and": "least", "or": "greatest"}
 _UNKNOWN = {"number": "NAN", "bool": "1", "enum": "-1", "text": "NULL"}
-
-
-def fields(model: StandaloneMonitor) -> list[str]:
-    """Return the members of the struct for windows and function states."""
-    lines = []
-    for k, node in enumerate(model.program.operations):
-        size = f"[{node.capacity}]"
-        if node.op in ("time", "once"):
-            lines.append(f"event_hold w{k};")
-        if node.op in BUFFERED:
-            lines += [f"event_ring w{k};", f"int64_t w{k}_t{size};"]
-            arrays = "" if node.op == "count" else "x"
-            arrays += "s" if node.op == "median" else ""
-            arrays += "hl" if node.op in ("sum", "average", "stddev") else ""
-            lines += [f"double w{k}_{array}{size};" for array in arrays]
-        if node.coverage is not None:
-            lines += [f"event_ring c{k};", f"int64_t c{k}_t{size};", f"bool c{k}_k{size};"]
-        if node.op in STARTS:
-            lines.append(f"int p{k};")
-        if node.op == "debounce":
-            lines += [f"int p{k};", f"uint32_t n{k};"]
-        if node.op == "majority":
-            lines += [f"uint32_t n{k}[4];", f"unsigned char w{k}[{node.value}];"]
-        if node.op == "elapsed":
-            lines += [f"int64_t e{k};", f"bool has_e{k};"]
-        if node.op == "age":
-            lines += [f"int64_t s{node.value};", f"bool has_s{node.value};"]
-    return lines
-
-
-def resets(model: StandaloneMonitor) -> list[str]:
-    """Return the statements that make windows and function states as they are at the start."""
-    lines = []
-    for k, node in enumerate(model.program.operations):
-        if node.op in ("time", "once"):
-            lines += [f"m->w{k}.last = INT64_MIN;", f"m->w{k}.unknown = INT64_MIN;"]
-        if node.op in BUFFERED:
-            lines.append(f"ring_reset(&m->w{k});")
-        if node.coverage is not None:
-            lines.append(f"ring_reset(&m->c{k});")
-        if node.op in STARTS:
-            lines.append(f"m->p{k} = {STARTS[node.op]};")
-        if node.op == "debounce":
-            lines += [f"m->p{k} = 1;", f"m->n{k} = 0u;"]
-        if node.op == "majority":
-            lines += [f"m->n{k}[{i}] = 0u;" for i in range(4)]
-        if node.op == "elapsed":
-            lines += [f"m->e{k} = 0;", f"m->has_e{k} = false;"]
-        if node.op == "age":
-            lines += [f"m->s{node.value} = 0;", f"m->has_s{node.value} = false;"]
-    return lines
-
-
-def statements(model: StandaloneMonitor) -> list[str]:
-    """Return the statements that read the arguments and compute every node."""
-    printer = _Printer(model)
-    lines = []
-    for k in range(len(model.program.reads)):
-        lines += printer.variable(k)
-    for k, node in enumerate(model.program.operations):
-        made = printer.node(k, node)
-        if made:
-            lines += [f"/* {c_comment(node.about)} */", *made]
-    return [*lines, *_unused(model.program)]
-
-
-def _unused(program: Program) -> list[str]:
-    """Return the statements that tell a compiler which values no result depends on."""
-    used = {result.operation for result in program.results}
-    used.update(k for operation in program.operations for k in operation.args)
-    operations = enumerate(program.operations)
-    return [
-        f"(void)r{k};"
-        for k, operation in operations
-        if k not in used and operation.op not in LEAVES
-    ]
-
-
-def declarations(model: StandaloneMonitor) -> list[str]:
-    """Return the registers."""
-    kinds = {"number": "double", "bool": "int", "enum": "int"}
-    return [
-        f"{kinds[node.type]} r{k};"
-        for k, node in enumerate(model.program.operations)
-        if node.op not in LEAVES
-    ]
-
-
-def value(model: StandaloneMonitor, k: int) -> str:
-    """Return the text of a node's value."""
-    node = model.program.operations[k]
-    if node.op == "variable":
-        return f"v_{model.variables[node.value]}"
-    if node.op == "number":
-        text = "(double)NAN" if node.value is None else repr(node.value)
-        return f"({text})" if text.startswith(("-", "(")) else text
-    return str(node.value) if node.op in ("truth", "literal") else f"r{k}"
+_KNOWN = {"number": "!isnan({0})", "bool": "{0} != 1", "enum": "{0} >= 0"}
 
 
 def int64(number: int) -> str:
@@ -152,174 +110,171 @@ def int64(number: int) -> str:
     return f"INT64_C({number})"
 
 
-class _Printer:
-    def __init__(self, model: StandaloneMonitor) -> None:
-        self._model = model
-        self._program = model.program
-        self._checked = must_be_finite(model.program)
-        self._aged = {node.value for node in model.program.operations if node.op == "age"}
+class CStep:
+    """The lines of one monitor's step, and of what it remembers."""
 
-    def variable(self, k: int) -> list[str]:
-        variable = self._program.reads[k]
-        name, unknown = f"v_{self._model.variables[k]}", _UNKNOWN[variable.type]
+    def __init__(self, model: StandaloneMonitor) -> None:
+        self._names = model.variables
+        self._program = model.program
+        self._operations = model.program.operations
+        self._checked = must_be_finite(model.program)
+        self._aged = {one.value for one in self._operations if one.op == "age"}
+
+    def fields(self) -> list[str]:
+        """Return the members of the struct for windows and function states."""
+        return [field for field, _ in self._memory() if field]
+
+    def resets(self) -> list[str]:
+        """Return the statements that make windows and states as they are at the start."""
+        return [reset for _, reset in self._memory() if reset]
+
+    def declarations(self) -> list[str]:
+        """Return the registers."""
+        types = {"number": "double", "bool": "int", "enum": "int"}
+        return [
+            f"{types[one.type]} r{k};"
+            for k, one in enumerate(self._operations)
+            if one.op not in LEAVES
+        ]
+
+    def statements(self) -> list[str]:
+        """Return the statements that read the arguments and do every operation."""
+        lines = [line for k in range(len(self._program.reads)) for line in self._bound(k)]
+        for k, operation in enumerate(self._operations):
+            if operation.op not in LEAVES:
+                lines += [f"/* {c_comment(operation.about)} */", *self._operation(k, operation)]
+        used = {result.operation for result in self._program.results}
+        used.update(k for operation in self._operations for k in operation.args)
+        unused = set(range(len(self._operations))) - used  # a compiler wants to be told
+        return [*lines, *(f"(void)r{k};" for k in sorted(unused) if self.value(k) == f"r{k}")]
+
+    def value(self, k: int) -> str:
+        """Return the text of the value of an operation."""
+        one = self._operations[k]
+        if one.op == "variable":
+            return f"v_{self._names[one.value]}"
+        if one.op == "number":
+            text = "(double)NAN" if one.value is None else repr(one.value)
+            return f"({text})" if text.startswith(("-", "(")) else text
+        return str(one.value) if one.op in ("truth", "literal") else f"r{k}"
+
+    def _memory(self) -> Iterator[tuple[str, str]]:
+        """Yield a member of the struct, and the statement that resets it."""
+        for k, one in enumerate(self._operations):
+            op, size = one.op, f"[{one.capacity}]"
+            if op in ("time", "once"):
+                yield f"event_hold w{k};", f"m->w{k}.last = INT64_MIN;"
+                yield "", f"m->w{k}.unknown = INT64_MIN;"
+            if op in BUFFERED:
+                yield f"event_ring w{k};", f"ring_reset(&m->w{k});"
+                yield f"int64_t w{k}_t{size};", ""
+                yield from ((f"double w{k}_{name}{size};", "") for name in _ARRAYS.get(op, "x"))
+            if one.coverage is not None:
+                yield f"event_ring c{k};", f"ring_reset(&m->c{k});"
+                yield from ((f"int64_t c{k}_t{size};", ""), (f"bool c{k}_k{size};", ""))
+            if op in STARTS:
+                yield f"int p{k};", f"m->p{k} = {STARTS[op]};"
+            if op == "debounce":
+                yield f"int p{k};", f"m->p{k} = 1;"
+                yield f"uint32_t n{k};", f"m->n{k} = 0u;"
+            if op == "majority":
+                yield f"uint32_t n{k}[4];", ""
+                yield f"unsigned char w{k}[{one.value}];", ""
+                yield from (("", f"m->n{k}[{i}] = 0u;") for i in range(4))
+            if op in ("elapsed", "age"):
+                name = f"e{k}" if op == "elapsed" else f"s{one.value}"
+                yield f"int64_t {name};", f"m->{name} = 0;"
+                yield f"bool has_{name};", f"m->has_{name} = false;"
+
+    def _bound(self, k: int) -> list[str]:
+        """Return the statements that make an argument UNKNOWN where it is wrong or too old."""
+        read = self._program.reads[k]
+        name, unknown = f"v_{self._names[k]}", _UNKNOWN[read.type]
         wrong = []
-        if variable.type == "bool":
-            wrong.append(f"{name} < 0 || {name} > 2")
-        elif variable.type == "enum":
-            wrong.append(f"{name} < 0 || {name} >= {len(variable.literals)}")
-        elif variable.type == "number":
-            limits = variable.range
-            outside = limits and f"!({limits[0]!r} <= {name} && {name} <= {limits[1]!r})"
-            if variable.infinite:
-                wrong += [f"isfinite({name}) && {outside}"] if outside else []
-            else:
-                wrong.append(f"!isfinite({name})")
-                wrong += [outside] if outside else []
-        lines = [f"if ({one}) {{ {name} = {unknown}; }}" for one in wrong]
-        if not variable.stamped:
+        if read.type == "bool":
+            wrong = [f"{name} < 0 || {name} > 2"]
+        elif read.type == "enum":
+            wrong = [f"{name} < 0 || {name} >= {len(read.literals)}"]
+        elif read.type == "number":
+            wrong = [] if read.infinite else [f"!isfinite({name})"]
+            if read.range is not None:
+                outside = f"!({read.range[0]!r} <= {name} && {name} <= {read.range[1]!r})"
+                wrong += [f"isfinite({name}) && {outside}" if read.infinite else outside]
+        lines = [f"if ({test}) {{ {name} = {unknown}; }}" for test in wrong]
+        if not read.stamped:
             return lines
         stamp = f"{name}_stamp"
-        known = {"number": f"!isnan({name})", "bool": f"{name} != 1", "enum": f"{name} >= 0"}
         lines += [f"if ({stamp} > t) {{"]
         lines += [f"    if ({stamp} - t > {int64(self._program.period)}) {{ {name} = {unknown}; }}"]
         lines += [f"    {stamp} = t;", "}"]
         if k in self._aged:
-            test = known[variable.type]
-            lines += [f"if ({test}) {{ m->s{k} = {stamp}; m->has_s{k} = true; }}"]
-        if variable.timeout is not None:
-            old = f"t - {stamp} > {int64(variable.timeout)}"
-            lines += [f"if ({old}) {{ {name} = {unknown}; }}"]
+            known = _KNOWN[read.type].format(name)
+            lines += [f"if ({known}) {{ m->s{k} = {stamp}; m->has_s{k} = true; }}"]
+        if read.timeout is not None:
+            lines += [f"if (t - {stamp} > {int64(read.timeout)}) {{ {name} = {unknown}; }}"]
         return lines
 
-    def node(self, k: int, node: Operation) -> list[str]:
-        a, b, c = ([value(self._model, arg) for arg in node.args] + ["", "", ""])[:3]
-        r, op = f"r{k}", node.op
+    def _operation(self, k: int, one: Operation) -> list[str]:
+        values, r, op = [self.value(arg) for arg in one.args], f"r{k}", one.op
         if op in _EXTREMES:
-            values = [value(self._model, arg) for arg in node.args]
-            firsts = [a, *[r] * (len(values) - 2)]
+            firsts = [values[0], *[r] * (len(values) - 2)]
             pairs = zip(firsts, values[1:], strict=True)
-            return [f"{r} = {_EXTREMES[op]}({one}, {other});" for one, other in pairs]
+            return [f"{r} = {_EXTREMES[op]}({first}, {second});" for first, second in pairs]
+        a, b, c = [*values, "", "", ""][:3]
         if op == "is_within":
-            tests = [_inside(a, one) for one in node.value]
-            return _judged(r, f"isnan({a})", tests)
+            return _judged(r, f"isnan({a})", [_inside(a, interval) for interval in one.value])
         if op == "is_covered":
-            tests = [f"strcmp({a}, {one}) == 0" for one in map(_c_text, node.value) if one]
-            return _judged(r, f"{a} == NULL", tests)
-        if op == "debounce":
-            return [f"{r} = debounced(&m->n{k}, &m->p{k}, {node.value}u, {a});"]
-        if op == "majority":
-            return [f"{r} = majority(m->n{k}, m->w{k}, {node.value}u, {a});"]
-        if op in _COMPARISONS:
-            return [f"{r} = {_COMPARISONS[op].format(a, b)};"]
-        if op in _ARITHMETIC:
-            return [f"{r} = {a} {_ARITHMETIC[op]} {b};", *self._finite(k)]
-        if op == "neg":
-            return [f"{r} = -{a};", *self._finite(k)]
-        if op == "div":
-            return [
-                f"{r} = ({b} != 0.0 && !isinf({b})) ? {a} / {b} : (double)NAN;",
-                *self._finite(k),
-            ]
+            texts = filter(None, map(_c_text, one.value))
+            return _judged(r, f"{a} == NULL", [f"strcmp({a}, {text}) == 0" for text in texts])
         if op in WINDOWS:
-            return self._window(k, node, a)
-        return self._stateful(k, op, a, b, c)
+            return self._window(k, one, a)
+        names = {"r": r, "p": f"m->p{k}", "k": k, "value": one.value, "a": a, "b": b, "c": c}
+        if op in _STATEFUL:
+            return _STATEFUL[op].format(**names).split("\n")
+        if op in _EXPRESSIONS:
+            return [f"{r} = {_EXPRESSIONS[op].format(**names)};"]
+        finite = [f"if (!isfinite({r})) {{ {r} = NAN; }}"] if k in self._checked else []
+        return [f"{r} = {_ARITHMETIC[op].format(**names)};", *finite]
 
-    def _finite(self, k: int) -> list[str]:
-        return [f"if (!isfinite(r{k})) {{ r{k} = NAN; }}"] if k in self._checked else []
-
-    def _window(self, k: int, node: Operation, a: str) -> list[str]:
-        start, need = f"start = t - {int64(node.window)};", node.window - self._program.period
-        full = f"age >= {int64(need)}"
-        if node.op in ("time", "once"):
-            dominant = 0 if node.op == "time" else 2
+    def _window(self, k: int, one: Operation, a: str) -> list[str]:
+        start = f"start = t - {int64(one.window)};"
+        full = f"age >= {int64(one.window - self._program.period)}"
+        if one.op in ("time", "once"):
+            dominant = 0 if one.op == "time" else 2
             return [start, f"r{k} = hold_push(&m->w{k}, start, t, {full}, {dominant}, {a});"]
-        w, size = f"&m->w{k}", f"{node.capacity}u"
-        known = f"{a} != 1" if node.op == "count" else f"!isnan({a})"
-        if self._program.operations[node.args[0]].infinite and not node.infinite:
+        known = f"{a} != 1" if one.op == "count" else f"!isnan({a})"
+        if self._operations[one.args[0]].infinite and not one.infinite:
             known = f"isfinite({a})"
-        ready = f"{full} && m->w{k}.bad <= start"
-        lines = [start]
-        if node.coverage is not None:
-            lines.append(f"covered_add(&m->c{k}, m->c{k}_t, m->c{k}_k, {size}, t, start, {known});")
-            share = f"(double)m->c{k}.known / (double)m->c{k}.size >= {node.coverage!r}"
+        lines, ready = [start], f"{full} && m->w{k}.bad <= start"
+        if one.coverage is not None:
+            ring = f"&m->c{k}, m->c{k}_t, m->c{k}_k, {one.capacity}u"
+            lines += [f"covered_add({ring}, t, start, {known});"]
+            share = f"(double)m->c{k}.known / (double)m->c{k}.size >= {one.coverage!r}"
             ready += f" && m->c{k}.bad <= start && {share}"
-        expire, add, found = _parts(node.op, k, w, size, a)
+        names = {"w": f"&m->w{k}", "t": f"m->w{k}_t", "x": f"m->w{k}_x", "n": f"{one.capacity}u"}
+        expire, add, value = (text.format(k=k, a=a, **names) for text in _ON_WINDOWS[one.op])
         lines += [f"{expire};", f"if ({known}) {{", f"    {add};"]
-        lines += ["} else {", f"    m->w{k}.bad = t;"] if node.coverage is None else []
-        return [*lines, "}", f"r{k} = ({ready}) ? {found} : (double)NAN;"]
-
-    def _stateful(self, k: int, op: str, a: str, b: str, c: str) -> list[str]:
-        r, p = f"r{k}", f"m->p{k}"
-        if op == "rise":
-            return [f"{r} = least({a}, 2 - {p});", f"{p} = {a};"]
-        if op == "fall":
-            return [f"{r} = least(2 - {a}, {p});", f"{p} = {a};"]
-        if op == "edge":
-            both = f"greatest(least({a}, 2 - {p}), least(2 - {a}, {p}))"
-            return [f"{r} = {both};", f"{p} = {a};"]
-        if op == "latch":
-            return [f"{r} = greatest({a}, least({p}, 2 - {b}));", f"{p} = {r};"]
-        if op == "hysteresis":
-            unknown = " || ".join(f"isnan({x})" for x in (a, b, c))
-            rest = f"{a} >= {c} ? 2 : {a} <= {b} ? 0 : {p}"
-            return [f"{r} = ({unknown}) ? 1 : {rest};", f"{p} = {r};"]
-        if op == "elapsed":
-            return [
-                f"if ({a} == 1) {{ m->has_e{k} = false; }}",
-                f"else if ({a} == 2 && {p} == 0) {{ m->e{k} = t; m->has_e{k} = true; }}",
-                f"{p} = {a};",
-                f"{r} = m->has_e{k} ? (double)(t - m->e{k}) / 1e9 : (double)NAN;",
-            ]
-        if op == "age":
-            number = self._program.operations[k].value
-            return [f"{r} = m->has_s{number} ? (double)(t - m->s{number}) / 1e9 : (double)NAN;"]
-        return []
+        lines += ["} else {", f"    m->w{k}.bad = t;"] if one.coverage is None else []
+        return [*lines, "}", f"r{k} = ({ready}) ? {value} : (double)NAN;"]
 
 
 def _judged(target: str, unknown: str, tests: Sequence[str]) -> list[str]:
     """Return the statements that make a value UNKNOWN, TRUE by one of the tests, else FALSE."""
-    whens = [f"if ({unknown}) {{ {target} = 1; }}"]
-    whens += [f"else if ({test}) {{ {target} = 2; }}" for test in tests]
-    return [*whens, f"else {{ {target} = 0; }}"]
+    whens = [f"else if ({test}) {{ {target} = 2; }}" for test in tests]
+    return [f"if ({unknown}) {{ {target} = 1; }}", *whens, f"else {{ {target} = 0; }}"]
 
 
-def _inside(name: str, one: Interval) -> str:
-    sign = "<=" if one.closed else "<"
-    return f"{_number(one.start)} <= {name} && {name} {sign} {_number(one.end)}"
-
-
-def _number(number: float) -> str:
-    return repr(number).replace("inf", "(double)INFINITY")
+def _inside(name: str, interval: Interval) -> str:
+    start, end = (
+        repr(bound).replace("inf", "(double)INFINITY") for bound in (interval.start, interval.end)
+    )
+    return f"{start} <= {name} && {name} {'<=' if interval.closed else '<'} {end}"
 
 
 def _c_text(text: str) -> str:
     """Return a text as a literal in UTF-8, empty for one that no text of C can be."""
     plain = "".join(
-        chr(one) if chr(one) in _PLAIN else f"\\{one:03o}"
-        for one in text.encode("utf-8", "surrogatepass")
+        chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}"
+        for byte in text.encode("utf-8", "surrogatepass")
     )
     return "" if "\0" in text else f'"{plain}"'
-
-
-def _parts(op: str, k: int, w: str, size: str, x: str) -> tuple[str, str, str]:
-    """Return how a window drops old samples, takes a new one, and what its value is."""
-    t, xs = f"m->w{k}_t", f"m->w{k}_x"
-    expire = f"ring_expire({w}, {t}, {size}, start)"
-    if op == "count":
-        add = f"if ({x} == 2) {{ (void)ring_append({w}, {t}, {size}, t); }}"
-        return expire, add, f"(double)m->w{k}.size"
-    if op in ("max", "min"):
-        return expire, f"{op}_add({w}, {t}, {xs}, {size}, t, {x})", f"{xs}[m->w{k}.head]"
-    if op == "rate":
-        add = f"queue_add({w}, {t}, {xs}, {size}, t, {x})"
-        return expire, add, f"rate_value({w}, {t}, {xs}, {size})"
-    if op == "median":
-        arrays = f"{w}, {t}, {xs}, m->w{k}_s, {size}"
-        add = f"median_add({arrays}, t, {x})"
-        return f"median_expire({arrays}, start)", add, f"median_value({w}, m->w{k}_s)"
-    kind = "stddev" if op == "stddev" else "sum"
-    arrays = f"{w}, {t}, {xs}, m->w{k}_h, m->w{k}_l, {size}"
-    found = f"{kind}_value({w}, m->w{k}_h, m->w{k}_l)"
-    if op == "average":
-        found += f" / (double)m->w{k}.size"
-    return f"{kind}_expire({arrays}, start)", f"{kind}_add({arrays}, t, {x})", found

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-from eddi_scaffold.program import c_step, instructions
+from eddi_scaffold.program import instructions
 from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.c_step import CStep
 from eddi_scaffold.program.instructions import (
     BOOL,
     FILTERS,
@@ -57,7 +58,7 @@ def test_each_operation_is_printed_by_both_back_ends() -> None:
         last = Result("y", len(leaves))
         program = Program(1, read, (*leaves, done), (last,))
         in_python = Printer(program, [one.name for one in read]).operations()
-        in_c = c_step.statements(named(program, "one", []))
+        in_c = CStep(named(program, "one", [])).statements()
         result = f"r{len(leaves)}"
         silent |= {op} if not any(result in line for line in in_python) else set()
         silent |= {op} if not any(f"{result} = " in line for line in in_c) else set()

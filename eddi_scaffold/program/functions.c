@@ -1,32 +1,46 @@
-"""Windows in C99, the same algorithms as ``eddi_runtime.expressions.windows`` in the same order.
+/* Windows, comparisons and filters of monitors in C99: each monitor gets the functions that it calls.
+ *
+ * The algorithms are those of eddi_runtime.expressions.windows, in the same order. Buffers are rings
+ * whose size is a power of two; the arrays lie in the monitor's struct and are passed next to the
+ * ring, so that a struct can be copied as a whole. Blank lines separate functions.
+ */
 
-Buffers are rings whose size is a power of two; the arrays lie in the monitor's struct and are
-passed next to the ring, so that a struct can be copied as a whole.
-"""
+/* 0 is FALSE, 1 UNKNOWN, 2 TRUE. */
+static int less(double a, double b)
+{
+    return a < b ? 2 : a >= b ? 0 : 1;
+}
 
-from __future__ import annotations
+static int less_or_equal(double a, double b)
+{
+    return a <= b ? 2 : a > b ? 0 : 1;
+}
 
-import re
+static int equal(double a, double b)
+{
+    return a == b ? 2 : (a < b || a > b) ? 0 : 1;
+}
 
-TYPES = """\
-typedef struct {
-    uint32_t head;      /* index of the oldest sample */
-    uint32_t size;      /* samples */
-    uint32_t front;     /* samples of the old stack, sums only */
-    uint32_t known;     /* known samples, COVERAGE only */
-    uint32_t overflows; /* samples that had to go too early */
-    int64_t bad;        /* time of the last sample that makes the window UNKNOWN */
-    double high;        /* sum or mean of the new stack */
-    double low;         /* what was rounded off, or squares, of the new stack */
-} event_ring;
+static int same_truth(int a, int b)
+{
+    return (a == 1 || b == 1) ? 1 : a == b ? 2 : 0;
+}
 
-typedef struct {
-    int64_t last;
-    int64_t unknown;
-} event_hold;
-"""
+static int same_literal(int a, int b)
+{
+    return (a < 0 || b < 0) ? 1 : a == b ? 2 : 0;
+}
 
-_RING = """\
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int greatest(int a, int b)
+{
+    return a > b ? a : b;
+}
+
 static void ring_reset(event_ring *r)
 {
     r->head = 0u;
@@ -37,8 +51,7 @@ static void ring_reset(event_ring *r)
     r->high = 0.0;
     r->low = 0.0;
 }
-"""
-_QUEUE = """\
+
 static void ring_drop(event_ring *r, uint32_t capacity)
 {
     r->head = (r->head + 1u) & (capacity - 1u);
@@ -65,25 +78,31 @@ static uint32_t ring_append(event_ring *r, int64_t *ts, uint32_t capacity, int64
     r->size++;
     return at;
 }
-"""
-_PLAIN = """\
+
 static void queue_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
                       double x)
 {
     xs[ring_append(r, ts, capacity, t)] = x;
 }
-"""
-_EXTREME = """\
-static void {name}_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
+
+static void max_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
                     double x)
-{{
-    while (r->size > 0u && xs[(r->head + r->size - 1u) & (capacity - 1u)] {sign} x) {{
+{
+    while (r->size > 0u && xs[(r->head + r->size - 1u) & (capacity - 1u)] <= x) {
         r->size--;
-    }}
+    }
     queue_add(r, ts, xs, capacity, t, x);
-}}
-"""
-_RATE = """\
+}
+
+static void min_add(event_ring *r, int64_t *ts, double *xs, uint32_t capacity, int64_t t,
+                    double x)
+{
+    while (r->size > 0u && xs[(r->head + r->size - 1u) & (capacity - 1u)] >= x) {
+        r->size--;
+    }
+    queue_add(r, ts, xs, capacity, t, x);
+}
+
 static double rate_value(const event_ring *r, const int64_t *ts, const double *xs,
                          uint32_t capacity)
 {
@@ -95,8 +114,7 @@ static double rate_value(const event_ring *r, const int64_t *ts, const double *x
     value = (xs[last] - xs[r->head]) / ((double)(ts[last] - ts[r->head]) / 1e9);
     return isfinite(value) ? value : NAN;
 }
-"""
-_MEDIAN = """\
+
 /* The first index in a sorted array whose value is not less than x. */
 static uint32_t sorted_place(const double *sorted, uint32_t size, double x)
 {
@@ -157,58 +175,7 @@ static double median_value(const event_ring *r, const double *sorted)
     value = 0.5 * low + 0.5 * high;
     return isfinite(value) ? value : NAN;
 }
-"""
-_STACKS = """\
-static void {name}_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
-                     double *lows, uint32_t capacity, int64_t start)
-{{
-    uint32_t k, count = 0u;
-    r->high = 0.0;
-    r->low = 0.0;
-    for (k = r->size; k > 0u; k--) {{
-        uint32_t at = (r->head + k - 1u) & (capacity - 1u);
-        if (ts[at] <= start) {{
-            break;
-        }}
-        count++;
-        {name}_gather(r, xs[at], count);
-        highs[at] = r->high;
-        lows[at] = r->low;
-    }}
-    r->head = (r->head + r->size - count) & (capacity - 1u);
-    r->size = count;
-    r->front = count;
-    r->high = 0.0;
-    r->low = 0.0;
-}}
 
-/* Worst case once in a turn of the window: as many sums as there are samples. */
-static void {name}_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
-                       double *lows, uint32_t capacity, int64_t start)
-{{
-    while (r->front > 0u && ts[r->head] <= start) {{
-        ring_drop(r, capacity);
-        r->front--;
-    }}
-    if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {{
-        {name}_turn(r, ts, xs, highs, lows, capacity, start);
-    }}
-}}
-
-static void {name}_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
-                    uint32_t capacity, int64_t t, double x)
-{{
-    if (r->size == capacity) {{
-        if (r->front == 0u) {{
-            {name}_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
-        }}
-        r->front--;
-    }}
-    queue_add(r, ts, xs, capacity, t, x);
-    {name}_gather(r, x, r->size - r->front);
-}}
-"""
-_SUM = """\
 /* Compensated (Neumaier 1974). */
 static void sum_gather(event_ring *r, double x, uint32_t count)
 {
@@ -222,8 +189,112 @@ static void sum_gather(event_ring *r, double x, uint32_t count)
     r->high = total;
 }
 
-"""
-_SUM_VALUE = """\
+static void sum_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                     double *lows, uint32_t capacity, int64_t start)
+{
+    uint32_t k, count = 0u;
+    r->high = 0.0;
+    r->low = 0.0;
+    for (k = r->size; k > 0u; k--) {
+        uint32_t at = (r->head + k - 1u) & (capacity - 1u);
+        if (ts[at] <= start) {
+            break;
+        }
+        count++;
+        sum_gather(r, xs[at], count);
+        highs[at] = r->high;
+        lows[at] = r->low;
+    }
+    r->head = (r->head + r->size - count) & (capacity - 1u);
+    r->size = count;
+    r->front = count;
+    r->high = 0.0;
+    r->low = 0.0;
+}
+
+/* Worst case once in a turn of the window: as many sums as there are samples. */
+static void sum_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                       double *lows, uint32_t capacity, int64_t start)
+{
+    while (r->front > 0u && ts[r->head] <= start) {
+        ring_drop(r, capacity);
+        r->front--;
+    }
+    if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {
+        sum_turn(r, ts, xs, highs, lows, capacity, start);
+    }
+}
+
+static void sum_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
+                    uint32_t capacity, int64_t t, double x)
+{
+    if (r->size == capacity) {
+        if (r->front == 0u) {
+            sum_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
+        }
+        r->front--;
+    }
+    queue_add(r, ts, xs, capacity, t, x);
+    sum_gather(r, x, r->size - r->front);
+}
+
+/* Mean and squares (Welford 1962). */
+static void stddev_gather(event_ring *r, double x, uint32_t count)
+{
+    double away = x - r->high;
+    r->high += away / (double)count;
+    r->low += away * (x - r->high);
+}
+
+static void stddev_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                     double *lows, uint32_t capacity, int64_t start)
+{
+    uint32_t k, count = 0u;
+    r->high = 0.0;
+    r->low = 0.0;
+    for (k = r->size; k > 0u; k--) {
+        uint32_t at = (r->head + k - 1u) & (capacity - 1u);
+        if (ts[at] <= start) {
+            break;
+        }
+        count++;
+        stddev_gather(r, xs[at], count);
+        highs[at] = r->high;
+        lows[at] = r->low;
+    }
+    r->head = (r->head + r->size - count) & (capacity - 1u);
+    r->size = count;
+    r->front = count;
+    r->high = 0.0;
+    r->low = 0.0;
+}
+
+/* Worst case once in a turn of the window: as many sums as there are samples. */
+static void stddev_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+                       double *lows, uint32_t capacity, int64_t start)
+{
+    while (r->front > 0u && ts[r->head] <= start) {
+        ring_drop(r, capacity);
+        r->front--;
+    }
+    if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {
+        stddev_turn(r, ts, xs, highs, lows, capacity, start);
+    }
+}
+
+static void stddev_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
+                    uint32_t capacity, int64_t t, double x)
+{
+    if (r->size == capacity) {
+        if (r->front == 0u) {
+            stddev_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
+        }
+        r->front--;
+    }
+    queue_add(r, ts, xs, capacity, t, x);
+    stddev_gather(r, x, r->size - r->front);
+}
+
 static double sum_value(const event_ring *r, const double *highs, const double *lows)
 {
     double total, rest, high;
@@ -241,18 +312,7 @@ static double sum_value(const event_ring *r, const double *highs, const double *
     }
     return isfinite(total) ? total : NAN;
 }
-"""
-_STDDEV = """\
-/* Mean and squares (Welford 1962). */
-static void stddev_gather(event_ring *r, double x, uint32_t count)
-{
-    double away = x - r->high;
-    r->high += away / (double)count;
-    r->low += away * (x - r->high);
-}
 
-"""
-_STDDEV_VALUE = """\
 static double stddev_value(const event_ring *r, const double *means, const double *squares)
 {
     uint32_t fresh = r->size - r->front;
@@ -270,8 +330,7 @@ static double stddev_value(const event_ring *r, const double *means, const doubl
     value = value / (double)(r->size - 1u);
     return isfinite(value) ? sqrt(value) : NAN;
 }
-"""
-_COVERED = """\
+
 /* All samples and which are known; the windows over the known ones are separate. */
 static void covered_add(event_ring *r, int64_t *ts, bool *ks, uint32_t capacity, int64_t t,
                         int64_t start, bool known)
@@ -286,8 +345,7 @@ static void covered_add(event_ring *r, int64_t *ts, bool *ks, uint32_t capacity,
     ks[ring_append(r, ts, capacity, t)] = known;
     r->known += known ? 1u : 0u;
 }
-"""
-_HOLD = """\
+
 /* TIME (dominant 0) and ONCE (dominant 2): AND and OR by the last times of two values. */
 static int hold_push(event_hold *h, int64_t start, int64_t t, bool full, int dominant, int x)
 {
@@ -304,8 +362,7 @@ static int hold_push(event_hold *h, int64_t start, int64_t t, bool full, int dom
     }
     return 2 - dominant;
 }
-"""
-_FILTERS = """\
+
 /* Loss at once, gain after as many TRUE samples in a row as are needed. */
 static int debounced(uint32_t *in_a_row, int *held, uint32_t needed, int x)
 {
@@ -335,62 +392,12 @@ static int majority(uint32_t *s, unsigned char *xs, uint32_t window, int x)
     s[3] += x != 0 ? 1u : 0u;
     return 2u * s[2] > s[0] ? 2 : 2u * s[3] > s[0] ? 1 : 0;
 }
-"""
-_EXACT = """\
-static int least(int a, int b)
-{
-    return a < b ? a : b;
-}
 
-static int greatest(int a, int b)
+static void publish(event_output *event, int verdict, bool hazard)
 {
-    return a > b ? a : b;
+    bool before = event->verdict == EVENT_TRUE;
+    event->verdict = (event_kleene)verdict;
+    event->raised = verdict == 2 && !before;
+    event->cleared = verdict != 2 && before;
+    event->active = verdict == 2 || (hazard && verdict == 1);
 }
-"""
-_COMPARISONS = """\
-/* 0 is FALSE, 1 UNKNOWN, 2 TRUE. */
-static int less(double a, double b)
-{
-    return a < b ? 2 : a >= b ? 0 : 1;
-}
-
-static int less_or_equal(double a, double b)
-{
-    return a <= b ? 2 : a > b ? 0 : 1;
-}
-
-static int equal(double a, double b)
-{
-    return a == b ? 2 : (a < b || a > b) ? 0 : 1;
-}
-
-static int same_truth(int a, int b)
-{
-    return (a == 1 || b == 1) ? 1 : a == b ? 2 : 0;
-}
-
-static int same_literal(int a, int b)
-{
-    return (a < 0 || b < 0) ? 1 : a == b ? 2 : 0;
-}
-"""
-_STATISTICS = (_SUM + _STACKS.format(name="sum"), _STDDEV + _STACKS.format(name="stddev"))
-_ALL = (
-    *(_COMPARISONS, _EXACT, _RING, _QUEUE, _PLAIN),
-    *(_EXTREME.format(name="max", sign="<="), _EXTREME.format(name="min", sign=">=")),
-    *(_RATE, _MEDIAN, *_STATISTICS, _SUM_VALUE, _STDDEV_VALUE, _COVERED, _HOLD, _FILTERS),
-)
-_WORD = re.compile(r"\b([a-z_]\w*)\(")
-_NAME = re.compile(r"(?m)^static \w+ (\w+)\(")
-
-
-def functions(body: str) -> str:
-    """Return the static functions that a text calls, and those that they call."""
-    wanted, parts = set(_WORD.findall(body)), []
-    for function in reversed([one for text in _ALL for one in text.strip("\n").split("\n\n")]):
-        name = _NAME.search(function)
-        assert name is not None
-        if name[1] in wanted:
-            wanted.update(_WORD.findall(function))
-            parts.append(function)
-    return "".join(f"{function}\n\n" for function in reversed(parts))
