@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, reliability
 from .eddi_runtime.reliability import chain, observed, tree
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, reliability: 2})
-# sha256 of the lines below: 899ad1b020d4c92356035b996c90b90f07a4143b9bac580d64a987351a716752
+# sha256 of the lines below: eec9e07b1a6e72d9375e1e3521b1873ee19aa65a67ce4e01c68d5d7948d3afc1
 
 
 # Markov Rotors
@@ -96,7 +96,7 @@ class Tree1(tree.FaultTree):
 
 class Monitor(reliability.Reliability):
     model_id = "MissionLoss"
-    digest = "65f0153670f13c4e188645cf228d316d65ac882bde5badc8fd8812ac4563c387"
+    digest = "6e1aa2e5bbb05a171d23cf7710b16c10d09d2f733e4e96fb4cf5f6f96fc9c935"
     inputs = (
         InputSpec("rotors_ok", "rotors_ok", requires=("rotors",), max_age=1.0),
         InputSpec("MissionLoss_Link", "MissionLoss_Link", requires=("link_lost",), max_age=1.0),

@@ -9,14 +9,14 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: 0c0083e5d6aa409242fa47c75b3f3a4bc6f8e87e413c5bcadd9bb04469a666fb
+# sha256 of the lines below: 8a8fea8c5f568718bcb16f01b6b1b67c3c44576582bc429e1812eec09bf27a0f
 INF = float("inf")
 NAN = float("nan")
 
 
 class Monitor(event.EventMonitor):
     model_id = "motor_watch"
-    digest = "d50db499454ce80280ea63411dae6f95a936d631df27552e914b50ec3ead444a"
+    digest = "279af6a52ff4b0f0b31ee58c69a2cc7a5c33cf56cbcfe86aa63938c5a84662d3"
     inputs = (
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),

@@ -8,12 +8,12 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: f1a1e4e0f7dcab1c8e0dcc5d4135afb6597d61be0632e81a79d74c1e6f8c47b1
+# sha256 of the lines below: c7e141308d501e51c968a5d3fbe562b1eec524d517f9603a1b96660762bc71b6
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
-    digest = "b8587ca9114806394807b99ee989e1ec7b3b67f886b3ca523eed483def5bcfac"
+    digest = "5a215578049635332dfe6ea8e26309b53e75804d7807e93d8ba914309bd537f8"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
     metric = "ad"
     metric_name = "AndersonDarlingDistance"

@@ -8,13 +8,13 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 7e50fb7e03abe61807019ffea2a1a936c94e0e54e4e070fbcb9b0a5eed64ea5f
+# sha256 of the lines below: 666ad21291c92780362e7f345f4ba25ea3da84fb2bdd30f357319f3570817f1d
 INF = float("inf")
 
 
 class Monitor(consert.ConSert):
     model_id = "rover"
-    digest = "54e385fcbec46bc30296dc69f1b6fc7ddabd25fbb34a40bb8ca0204d6c6d0216"
+    digest = "a6b2c2744e3ce6f782f0af8943e846762f447e481437922ad298fb16b81c0f7f"
     inputs = (
         InputSpec("MapKnown", "MapKnown", requires=("MapKnown",)),
         InputSpec("Distance", "Distance", requires=("Distance",)),

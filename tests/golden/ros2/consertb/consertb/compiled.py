@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: f452720f40bbc3743b1899692ea033ffa9078479db96fef34579143283e2c820
+# sha256 of the lines below: b0670dcc28a3c24b7c0b2f77244dd25129285abe32e22a3889a327be3afd65b3
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertB"
-    digest = "5ef85d7b82b47a12e07a6f435cb1fca2bbfa2c99a733542ddfe22c4a844337d1"
+    digest = "c1b58fe5fedb4e2fc6d74328edf7a1a0099c2dbd11176f0063220eec2cd43a42"
     inputs = (
         # //@odeProductPackages.0/@conSerts.1/@runtimeEvidence.0
         InputSpec("RtE_A_E0", "RtE_A_E0", requires=("RtE_E0",), max_age=2.0, default=False),

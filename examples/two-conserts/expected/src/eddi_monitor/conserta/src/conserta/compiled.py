@@ -8,12 +8,12 @@ import eddi_runtime
 from eddi_runtime import InputSpec, consert
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, consert: 3})
-# sha256 of the lines below: 37dd7bbb40363ce2d356389f7b273a8138d34184b9b7ff11e7eea26cddd4c1cf
+# sha256 of the lines below: d376118112be2d080ebd223c19693da653267690c87c2d8cd27a214f6555b541
 
 
 class Monitor(consert.ConSert):
     model_id = "ConSertA"
-    digest = "81b1be22af9fd5a478bd706df23b38af7c842bee97bdd23071cd72063dc8fe00"
+    digest = "3856604844fdd70abeb0add85589cba170813606f7d56b2d8af85ac67497e6e3"
     inputs = (
         # //@odeProductPackages.0/@conSerts.0/@demands.0
         InputSpec("RtE_A_D0", "RtE_A_D0", requires=("consertb",), max_age=0.5, default=False),
