@@ -1,4 +1,4 @@
-"""Hypothesis profiles, the same as in the generator's tests; Python 3.8 runs without hypothesis.
+"""Hypothesis profiles, the same as in the generator's tests, with fewer examples on Python 3.8.
 
 What needs a compiled model is left out where the generator cannot run, before Python 3.10: there
 ``tests/rules`` steps generated packages instead.
@@ -27,7 +27,7 @@ except ImportError:
 else:
     settings.register_profile(
         "quick",
-        max_examples=25,
+        max_examples=15 if sys.version_info >= (3, 10) else 5,
         deadline=None,
         derandomize=True,
         suppress_health_check=list(HealthCheck),
