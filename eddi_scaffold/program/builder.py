@@ -1,9 +1,13 @@
-"""The words of a condition, as a form has them: comments beside what was made of them."""
+"""Programs in the making: of the graph that a check of conditions gives, and of other programs.
+
+``nodes`` of a graph are in the order of evaluation, each argument before its use; equal
+sub-expressions are one node. No name takes part in the evaluation: variables are numbered.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_scaffold.program.instructions import (
@@ -20,6 +24,32 @@ from eddi_scaffold.program.instructions import (
 from eddi_scaffold.program.lists import Element, Part, Reduction
 from eddi_scaffold.program.python_text import comment
 
+VERSION = 1
+
+
+def _signatures() -> Iterator[tuple[str, tuple[tuple[str, ...], str]]]:
+    for operations, arguments, type_ in (
+        ("neg abs sqrt average sum max min median stddev rate", (NUMBER,), NUMBER),
+        ("least greatest add sub mul div", (NUMBER, NUMBER), NUMBER),
+        ("lt le gt ge eq ne", (NUMBER, NUMBER), BOOL),
+        ("eq_bool ne_bool and or xor implies latch", (BOOL, BOOL), BOOL),
+        ("eq_enum ne_enum", (ENUM, ENUM), BOOL),
+        ("not time once rise fall edge known_bool", (BOOL,), BOOL),
+        ("count elapsed", (BOOL,), NUMBER),
+        ("hysteresis", (NUMBER, NUMBER, NUMBER), BOOL),
+        ("known", (NUMBER,), BOOL),
+        ("known_enum", (ENUM,), BOOL),
+        ("age", (), NUMBER),
+    ):
+        yield from ((operation, (arguments, type_)) for operation in operations.split())
+
+
+SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = dict(_signatures())
+"""Operation -> types of its arguments and of its value; ``age`` names a variable."""
+MAX_CAPACITY = 1 << 20
+"""Samples in one window: 16 MB in C."""
+KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
+"""Operations whose value can be infinite when an argument is."""
 _BETWEEN = {
     "add": "+",
     "sub": "-",
@@ -31,62 +61,12 @@ _BETWEEN = {
     "ge": ">=",
     "eq": "==",
     "ne": "!=",
-    "eq_bool": "==",
-    "ne_bool": "!=",
-    "eq_enum": "==",
-    "ne_enum": "!=",
     "and": "AND",
     "or": "OR",
     "xor": "XOR",
     "implies": "IMPLIES",
 }
 _TRUTHS = ("FALSE", "UNKNOWN", "TRUE")
-
-
-def words_of(reads: Sequence[Read], operations: Sequence[Operation]) -> list[str]:
-    """Return the words of each operation, cut to what fits a comment."""
-    found: list[str] = []
-    for operation in operations:
-        whole = operation.op not in _BETWEEN and operation.op not in ("neg", "not")
-        inner = [found[k] if whole else _inside(operations[k], found[k]) for k in operation.args]
-        if operation.op in ("eq_enum", "ne_enum"):
-            inner = _named(reads, [operations[k] for k in operation.args], inner)
-        found.append(comment(_words(reads, operation, inner)))
-    return found
-
-
-def _inside(one: Operation, text: str) -> str:
-    return f"({text})" if one.op in _BETWEEN else text
-
-
-def _words(reads: Sequence[Read], one: Operation, inner: list[str]) -> str:
-    if one.op in ("variable", "age"):
-        name = reads[one.value].name
-        return name if one.op == "variable" else f"AGE({name})"
-    if one.op == "number":
-        return "UNKNOWN" if one.value is None else f"{one.value!r}".removesuffix(".0")
-    if one.op == "truth":
-        return _TRUTHS[one.value]
-    if one.op == "literal":
-        return f"literal {one.value}"
-    if one.op in _BETWEEN:
-        return f"{inner[0]} {_BETWEEN[one.op]} {inner[1]}"
-    if one.op in ("neg", "not"):
-        return f"{'-' if one.op == 'neg' else 'NOT '}{inner[0]}"
-    if one.op in WINDOWS:
-        inner = [*inner, f"{one.window / 1e9:g} s"]
-    if one.coverage is not None:
-        inner = [*inner, f"COVERAGE {one.coverage!r}"]
-    return f"{one.op.partition('_')[0].upper()}({', '.join(inner)})"
-
-
-def _named(reads: Sequence[Read], values: Sequence[Operation], texts: list[str]) -> list[str]:
-    """Return the texts of two values of an ENUM, literals by the names that the other one has."""
-    literals = next((reads[value.value].literals for value in values if value.op == "variable"), ())
-    return [
-        literals[value.value] if value.op == "literal" and value.value < len(literals) else text
-        for value, text in zip(values, texts, strict=True)
-    ]
 
 
 class Builder:
@@ -96,9 +76,9 @@ class Builder:
         self._reads: dict[Read, int] = {}
         self._operations: list[Operation] = []
 
-    def add(self, one: Operation) -> int:
+    def add(self, operation: Operation) -> int:
         """Add an operation; return its number."""
-        self._operations.append(one)
+        self._operations.append(operation)
         return len(self._operations) - 1
 
     def append(self, program: Program, given: Mapping[int, int] | None = None) -> list[int]:
@@ -116,12 +96,11 @@ class Builder:
         }
         places: list[int] = []
         for operation in program.operations:
-            if operation.op == "variable" and operation.value in given:
-                places.append(given[operation.value])
+            op, value = operation.op, operation.value
+            if op == "variable" and value in given:
+                places.append(given[value])
                 continue
-            value = (
-                numbers[operation.value] if operation.op in ("variable", "age") else operation.value
-            )
+            value = numbers[value] if op in ("variable", "age") else value
             args = tuple(places[k] for k in operation.args)
             places.append(self.add(operation._replace(args=args, value=value)))
         return places
@@ -131,60 +110,15 @@ class Builder:
         return Program(period, tuple(self._reads), tuple(self._operations), tuple(results))
 
 
-VERSION = 1
-NUMBERS = (NUMBER, NUMBER)
-TRUTHS = (BOOL, BOOL)
-SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = {
-    "neg": ((NUMBER,), NUMBER),
-    "abs": ((NUMBER,), NUMBER),
-    "sqrt": ((NUMBER,), NUMBER),
-    "least": (NUMBERS, NUMBER),
-    "greatest": (NUMBERS, NUMBER),
-    "add": (NUMBERS, NUMBER),
-    "sub": (NUMBERS, NUMBER),
-    "mul": (NUMBERS, NUMBER),
-    "div": (NUMBERS, NUMBER),
-    "lt": (NUMBERS, BOOL),
-    "le": (NUMBERS, BOOL),
-    "gt": (NUMBERS, BOOL),
-    "ge": (NUMBERS, BOOL),
-    "eq": (NUMBERS, BOOL),
-    "ne": (NUMBERS, BOOL),
-    "eq_bool": (TRUTHS, BOOL),
-    "ne_bool": (TRUTHS, BOOL),
-    "eq_enum": ((ENUM, ENUM), BOOL),
-    "ne_enum": ((ENUM, ENUM), BOOL),
-    "and": (TRUTHS, BOOL),
-    "or": (TRUTHS, BOOL),
-    "xor": (TRUTHS, BOOL),
-    "implies": (TRUTHS, BOOL),
-    "not": ((BOOL,), BOOL),
-    "average": ((NUMBER,), NUMBER),
-    "sum": ((NUMBER,), NUMBER),
-    "max": ((NUMBER,), NUMBER),
-    "min": ((NUMBER,), NUMBER),
-    "median": ((NUMBER,), NUMBER),
-    "stddev": ((NUMBER,), NUMBER),
-    "rate": ((NUMBER,), NUMBER),
-    "count": ((BOOL,), NUMBER),
-    "time": ((BOOL,), BOOL),
-    "once": ((BOOL,), BOOL),
-    "rise": ((BOOL,), BOOL),
-    "fall": ((BOOL,), BOOL),
-    "edge": ((BOOL,), BOOL),
-    "latch": (TRUTHS, BOOL),
-    "hysteresis": ((NUMBER, NUMBER, NUMBER), BOOL),
-    "elapsed": ((BOOL,), NUMBER),
-    "known": ((NUMBER,), BOOL),
-    "known_bool": ((BOOL,), BOOL),
-    "known_enum": ((ENUM,), BOOL),
-    "age": ((), NUMBER),
-}
-"""Operation -> types of its arguments and of its value; ``age`` names a variable."""
-MAX_CAPACITY = 1 << 20
-"""Samples in one window: 16 MB in C."""
-KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
-"""Operations whose value can be infinite when an argument is."""
+def joined(programs: Sequence[Program]) -> Program:
+    """Return one program with the first result of each, in which equal reads are one."""
+    builder = Builder()
+    results = []
+    for program in programs:
+        places = builder.append(program)
+        result = program.results[0]
+        results.append(result._replace(operation=places[result.operation]))
+    return builder.program(programs[0].period, results)
 
 
 def read_form(form: Mapping[str, Any]) -> Program:
@@ -197,27 +131,15 @@ def read_form(form: Mapping[str, Any]) -> Program:
     aged = {row["value"] for row in rows if row["op"] == "age"}
     reads = tuple(_read(row, aged=k in aged) for k, row in enumerate(form["variables"]))
     operations: list[Operation] = []
+    words: list[str] = []
     for row in rows:
-        operations.append(_operation(row, reads, operations))
+        operation = _operation(row, reads, operations)
+        words.append(comment(_words(reads, operation, operations, words)))
+        operations.append(operation._replace(about=f"{operation.about} {words[-1]}"))
     results = (
         Result(row["id"], row["node"], row["polarity"] == "HAZARD") for row in form["outputs"]
     )
-    described = (
-        operation._replace(about=f"{operation.about} {words}")
-        for operation, words in zip(operations, words_of(reads, operations), strict=True)
-    )
-    return Program(form["period"], reads, tuple(described), tuple(results))
-
-
-def joined(programs: Sequence[Program]) -> Program:
-    """Return one program with the first result of each, in which equal reads are one."""
-    builder = Builder()
-    results = []
-    for program in programs:
-        places = builder.append(program)
-        result = program.results[0]
-        results.append(result._replace(operation=places[result.operation]))
-    return builder.program(programs[0].period, results)
+    return Program(form["period"], reads, tuple(operations), tuple(results))
 
 
 def _read(row: Mapping[str, Any], *, aged: bool) -> Read:
@@ -297,3 +219,51 @@ def read_reduction(row: Mapping[str, Any]) -> Reduction:
 
 def _pair(value: Sequence[Any] | None) -> Any:
     return None if value is None else tuple(value)
+
+
+def _words(
+    reads: Sequence[Read], operation: Operation, before: Sequence[Operation], words: Sequence[str]
+) -> str:
+    """Return the words of an operation, as they stand in comments beside what is made of it.
+
+    Args:
+        reads: what the program reads.
+        operation: what is done.
+        before: the operations before it.
+        words: of these.
+    """
+    op, value = operation.op, operation.value
+    base = op.partition("_")[0]
+    if op in ("variable", "age"):
+        name = reads[value].name
+        return name if op == "variable" else f"AGE({name})"
+    if op == "number":
+        return "UNKNOWN" if value is None else f"{value!r}".removesuffix(".0")
+    if op == "truth":
+        return _TRUTHS[value]
+    if op == "literal":
+        return f"literal {value}"
+    arguments = [before[k] for k in operation.args]
+    inner = [words[k] for k in operation.args]
+    if base in _BETWEEN or op in ("neg", "not"):
+        pairs = zip(arguments, inner, strict=True)
+        inner = [
+            f"({text})" if argument.op.partition("_")[0] in _BETWEEN else text
+            for argument, text in pairs
+        ]
+    if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
+        literals = next(
+            (reads[one.value].literals for one in arguments if one.op == "variable"), ()
+        )
+        for k, argument in enumerate(arguments):
+            if argument.op == "literal" and argument.value < len(literals):
+                inner[k] = literals[argument.value]
+    if base in _BETWEEN:
+        return f"{inner[0]} {_BETWEEN[base]} {inner[1]}"
+    if op in ("neg", "not"):
+        return f"{'-' if op == 'neg' else 'NOT '}{inner[0]}"
+    if op in WINDOWS:
+        inner = [*inner, f"{operation.window / 1e9:g} s"]
+    if operation.coverage is not None:
+        inner = [*inner, f"COVERAGE {operation.coverage!r}"]
+    return f"{base.upper()}({', '.join(inner)})"

@@ -15,7 +15,7 @@ from eddi_scaffold.common.problems import EddiError, problem
 from eddi_scaffold.program.c_step import CStep, int64
 from eddi_scaffold.program.instructions import MAX_NS, Read
 from eddi_scaffold.program.kept_bodies import HEADER, region
-from eddi_scaffold.program.standalone import StandaloneMonitor, describe, unique_names
+from eddi_scaffold.program.standalone import StandaloneMonitor, unique_names
 
 _TYPES = {"number": "double ", "text": "const char *"}
 _UNKNOWN = {"number": "NAN", "bool": "EVENT_UNKNOWN", "enum": "-1", "text": "NULL"}
@@ -108,7 +108,7 @@ def _header(model: StandaloneMonitor) -> str:
     period = model.program.period
     rate = f"Call it every {period} ns. " if period else ""
     variables = (
-        f"* v_{word}: {describe(model, k)}; {_UNKNOWN[model.program.reads[k].type]} is UNKNOWN"
+        f"* v_{word}: {model.describe(k)}; {_UNKNOWN[model.program.reads[k].type]} is UNKNOWN"
         for k, word in enumerate(model.variables)
     )
     return f"""\
@@ -226,7 +226,7 @@ def _main(model: StandaloneMonitor) -> str:
         unused = ["    (void)stamp; /* set *stamp when the sample is not from now */"]
         parameter = "int64_t *stamp" if stamped else "void"
         lines = [
-            f"/* {describe(model, k)}; {unknown} is UNKNOWN. */",
+            f"/* {model.describe(k)}; {unknown} is UNKNOWN. */",
             f"static {_declared(variable, f'read_{word}')}({parameter})",
             *("{", *(unused if stamped else [])),
             *region(f"variable:{variable.name}", [f"    return {unknown};"], c=True, indent="    "),

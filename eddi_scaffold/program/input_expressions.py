@@ -1,4 +1,8 @@
-"""An input of a monitor as it is compiled."""
+"""The inputs of a monitor, and the class of each that an expression gives.
+
+Such a class reads messages and holds the windows. In place of the input, a program may compute the
+expression itself.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +23,12 @@ from eddi_scaffold.program.python_text import (
     variables,
 )
 
+FORMAT = 3
+MODULES = ("expression", "hold", "lists", "stacks", "window", "windows")
+"""Modules of the part that a monitor imports where it uses them."""
+_TYPES = {"bool": "bool", "float": "number"}
+"""Type of an expression that is what its input gives -> type of what is read."""
+
 
 @dataclass(frozen=True)
 class BoundInput:
@@ -35,16 +45,11 @@ class BoundInput:
     accepts: tuple[str, ...] = ()
 
 
-FORMAT = 3
-MODULES = ("expression", "hold", "lists", "stacks", "window", "windows")
-"""Modules of the part that a monitor imports where it uses them."""
-
-
 def expression_classes(inputs: Sequence[BoundInput]) -> dict[str, str]:
     """Return input id -> name of the class that computes it, for inputs with an expression."""
-    found = [input_ for input_ in inputs if input_.expression is not None]
-    names = variables([f"Expression_{one.attribute}" for one in found], ())
-    return {one.id: name for one, name in zip(found, names, strict=True)}
+    computed = [input_ for input_ in inputs if input_.expression is not None]
+    names = variables([f"Expression_{input_.attribute}" for input_ in computed], ())
+    return {input_.id: name for input_, name in zip(computed, names, strict=True)}
 
 
 def expression_lines(inputs: Sequence[BoundInput]) -> list[str]:
@@ -64,18 +69,32 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
         name: of the class.
         document: what ``eddi_scaffold.conditions.inputs`` made.
     """
-    kind, parts = document["type"], document["parts"]
+    type_, parts = document["type"], document["parts"]
     program = joined([read_form(part["form"]) for part in parts])
-    sampling = Sampling(program)
-    sources = Names(document)
-    words = dict.fromkeys(sources.split(input_.name)[0] for input_ in sampling.inputs)
-    names = document.get("names") or {word: ["message", word] for word in words}
-    lines = [f"class {name}(expression.Expression):", f'    type = "{kind}"']
+    sampling, sources = Sampling(program), Names(document)
+    messages = dict.fromkeys(sources.split(input_.name)[0] for input_ in sampling.inputs)
+    kinds = document.get("names") or {message: ["message", message] for message in messages}
+    lines = [f"class {name}(expression.Expression):", f'    type = "{type_}"']
     lines += ["    hazard = True"] if document.get("polarity") == "HAZARD" else []
-    if kind == "state":
+    if type_ == "state":
         lines += assignment("states", literal(tuple(part["state"] for part in parts)), 4)
-    lines += assignment("names", literal({word: tuple(one) for word, one in names.items()}), 4)
-    return [*lines, *_methods(program, sampling, sources)]
+    lines += assignment("names", literal({key: tuple(kind) for key, kind in kinds.items()}), 4)
+    _, names = names_of(program, sampling)
+    printer = Printer(program, names)
+    lines += [*printer.members(), "", "    def step(self, t, messages, ages):"]
+    for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
+        message = text_literal(sources.split(sampling.inputs[used[0]].name)[0])
+        fields = [sources.field(sampling.inputs[use].name) for use in used]
+        if read.reduction is None:
+            value = call("self.field", ["messages", message, *fields[0]])
+        else:
+            reduction = [str(k), f"self.reduce_{k}", "messages", message]
+            value = call("self.reduce", [*reduction, *map(tuple_of, fields)])
+        lines += assignment(names[k], value, 8)
+        if read.stamped:
+            stamp = f"expressions.stamp(t, ages.get({message}))"
+            lines += [f"        {stamp_name(names[k])} = {stamp}"]
+    return [*lines, *printer.evaluation(raw=True)]
 
 
 class Names:
@@ -87,11 +106,10 @@ class Names:
         self._kinds: Mapping[str, Any] = document.get("names") or {}
 
     def split(self, name: str) -> tuple[str, tuple[Any, ...]]:
-        """Return the first word of a name and the path behind it; those with keys are given."""
+        """Return the first part of a name and the path behind it; those with keys are given."""
         if name not in self._paths:
             return split_name(name)
-        word = name.partition(".")[0].partition("[")[0]
-        return word, _tuple(self._paths[name])
+        return name.partition(".")[0].partition("[")[0], _tuple(self._paths[name])
 
     def is_message(self, name: str) -> bool:
         """Return whether a variable is read of a message, not of another input."""
@@ -101,41 +119,17 @@ class Names:
     def field(self, name: str) -> list[Part]:
         """Return the path of a variable, and the checks of whether it is a measurement."""
         checks = self._checks.get(name, ())
-        return [literal(_tuple(one)) for one in (self.split(name)[1], *checks)]
+        return [literal(_tuple(path)) for path in (self.split(name)[1], *checks)]
 
 
 def split_name(name: str) -> tuple[str, tuple[str | int, ...]]:
     """Split the name of a variable: ``temps.data[1]`` -> ``temps``, and the path ``data``, 1."""
-    pieces = name.replace("[", ".[").split(".")
-    parts = [int(piece[1:-1]) if piece.startswith("[") else piece for piece in pieces]
-    return str(parts[0]), tuple(parts[1:])
+    first, *rest = name.replace("[", ".[").split(".")
+    return first, tuple(int(piece[1:-1]) if piece.startswith("[") else piece for piece in rest)
 
 
 def _tuple(value: Any) -> Any:
     return tuple(map(_tuple, value)) if isinstance(value, (list, tuple)) else value
-
-
-def _methods(program: Program, sampling: Sampling, sources: Names) -> list[str]:
-    _, names = names_of(program, sampling)
-    printer = Printer(program, names)
-    lines = [*printer.members(), "", "    def step(self, t, messages, ages):"]
-    for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
-        word = text_literal(sources.split(sampling.inputs[used[0]].name)[0])
-        fields = [sources.field(sampling.inputs[one].name) for one in used]
-        if read.reduction is None:
-            value = call("self.field", ["messages", word, *fields[0]])
-        else:
-            reduce = [str(k), f"self.reduce_{k}", "messages", word]
-            value = call("self.reduce", [*reduce, *map(tuple_of, fields)])
-        lines += assignment(names[k], value, 8)
-        if read.stamped:
-            stamp = f"expressions.stamp(t, ages.get({word}))"
-            lines += [f"        {stamp_name(names[k])} = {stamp}"]
-    return [*lines, *printer.evaluation(raw=True)]
-
-
-_TYPES = {"bool": "bool", "float": "number"}
-"""Type of an expression that is what its input gives -> type of what is read."""
 
 
 def inlined(program: Program, inputs: Sequence[BoundInput]) -> Program:
@@ -153,15 +147,19 @@ def inlined(program: Program, inputs: Sequence[BoundInput]) -> Program:
     given: dict[int, int] = {}
     period = program.period
     for k, (read, spec) in enumerate(zip(program.reads, inputs, strict=True)):
-        found = _program(spec, read)
-        if found is not None:
-            period = found.period
-            result = builder.append(found)[found.results[0].operation]
-            if spec.expression is not None and spec.expression.get("polarity") == "HAZARD":
-                result = _unless_false(builder, result, found.operations[-1].about)
-            given[k] = result
+        expression = _program(spec, read)
+        if expression is None or spec.expression is None:
+            continue
+        period = expression.period
+        given[k] = truth = builder.append(expression)[expression.results[0].operation]
+        if spec.expression.get("polarity") == "HAZARD":
+            about = expression.operations[-1].about
+            known = Operation("known_bool", (truth,), BOOL, about=f"KNOWN({about})")
+            unknown = Operation("not", (builder.add(known),), BOOL, about="HAZARD: UNKNOWN is true")
+            either = (truth, builder.add(unknown))
+            given[k] = builder.add(Operation("or", either, BOOL, about=about))
     places = builder.append(program, given)
-    results = [one._replace(operation=places[one.operation]) for one in program.results]
+    results = [result._replace(operation=places[result.operation]) for result in program.results]
     return builder.program(period, results)
 
 
@@ -171,12 +169,12 @@ def _program(spec: BoundInput, read: Read) -> Program | None:
     if document is None or _TYPES.get(document["type"]) != read.type:
         return None
     (part,) = document["parts"]
-    found = read_form(part["form"])
-    if any(one.reduction is not None or one.text for one in found.reads):
+    program = read_form(part["form"])
+    if any(source.reduction is not None or source.text for source in program.reads):
         return None
     names = Names(document)
-    reads = (_bounded(one, names, read.timeout) for one in found.reads)
-    return found._replace(reads=tuple(reads))
+    reads = (_bounded(source, names, read.timeout) for source in program.reads)
+    return program._replace(reads=tuple(reads))
 
 
 def _bounded(read: Read, names: Names, limit: int | None) -> Read:
@@ -186,10 +184,3 @@ def _bounded(read: Read, names: Names, limit: int | None) -> Read:
         read = read._replace(timeout=limit, stamped=True)
     checked = "UNKNOWN where the message says that it is no measurement"
     return read._replace(about=checked) if len(names.field(read.name)) > 1 else read
-
-
-def _unless_false(builder: Builder, truth: int, about: str) -> int:
-    """Add that UNKNOWN is TRUE; return the number of the operation."""
-    known = builder.add(Operation("known_bool", (truth,), BOOL, about=f"KNOWN({about})"))
-    unknown = builder.add(Operation("not", (known,), BOOL, about="HAZARD: UNKNOWN is true"))
-    return builder.add(Operation("or", (truth, unknown), BOOL, about=about))

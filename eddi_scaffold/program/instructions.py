@@ -1,7 +1,7 @@
 """The program that a model is compiled to: values are read, operations follow, results are given.
 
-A front end makes it (``kinds.consert.compile``, ``expressions.form``); a back end prints it:
-``program.python`` the step in ``compiled.py``, ``eddi_scaffold.targets`` monitors in C99. Each
+A front end makes it (``kinds.consert.compile``, ``builder.read_form``); a back end prints it:
+``python_step`` the step in ``compiled.py``, ``c_step`` the one of a monitor in C99. Each
 operation is done once in a step, after those that it works on, and has one value. A value is
 
 - a *truth*: 0 FALSE < 1 UNKNOWN < 2 TRUE; AND is the least and OR the greatest (strong Kleene),
@@ -199,20 +199,18 @@ class Sampling:
     """
 
     def __init__(self, program: Program) -> None:
-        found: dict[str, HostInput] = {}
+        given: dict[str, HostInput] = {}
         names: list[list[str]] = []
         for read in program.reads:
-            if read.reduction is None:
-                kind = "text" if read.text else read.type
-                given = [HostInput(read.name, kind, False, read.literals)]
-            else:
-                given = [
-                    HostInput(input_.name, input_.type, input_.is_list)
-                    for input_ in read.reduction.inputs
-                ]
-            for one in given:
-                found.setdefault(one.name, one)
-            names.append([one.name for one in given])
-        numbers = {name: k for k, name in enumerate(found)}
-        self.inputs = tuple(found.values())
+            inputs = [
+                HostInput(read.name, "text" if read.text else read.type, False, read.literals)
+            ]
+            if read.reduction is not None:
+                parts = read.reduction.inputs
+                inputs = [HostInput(part.name, part.type, part.is_list) for part in parts]
+            names.append([input_.name for input_ in inputs])
+            for input_ in inputs:
+                given.setdefault(input_.name, input_)
+        self.inputs = tuple(given.values())
+        numbers = {name: k for k, name in enumerate(given)}
         self.uses = [[numbers[name] for name in used] for used in names]

@@ -1,11 +1,15 @@
-"""Reductions of the lists of a message: the nearest obstacle of a scan, the share of what holds."""
+"""Reductions of the lists of a message: the nearest obstacle of a scan, the share of what holds.
+
+In Python every operation is done on whole columns, one after the other.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from eddi_scaffold.program.python_text import Part as Text
+from eddi_scaffold.program import python_text
 from eddi_scaffold.program.python_text import (
     assignment,
     call,
@@ -18,8 +22,6 @@ from eddi_scaffold.program.python_text import (
     tuple_of,
 )
 
-AGGREGATES = ("list_min", "list_max", "list_median", "list_sum", "list_average", "list_stddev")
-"""Reductions of numbers."""
 TRUTHS = ("list_count", "list_any", "list_all")
 """Reductions of truth values."""
 OPERATIONS = (
@@ -71,7 +73,7 @@ class Reduction:
     """One value of the lists of a message.
 
     Attributes:
-        op: one of ``AGGREGATES`` or ``TRUTHS``.
+        op: ``list_min`` and others of numbers, or one of ``TRUTHS``.
         inputs: what it reads, lists first or last as they come.
         nodes: what is computed, each argument before its use.
         value: number of the node that is reduced.
@@ -147,92 +149,97 @@ def reduction_lines(number_: int, name: str, reduction: Reduction, prefix: str) 
         reduction: what it is.
         prefix: of what it calls.
     """
-    lists = [k for k, input_ in enumerate(reduction.inputs) if input_.is_list]
     arguments = "".join(f", x{k}" for k in range(len(reduction.inputs)))
-    lines = [f"    def reduce_{number_}(self{arguments}):", f"        # {comment(name)}"]
-    for k, part in enumerate(reduction.inputs):
-        lines += _read(f"x{k}", part, prefix)
-    lines += _shortened(reduction, lists, prefix)
-    empty = _EMPTY.get(reduction.op) if reduction.messages else None
-    lines += [f"        if not x{lists[0]}:"]
-    lines += [
-        f'            raise {prefix}Unknown("the list is empty")'
-        if empty is None
-        else f"            return {empty}"
-    ]
-    nodes = list(enumerate(reduction.nodes))
-    for k, node in nodes:
-        if not node.is_list and node.op != "input":
-            lines += _node(k, node, reduction, prefix)
-    for k, low, high in reduction.limits:
-        ends = (_name(one, reduction) for one in (low, high))
-        lines += [f"        x{k} = {prefix}limited(x{k}, {', '.join(ends)})"]
-    for k, node in nodes:
-        if node.is_list and node.op != "input":
-            lines += _node(k, node, reduction, prefix)
-    return [*lines, *returned(_result(reduction, prefix), 8)]
+    head = [f"    def reduce_{number_}(self{arguments}):", f"        # {comment(name)}"]
+    return [*head, *_Columns(reduction, prefix).lines()]
 
 
-def _read(name: str, part: Part, prefix: str) -> list[str]:
-    """Return the lines that make a raw list or number what the reduction computes with."""
-    convert = f"{prefix}{_CONVERSIONS[part.type]}"
-    if part.is_list:
-        more = [convert] if part.type != "number" else []
-        lines = assignment(name, call(f"{prefix}column", [name, text_literal(part.name), *more]), 8)
-    else:
-        lines = [f"        {name} = {convert}({name})"]
-    if part.type == "bool" or (part.infinite and part.range is None):
-        return lines
-    limits = [] if part.range is None else [literal(part.range)]
-    values = name if part.is_list else f"[{name}]"
-    known = call(f"{prefix}known", [values, *limits], infinite=literal(part.infinite))
-    return [*lines, *assignment(name if part.is_list else f"({name},)", known, 8)]
+class _Columns:
+    """The columns of one reduction: ``x0`` is its first input, ``r0`` the first thing computed."""
 
+    def __init__(self, reduction: Reduction, prefix: str) -> None:
+        self.reduction = reduction
+        self.prefix = prefix
+        self.lists = [k for k, input_ in enumerate(reduction.inputs) if input_.is_list]
 
-def _shortened(reduction: Reduction, lists: list[int], prefix: str) -> list[str]:
-    """Return the lines that check how long the lists are, and cut a sector out of them."""
-    if reduction.length is None and reduction.sector is None and len(lists) == 1:
-        return []
-    wanted = [] if reduction.length is None else [literal(reduction.length)]
-    count = call(f"{prefix}length_of", [tuple_of(f"x{k}" for k in lists), *wanted])
-    if reduction.sector is None:
-        return statement(count, 8)
-    angles = [f"x{k}" for k in reduction.angles]
-    ends = [number(one) for one in reduction.sector]
-    lines = assignment("count", count, 8)
-    lines += assignment("first, end", call(f"{prefix}sector", ["count", *angles, *ends]), 8)
-    return [*lines, *(f"        x{k} = x{k}[first:end]" for k in lists)]
+    def lines(self) -> Iterator[str]:
+        """Yield the lines of the method."""
+        reduction = self.reduction
+        for k, part in enumerate(reduction.inputs):
+            yield from self._read(f"x{k}", part)
+        if reduction.length is not None or reduction.sector is not None or len(self.lists) > 1:
+            yield from self._shortened()
+        empty = _EMPTY.get(reduction.op) if reduction.messages else None
+        yield f"        if not x{self.lists[0]}:"
+        yield (
+            f'            raise {self.prefix}Unknown("the list is empty")'
+            if empty is None
+            else f"            return {empty}"
+        )
+        computed = [(k, node) for k, node in enumerate(reduction.nodes) if node.op != "input"]
+        yield from (self._computed(k, node) for k, node in computed if not node.is_list)
+        for k, low, high in reduction.limits:
+            limits = f"{self._name(low)}, {self._name(high)}"
+            yield f"        x{k} = {self.prefix}limited(x{k}, {limits})"
+        yield from (self._computed(k, node) for k, node in computed if node.is_list)
+        yield from returned(self._result(), 8)
 
+    def _read(self, name: str, part: Part) -> Iterator[str]:
+        """Yield the lines that make a raw list or number what the reduction computes with."""
+        convert = f"{self.prefix}{_CONVERSIONS[part.type]}"
+        if part.is_list:
+            more = [convert] if part.type != "number" else []
+            column = call(f"{self.prefix}column", [name, text_literal(part.name), *more])
+            yield from assignment(name, column, 8)
+        else:
+            yield f"        {name} = {convert}({name})"
+        if part.type == "bool" or (part.infinite and part.range is None):
+            return
+        limits = [] if part.range is None else [literal(part.range)]
+        values = name if part.is_list else f"[{name}]"
+        known = call(f"{self.prefix}known", [values, *limits], infinite=literal(part.infinite))
+        yield from assignment(name if part.is_list else f"({name},)", known, 8)
 
-def _name(node: int, reduction: Reduction) -> str:
-    one = reduction.nodes[node]
-    return f"x{one.value}" if one.op == "input" else f"r{node}"
+    def _shortened(self) -> Iterator[str]:
+        """Yield the lines that check how long the lists are, and cut a sector out of them."""
+        sector, length = self.reduction.sector, self.reduction.length
+        limits = [] if length is None else [literal(length)]
+        lists = tuple_of(f"x{k}" for k in self.lists)
+        count = call(f"{self.prefix}length_of", [lists, *limits])
+        if sector is None:
+            yield from statement(count, 8)
+            return
+        angles = [*(f"x{k}" for k in self.reduction.angles), *map(number, sector)]
+        yield from assignment("count", count, 8)
+        ends = call(f"{self.prefix}sector", ["count", *angles])
+        yield from assignment("first, end", ends, 8)
+        yield from (f"        x{k} = x{k}[first:end]" for k in self.lists)
 
+    def _name(self, k: int) -> str:
+        node = self.reduction.nodes[k]
+        return f"x{node.value}" if node.op == "input" else f"r{k}"
 
-def _node(number_: int, node: Element, reduction: Reduction, prefix: str) -> list[str]:
-    if node.op == "constant":
-        return [f"        r{number_} = {literal(node.value)}"]
-    names = [_name(k, reduction) for k in node.args]
-    columns = [k for k, arg in enumerate(node.args) if reduction.nodes[arg].is_list]
-    each = list(names)
-    for k in columns:
-        each[k] = "ab"[k]
-    text = _OF_ELEMENTS[node.op].format(*each, p=prefix)
-    if not columns:
-        return [f"        r{number_} = {text}"]
-    target = ", ".join("ab"[k] for k in columns)
-    values = ", ".join(names[k] for k in columns)
-    values = f"zip({values})" if len(columns) > 1 else values
-    return [f"        r{number_} = [{text} for {target} in {values}]"]
+    def _computed(self, k: int, node: Element) -> str:
+        if node.op == "constant":
+            return f"        r{k} = {literal(node.value)}"
+        names = [self._name(arg) for arg in node.args]
+        columns = [at for at, arg in enumerate(node.args) if self.reduction.nodes[arg].is_list]
+        each = ["ab"[at] if at in columns else name for at, name in enumerate(names)]
+        text = _OF_ELEMENTS[node.op].format(*each, p=self.prefix)
+        if not columns:
+            return f"        r{k} = {text}"
+        target = ", ".join("ab"[at] for at in columns)
+        values = ", ".join(names[at] for at in columns)
+        values = f"zip({values})" if len(columns) > 1 else values
+        return f"        r{k} = [{text} for {target} in {values}]"
 
-
-def _result(reduction: Reduction, prefix: str) -> Text:
-    values = _name(reduction.value, reduction)
-    coverage = [] if reduction.coverage is None else [literal(reduction.coverage)]
-    if reduction.op not in TRUTHS:
-        how = _AGGREGATES[reduction.op].format(p=prefix)
-        return call(f"{prefix}aggregate", [how, values, *coverage])
-    if reduction.op == "list_count":
-        return call(f"{prefix}count", [values, *coverage])
-    decisive = "2" if reduction.op == "list_any" else "0"
-    return call(f"{prefix}decided", [values, decisive, *coverage])
+    def _result(self) -> python_text.Part:
+        op, prefix = self.reduction.op, self.prefix
+        values, share = self._name(self.reduction.value), self.reduction.coverage
+        coverage = [] if share is None else [literal(share)]
+        if op == "list_count":
+            return call(f"{prefix}count", [values, *coverage])
+        if op in TRUTHS:
+            decisive = "2" if op == "list_any" else "0"
+            return call(f"{prefix}decided", [values, decisive, *coverage])
+        return call(f"{prefix}aggregate", [_AGGREGATES[op].format(p=prefix), values, *coverage])

@@ -1,4 +1,9 @@
-"""Evidence judged in Python: common values by the text, all others by the runtime's function."""
+"""The step of a monitor in Python: straight-line text, one line for each operation of a program.
+
+Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene: AND is the minimum,
+OR the maximum); values of an ENUM are its numbers, -1 is UNKNOWN. Code holds numbers and the given
+names only, all else of a model is in comments.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,6 @@ from eddi_scaffold.program.instructions import (
     NUMBER,
     STARTS,
     WINDOWS,
-    Interval,
     Operation,
     Program,
     Read,
@@ -35,53 +39,6 @@ from eddi_scaffold.program.python_text import (
 )
 
 JUDGEMENTS = ("is_true", "is_false", "is_covered", "is_within")
-
-_MAX_RANGES = 8
-"""Ranges that are written out; more are judged by the general function."""
-
-
-def judgement(one: Operation, place: int, value: str, target: str) -> list[str]:
-    """Return the lines that judge a raw value.
-
-    Args:
-        one: the operation.
-        place: number of what is read.
-        value: name of the raw value.
-        target: name of the truth value.
-    """
-    judged = f"1 if {value} is None else self.judge({place}, {value})"
-    if one.op in ("is_true", "is_false"):
-        good, bad = ("True", "False") if one.op == "is_true" else ("False", "True")
-        return [
-            f"if {value} is {good}:",
-            f"    {target} = 2",
-            "else:",
-            f"    {target} = 0 if {value} is {bad} else {judged}",
-        ]
-    if one.op == "is_covered":
-        return _covered(one.value, value, target, judged)
-    if not 0 < len(one.value) <= _MAX_RANGES:
-        return [f"{target} = {judged}"]
-    lines = [f"if type({value}) is float or type({value}) is int:"]
-    for k, interval in enumerate(one.value):
-        lines.append(f"    {'elif' if k else 'if'} {_inside(value, interval)}:")
-        lines.append(f"        {target} = 2")
-    lines += ["    else:", f"        {target} = 0 if {value} == {value} else 1  # NaN is unknown"]
-    return [*lines, "else:", f"    {target} = {judged}"]
-
-
-def _covered(texts: Sequence[str], value: str, target: str, judged: str) -> list[str]:
-    known = f"{target} = 2 if {value} in {{{', '.join(map(text_literal, texts))}}} else 0"
-    if not texts or len(known) > 88:
-        return [f"{target} = {judged}"]
-    return [f"if type({value}) is str:", f"    {known}", "else:", f"    {target} = {judged}"]
-
-
-def _inside(value: str, interval: Interval) -> str:
-    end = "<=" if interval.closed else "<"
-    return f"{number(interval.start)} <= {value} {end} {number(interval.end)}"
-
-
 CLASSES = {
     "average": "stacks.Average",
     "sum": "stacks.Sum",
@@ -96,16 +53,42 @@ CLASSES = {
 }
 """Operation -> class of the runtime."""
 _ARITHMETIC = {"add": "+", "sub": "-", "mul": "*"}
-_ENUMS = {
+_EXPRESSIONS = {
+    **ON_VALUES,
     "eq_enum": "1 if {0} < 0 or {1} < 0 else 2 if {0} == {1} else 0",
     "ne_enum": "1 if {0} < 0 or {1} < 0 else 0 if {0} == {1} else 2",
     "known_enum": "0 if {0} < 0 else 2",
     "implies": "2 - {0} if 2 - {0} > {1} else {1}",
 }
-"""What elements of lists have not, or not written out for speed."""
+_STATEFUL = {
+    "rise": "{r} = min({a}, 2 - {p})\n{p} = {a}",
+    "fall": "{r} = min(2 - {a}, {p})\n{p} = {a}",
+    "edge": "{r} = max(min({a}, 2 - {p}), min(2 - {a}, {p}))\n{p} = {a}",
+    "latch": "{r} = {p} = max({a}, min({p}, 2 - {b}))",
+    "hysteresis": """\
+if {a} == {a} and {b} == {b} and {c} == {c}:
+    {r} = 2 if {a} >= {c} else 0 if {a} <= {b} else {p}
+else:
+    {r} = 1
+{p} = {r}""",
+    "elapsed": """\
+if {a} == 1:
+    self.e{k} = None
+elif {a} == 2 and {p} == 0:
+    self.e{k} = t
+{p} = {a}
+{r} = NAN if self.e{k} is None else (t - self.e{k}) / 1e9""",
+    "age": "{r} = NAN if self.s{value} is None else (t - self.s{value}) / 1e9",
+}
+_BINARY = """\
+if {value} is {good}:
+    {r} = 2
+else:
+    {r} = 0 if {value} is {bad} else {judged}"""
 _UNKNOWN = {NUMBER: "NAN", BOOL: "1", ENUM: "-1"}
 _KNOWN = {NUMBER: "{0} == {0}", BOOL: "{0} != 1", ENUM: "{0} >= 0"}
-
+_MAX_RANGES = 8
+"""Ranges that are written out; more are judged by the general function."""
 _LONGEST_NAME = 24
 
 RESERVED = frozenset(
@@ -138,24 +121,26 @@ class Printer:
         self._names = names
         self._elements = elements or {}
         self._copied = copied
-        self._windows = [
-            k for k, operation in enumerate(program.operations) if operation.op in WINDOWS
-        ]
-        self._state = _states(program)
+        self._windows = [k for k, one in enumerate(self._operations) if one.op in WINDOWS]
         self._checked = must_be_finite(program)
+        self._state: dict[str, str] = {}  # field -> how it starts
+        for k, operation in enumerate(self._operations):
+            if operation.op in STARTS:
+                self._state[f"p{k}"] = str(STARTS[operation.op])
+            if operation.op in ("elapsed", "age"):
+                self._state[f"e{k}" if operation.op == "elapsed" else f"s{operation.value}"] = (
+                    "None"
+                )
 
     def members(self) -> list[str]:
         """Return the methods beside the step: what is remembered, and reductions."""
         lines = []
         if self._windows:
-            about = (self._operations[k].about for k in self._windows)
-            made = zip(map(self._new, self._windows), about, strict=True)
-            rows = (Item(part, behind=words) for part, words in made)
+            rows = (Item(self._new(k), behind=self._operations[k].about) for k in self._windows)
             lines += ["", "    def __init__(self):"]
             lines += assignment("self.windows", tuple_of(rows), 8)
-            lines += [
-                f"        self.w{k} = self.windows[{i}].push" for i, k in enumerate(self._windows)
-            ]
+            pushes = enumerate(self._windows)
+            lines += [f"        self.w{k} = self.windows[{place}].push" for place, k in pushes]
             lines += ["        super().__init__()"]
         if self._state:
             lines += ["", "    def restart(self):", "        super().restart()"]
@@ -174,11 +159,10 @@ class Printer:
         """
         lines = self._begin()
         for k, read in enumerate(self._program.reads):
-            converted = self._converted(k, read) if raw else []
-            lines += _indented([*converted, *self._bound(k, read)])
+            lines += [*(self._converted(k, read) if raw else []), *self._bound(k, read)]
         values = tuple_of(self._value(result.operation) for result in self._program.results)
         return [
-            *lines,
+            *(f"        {line}" for line in lines),
             *self.operations(),
             *assignment("outputs", values, 8),
             "        self.outputs = outputs",
@@ -186,13 +170,20 @@ class Printer:
         ]
 
     def operations(self) -> list[str]:
-        """Return the lines of all operations."""
+        """Return the lines of all operations, each with its words behind or above its first."""
         lines: list[str] = []
+        filters = [k for k, one in enumerate(self._operations) if one.op in FILTERS]
         for k, operation in enumerate(self._operations):
-            if operation.op in FILTERS:
-                lines += self._filters(k)
-            else:
-                lines += self._commented(k, self._operation(k, operation))
+            if filters and k == filters[-1]:  # all filters are one call
+                values = tuple_of(self._value(self._operations[at].args[0]) for at in filters)
+                lines += assignment("values", values, 8)
+                lines += unpacked([self._value(at) for at in filters], "self.filter.apply(values)")
+            first, *rest = [f"        {line}" for line in self._operation(k, operation)] or [""]
+            behind = f"{first}  # {operation.about}"
+            if first and (k in self._elements or len(behind) > WIDTH):
+                lines += [f"        # {operation.about}", first, *rest]
+            elif first:
+                lines += [behind, *rest]
         return lines
 
     def flags(self) -> list[str]:
@@ -203,31 +194,27 @@ class Printer:
         )
         return returned(tuple_of(rows), 8)
 
-    def parameters(self) -> list[str]:
-        """Return the names of the values, time stamps behind those that are stamped."""
-        found: list[str] = []
-        for name, read in zip(self._names, self._program.reads, strict=True):
-            found += [name, stamp_name(name)] if read.stamped else [name]
-        return found
-
     def _begin(self) -> list[str]:
-        if not self._windows and not self._state:
-            return _indented(
-                ["if t == self.last:", "    return self.outputs", "self.last = t"],
-            )
-        lines = ["last = self.last"]
         if self._windows:
             # More than 2.5 periods without a step: windows fill again.
-            limit = 5 * self._program.period
-            gap = f"    if 2 * (t - last) > {limit}:  # a gap: windows fill again"
-            lines += ["if last is not None and t > last:", gap, "        self.since = t"]
-            lines += ["elif t == last:", "    return self.outputs"]
-            lines += ["else:", "    self.restart()", "    self.since = t"]
-        else:
-            lines += ["if t == last:", "    return self.outputs"]
-            lines += ["if last is not None and t < last:", "    self.restart()"]
-        lines += ["self.last = t"]
-        return _indented([*lines, "age = t - self.since"] if self._windows else lines)
+            return [
+                "last = self.last",
+                "if last is not None and t > last:",
+                f"    if 2 * (t - last) > {5 * self._program.period}:  # a gap: windows fill again",
+                "        self.since = t",
+                "elif t == last:",
+                "    return self.outputs",
+                "else:",
+                "    self.restart()",
+                "    self.since = t",
+                "self.last = t",
+                "age = t - self.since",
+            ]
+        lines = ["if t == self.last:", "    return self.outputs", "self.last = t"]
+        if self._state:
+            back = ["if last is not None and t < last:", "    self.restart()"]
+            return ["last = self.last", "if t == last:", lines[1], *back, lines[2]]
+        return lines
 
     def _new(self, k: int) -> Part:
         one = self._operations[k]
@@ -241,28 +228,35 @@ class Printer:
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""
-        module, _, name = name.rpartition(".")
-        return name if self._copied else f"{module}.{name}"
+        return name.rpartition(".")[2] if self._copied else name
 
     def _converted(self, k: int, read: Read) -> list[str]:
         """Return the lines that make a raw value one of the program; a float needs no call."""
         name = self._names[k]
         if read.type == ENUM:
-            literals = map(text_literal, read.literals)
-            value = call(self._called("expressions.literal"), [name, tuple_of(literals)])
+            literals = tuple_of(map(text_literal, read.literals))
+            value = call(self._called("expressions.literal"), [name, literals])
             return [line[8:] for line in assignment(name, value, 8)]
-        if read.type == BOOL:
-            return [f"{name} = {self._called('expressions.truth')}({name})"]
-        if read.text:
-            return [f"{name} = {self._called('lists.number_in')}({name})"]
+        if read.type == BOOL or read.text:
+            convert = "lists.number_in" if read.text else "expressions.truth"
+            return [f"{name} = {self._called(convert)}({name})"]
         converted = f"{name} = {self._called('expressions.number')}({name})"
         return [f"if type({name}) is not float:", f"    {converted}"]
 
     def _bound(self, k: int, read: Read) -> list[str]:
+        """Return the lines that make a value UNKNOWN where it is wrong or too old."""
         name, unknown = self._names[k], _UNKNOWN[read.type]
         lines = []
         if read.type == NUMBER:
-            lines += self._bounded(name, read)
+            inside = finite = f"{name} - {name} == 0.0"
+            if read.range is not None:
+                inside = f"{number(read.range[0])} <= {name} <= {number(read.range[1])}"
+            if not read.infinite:
+                lines = [f"if not {inside}:", f"    {name} = NAN"]
+            elif read.range is not None:
+                lines = [f"if {finite} and not {inside}:", f"    {name} = NAN"]
+            if lines and len(lines[0]) > WIDTH - 8:  # bounds with all their digits
+                lines = [f"a = {name}", lines[0].replace(name, "a"), lines[1]]
         if not read.stamped:
             return lines
         stamp = stamp_name(name)
@@ -270,22 +264,9 @@ class Printer:
         lines += [f"    if {stamp} - t > {self._program.period}:", f"        {name} = {unknown}"]
         lines += [f"    {stamp} = t"]
         if f"s{k}" in self._state:
-            known = _KNOWN[read.type].format(name)
-            lines += [f"if {known}:", f"    self.s{k} = {stamp}"]
+            lines += [f"if {_KNOWN[read.type].format(name)}:", f"    self.s{k} = {stamp}"]
         if read.timeout is not None:
             lines += [f"if t - {stamp} > {read.timeout}:", f"    {name} = {unknown}"]
-        return lines
-
-    def _bounded(self, name: str, read: Read) -> list[str]:
-        limits = read.range
-        finite = f"{name} - {name} == 0.0"
-        inside = f"{number(limits[0])} <= {name} <= {number(limits[1])}" if limits else ""
-        if read.infinite:
-            lines = [f"if {finite} and not {inside}:", f"    {name} = NAN"] if inside else []
-        else:
-            lines = [f"if not {inside or finite}:", f"    {name} = NAN"]
-        if lines and len(lines[0]) > WIDTH - 8:  # bounds with all their digits
-            return [f"a = {name}", lines[0].replace(name, "a"), lines[1]]
         return lines
 
     def _value(self, k: int) -> str:
@@ -310,83 +291,67 @@ class Printer:
         a, b, c = [*values, "", "", ""][:3]
         r, op = self._value(k), one.op
         if op in ("and", "or"):
-            return _extreme(r, "<" if op == "and" else ">", values)
+            sign = "<" if op == "and" else ">"
+            lines = [f"{r} = {a} if {a} {sign} {b} else {b}"]
+            for value in values[2:]:
+                lines += [f"if {value} {sign} {r}:", f"    {r} = {value}"]
+            return lines
         if op in JUDGEMENTS:
-            return judgement(one, self._operations[one.args[0]].value, a, r)
-        if op in _ENUMS:
-            return [f"{r} = {_ENUMS[op].format(a, b)}"]
+            return _judgement(one, self._operations[one.args[0]].value, a, r)
+        if op in _EXPRESSIONS:
+            return [f"{r} = {_EXPRESSIONS[op].format(a, b)}"]
+        if op in _STATEFUL:
+            names = {"r": r, "p": f"self.p{k}", "k": k, "value": one.value, "a": a, "b": b, "c": c}
+            return _STATEFUL[op].format(**names).split("\n")
+        finite = [f"if r{k} - r{k} != 0.0:", f"    r{k} = NAN"] if k in self._checked else []
         if op in _ARITHMETIC:
-            return [f"{r} = {a} {_ARITHMETIC[op]} {b}", *self._finite(k)]
+            return [f"{r} = {a} {_ARITHMETIC[op]} {b}", *finite]
         if op == "neg":
-            return [
-                f"{r} = -{a}",
-                *(self._finite(k) if self._operations[one.args[0]].infinite else []),
-            ]
+            return [f"{r} = -{a}", *(finite if self._operations[one.args[0]].infinite else [])]
         if op == "div":
             divisor = self._operations[one.args[1]]
             zero = f"{b} and {b} - {b} == 0.0" if divisor.infinite else b
-            return [f"{r} = {a} / {b} if {zero} else NAN", *self._finite(k)]
+            return [f"{r} = {a} / {b} if {zero} else NAN", *finite]
         if op == "sqrt":
             return [f"{r} = {self._called('lists.root')}({a})"]
-        if op in ON_VALUES:
-            return [f"{r} = {ON_VALUES[op].format(a, b)}"]
-        if op in WINDOWS:
-            sample = f"NAN if {a} == 1 else {a}" if op == "count" else a
-            if self._operations[one.args[0]].infinite and not one.infinite and op in BUFFERED:
-                sample = f"{a} if {a} - {a} == 0.0 else NAN"
-            return [f"{r} = self.w{k}(t, age, {sample})"]
-        return self._stateful(k, op, a, b, c)
+        if op not in WINDOWS:
+            return []  # a leaf, or a filter
+        sample = f"NAN if {a} == 1 else {a}" if op == "count" else a
+        if self._operations[one.args[0]].infinite and not one.infinite and op in BUFFERED:
+            sample = f"{a} if {a} - {a} == 0.0 else NAN"
+        return [f"{r} = self.w{k}(t, age, {sample})"]
 
-    def _stateful(self, k: int, op: str, a: str, b: str, c: str) -> list[str]:
-        r, p = self._value(k), f"self.p{k}"
-        if op == "rise":
-            return [f"{r} = min({a}, 2 - {p})", f"{p} = {a}"]
-        if op == "fall":
-            return [f"{r} = min(2 - {a}, {p})", f"{p} = {a}"]
-        if op == "edge":
-            return [f"{r} = max(min({a}, 2 - {p}), min(2 - {a}, {p}))", f"{p} = {a}"]
-        if op == "latch":
-            return [f"{r} = {p} = max({a}, min({p}, 2 - {b}))"]
-        if op == "hysteresis":
-            known = " and ".join(f"{x} == {x}" for x in (a, b, c))
-            held = f"2 if {a} >= {c} else 0 if {a} <= {b} else {p}"
-            return [f"if {known}:", f"    {r} = {held}", "else:", f"    {r} = 1", f"{p} = {r}"]
-        if op == "elapsed":
-            return [
-                f"if {a} == 1:",
-                f"    self.e{k} = None",
-                f"elif {a} == 2 and {p} == 0:",
-                f"    self.e{k} = t",
-                f"{p} = {a}",
-                f"{r} = NAN if self.e{k} is None else (t - self.e{k}) / 1e9",
-            ]
-        if op == "age":
-            stamp = f"self.s{self._operations[k].value}"
-            return [f"{r} = NAN if {stamp} is None else (t - {stamp}) / 1e9"]
-        return []  # a leaf
 
-    def _finite(self, k: int) -> list[str]:
-        return [f"if r{k} - r{k} != 0.0:", f"    r{k} = NAN"] if k in self._checked else []
+def _judgement(one: Operation, place: int, value: str, target: str) -> list[str]:
+    """Return the lines that judge a raw value: common ones here, all others by the runtime.
 
-    def _filters(self, k: int) -> list[str]:
-        """Return the lines of all filters, which are one call, where the last of them is."""
-        if any(operation.op in FILTERS for operation in self._operations[k + 1 : k + 2]):
-            return []
-        filters = [i for i, operation in enumerate(self._operations) if operation.op in FILTERS]
-        values = tuple_of(self._value(self._operations[i].args[0]) for i in filters)
-        names = [self._value(i) for i in filters]
-        return [*assignment("values", values, 8), *unpacked(names, "self.filter.apply(values)")]
-
-    def _commented(self, k: int, lines: list[str]) -> list[str]:
-        """Return the lines of an operation with its words behind the first, or above it."""
-        if not lines:
-            return []
-        first, *rest = _indented(lines)
-        about = self._operations[k].about
-        behind = f"{first}  # {about}"
-        if k in self._elements or len(behind) > WIDTH:
-            return [f"        # {about}", first, *rest]
-        return [behind, *rest]
+    Args:
+        one: the operation.
+        place: number of what is read.
+        value: name of the raw value.
+        target: name of the truth value.
+    """
+    judged = f"1 if {value} is None else self.judge({place}, {value})"
+    general = f"{target} = {judged}"
+    if one.op in ("is_true", "is_false"):
+        good, bad = ("True", "False") if one.op == "is_true" else ("False", "True")
+        names = {"r": target, "value": value, "good": good, "bad": bad, "judged": judged}
+        return _BINARY.format(**names).split("\n")
+    if one.op == "is_covered":
+        texts = ", ".join(map(text_literal, one.value))
+        known = f"{target} = 2 if {value} in {{{texts}}} else 0"
+        if not texts or len(known) > 88:
+            return [general]
+        return [f"if type({value}) is str:", f"    {known}", "else:", f"    {general}"]
+    if not 0 < len(one.value) <= _MAX_RANGES:
+        return [general]
+    lines = [f"if type({value}) is float or type({value}) is int:"]
+    for k, interval in enumerate(one.value):
+        inside = f"{number(interval.start)} <= {value} {'<=' if interval.closed else '<'} "
+        lines.append(f"    {'elif' if k else 'if'} {inside}{number(interval.end)}:")
+        lines.append(f"        {target} = 2")
+    lines += ["    else:", f"        {target} = 0 if {value} == {value} else 1  # NaN is unknown"]
+    return [*lines, "else:", f"    {general}"]
 
 
 def class_lines(program: Program, names: Sequence[str]) -> list[str]:
@@ -400,7 +365,9 @@ def class_lines(program: Program, names: Sequence[str]) -> list[str]:
         names: an identifier for each read.
     """
     printer = Printer(program, names, copied=True)
-    arguments = ", ".join(["self", "t", *printer.parameters()])
+    arguments = "self, t"
+    for name, read in zip(names, program.reads, strict=True):
+        arguments += f", {name}, {stamp_name(name)}" if read.stamped else f", {name}"
     lines = ["class Engine(Conditions):", *printer.members(), "", f"    def evaluate({arguments}):"]
     return [*lines, *printer.evaluation(raw=False)]
 
@@ -430,28 +397,3 @@ def names_of(program: Program, sampling: Sampling) -> tuple[list[str], list[str]
 def stamp_name(name: str) -> str:
     """Return the name of the time stamp of a read."""
     return f"{name}_stamp"
-
-
-def _indented(lines: Sequence[str]) -> list[str]:
-    return [f"        {line}" for line in lines]
-
-
-def _states(program: Program) -> dict[str, str]:
-    """Return the fields of what functions remember, and how they start."""
-    fields: dict[str, str] = {}
-    for k, operation in enumerate(program.operations):
-        if operation.op in STARTS:
-            fields[f"p{k}"] = str(STARTS[operation.op])
-        if operation.op == "elapsed":
-            fields[f"e{k}"] = "None"
-        if operation.op == "age":
-            fields[f"s{operation.value}"] = "None"
-    return fields
-
-
-def _extreme(target: str, sign: str, values: Sequence[str]) -> list[str]:
-    first, second, *rest = values
-    lines = [f"{target} = {first} if {first} {sign} {second} else {second}"]
-    for one in rest:
-        lines += [f"if {one} {sign} {target}:", f"    {target} = {one}"]
-    return lines

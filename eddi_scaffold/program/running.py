@@ -1,4 +1,4 @@
-"""Compiled text as a running monitor, in a program that has the generator."""
+"""Compiled text in this process: a package's module, and conditions stepped with raw values."""
 
 from __future__ import annotations
 
@@ -15,7 +15,16 @@ from eddi_scaffold.program.instructions import Program, Sampling
 from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 from eddi_scaffold.program.python_text import assignment, tuple_of, unpacked
 
+Values = tuple[float | int, ...]
+"""One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""
 _NAME = "compiled"
+_HEAD = """\
+from eddi_runtime import expressions
+from eddi_runtime.expressions import hold, lists, stacks, window, windows
+
+INF = float("inf")
+NAN = float("nan")
+"""
 
 
 class _Files(Loader):
@@ -50,19 +59,10 @@ def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data)
     return module
 
 
-Values = tuple[float | int, ...]
-"""One value per output: 0, 1, 2 for a truth value, NaN for an UNKNOWN number."""
-_HEAD = [
-    "from eddi_runtime import expressions",
-    "from eddi_runtime.expressions import hold, lists, stacks, window, windows",
-    "",
-    'INF = float("inf")',
-    'NAN = float("nan")',
-]
-
-
 class Engine:
     """A compiled program. Not thread-safe.
+
+    Memory is fixed when it is built; a step costs the same whatever the length of the windows.
 
     Attributes:
         program: what was compiled.
@@ -72,7 +72,8 @@ class Engine:
     def __init__(self, program: Program) -> None:
         self.program = program
         self.sampling = Sampling(program)
-        self._machine: Any = module_of("\n".join([*_HEAD, *_lines(program)]), "event").Engine()
+        text = "\n".join([_HEAD, *_lines(program, self.sampling)])
+        self._machine: Any = module_of(text, "event").Engine()
 
     def step(
         self, t: int, values: Sequence[Any], stamps: Sequence[int | None] | None = None
@@ -87,8 +88,8 @@ class Engine:
             stamps: when each was sampled, by the same clock; None: now.
         """
         known = [t] * len(values) if stamps is None else [t if s is None else s for s in stamps]
-        found: Values = self._machine.step(t, values, known)
-        return found
+        results: Values = self._machine.step(t, values, known)
+        return results
 
     def reset(self) -> None:
         """Forget everything of former steps."""
@@ -105,16 +106,14 @@ def build_engine(document: Mapping[str, Any]) -> Engine:
     return Engine(read_form(document))
 
 
-def _lines(program: Program) -> list[str]:
-    sampling = Sampling(program)
+def _lines(program: Program, sampling: Sampling) -> list[str]:
     inputs, names = names_of(program, sampling)
     printer = Printer(program, names)
     lines = ["class Engine(expressions.Conditions):", *printer.members(), ""]
     lines += ["    def step(self, t, values, stamps):", *unpacked(inputs, "values")]
     for k, (read, used) in enumerate(zip(program.reads, sampling.uses, strict=True)):
         if read.reduction is not None:
-            raws = tuple_of(inputs[one] for one in used)
-            lines += assignment("raw", raws, 8)
+            lines += assignment("raw", tuple_of(inputs[use] for use in used), 8)
             lines += [f"        {names[k]}, _ = expressions.reduced(self.reduce_{k}, raw)"]
         elif names[k] != inputs[used[0]]:
             lines += [f"        {names[k]} = {inputs[used[0]]}"]

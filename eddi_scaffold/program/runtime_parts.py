@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
+
+from eddi_scaffold.common.graphs import reached
 
 PARTS: Mapping[str, tuple[str, ...]] = {
     "bayesian_network": (),
@@ -74,22 +77,16 @@ def runtime_parts_of(text: str) -> tuple[str, ...]:
         text: of ``compiled.py``.
     """
     head, _, _ = text.partition("\neddi_runtime.needs(")  # the rest may be megabytes of numbers
-    wanted: list[str] = []
+    imported: list[str] = []
     for node in ast.parse(head).body:
         if isinstance(node, ast.ImportFrom) and node.module is not None:
             runtime, _, part = node.module.partition(".")
             if runtime == "eddi_runtime":
-                wanted += [f"{part}/{name.name}" if part else name.name for name in node.names]
-    return with_needed(one for one in wanted if one in PARTS)
+                imported += [f"{part}/{name.name}" if part else name.name for name in node.names]
+    return with_needed(part for part in imported if part in PARTS)
 
 
 def with_needed(parts: Iterable[str]) -> tuple[str, ...]:
     """Return parts with all that they import, sorted."""
-    found: set[str] = set()
-    waiting = list(parts)
-    while waiting:
-        part = waiting.pop()
-        if part not in found:
-            found.add(part)
-            waiting += PARTS.get(part, ())  # what is always there needs none
-    return tuple(sorted(found))
+    # what is always there needs none
+    return tuple(sorted(reached(defaultdict(tuple, PARTS), parts)))
