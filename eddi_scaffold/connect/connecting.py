@@ -47,7 +47,7 @@ from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, ModelDraft, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.mros.filters import slug
+from eddi_scaffold.mros.topics import slug
 from eddi_scaffold.yaml_text.nodes import Map, items_of
 
 

@@ -17,9 +17,8 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
-from eddi_scaffold.mros.filters import Existing
-from eddi_scaffold.mros.interface_definitions import Models, noticed
-from eddi_scaffold.mros.outputs import Outputs, silent_problems, simulator_outputs
+from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.topics import Existing, Outputs, silent_problems, simulator_outputs
 
 
 def beside(robot: Robot) -> RobotAdditions:
@@ -103,7 +102,7 @@ def _check_file(
         return [problem_of(failed)]
     except EddiError as failed:
         return failed.problems
-    return noticed(model.notices, str(path))
+    return noticed(model)
 
 
 def _check_system(
@@ -158,7 +157,7 @@ def message_types(models: Models) -> dict[str, dict[str, str]]:
     """Return the messages that are specified next to node models; the first of a name is used."""
     found: dict[str, dict[str, str]] = {}
     for file in models.files:
-        for package in file.model.packages:
+        for package in file.packages:
             for spec in package.specs:
                 fields = dict(spec.sections).get("message")
                 if fields is not None:

@@ -31,11 +31,17 @@ from eddi_scaffold.config.topic_block import (
 )
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.directory import load_models, load_system, named
-from eddi_scaffold.mros.filters import OPTIONS, Existing, Filters, unmatched
-from eddi_scaffold.mros.interface_definitions import Models, SystemFile
-from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
-from eddi_scaffold.mros.resolving import flattened
-from eddi_scaffold.mros.topics import Topic
+from eddi_scaffold.mros.model import System
+from eddi_scaffold.mros.resolving import Models, flattened
+from eddi_scaffold.mros.topics import (
+    OPTIONS,
+    Existing,
+    Filters,
+    Include,
+    Outputs,
+    Topic,
+    simulator_outputs,
+)
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,7 @@ class Robot:
 
     folder: Path
     path: Path
-    system: SystemFile
+    system: System
     models: Models
     problems: tuple[Problem, ...]
 
@@ -114,7 +120,7 @@ class Parsed:
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the result for programs; the same on every machine."""
-        system = self.robot.system.system
+        system = self.robot.system
         return {
             "system": system.name,
             "dialect": system.dialect,
@@ -155,7 +161,7 @@ def read_robot(system: Path, folder: Path) -> Robot:
         file, problems = load_system(system, folder)
     except EddiError as failed:
         raise EddiError(*_as_given(failed.problems, system, folder)) from None
-    models = load_models(folder, systems=bool(file.system.subsystems))
+    models = load_models(folder, systems=bool(file.subsystems))
     return Robot(folder, system, file, models, (*problems, *models.problems))
 
 
@@ -241,9 +247,9 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     topics = [*(topic.topic for topic in outputs.topics), *outputs.left_out]
     if not outputs.is_complete:
         topics += [old.topic for old in document.old]
-    systems = flattened(robot.system, robot.models.systems).systems
-    components = [component.name for file in systems for component in file.system.components]
-    wrong = list(unmatched(filters, topics, components))
+    systems = flattened(robot.system, robot.models.systems)[0]
+    components = [component.name for part in systems for component in part.components]
+    wrong = list(filters.unmatched(topics, components))
     some = filters.topics or filters.components
     if some and not wrong and outputs.is_complete and not outputs.topics:
         wrong = [problem("M022.no_topic", filters=filters)]
@@ -257,7 +263,7 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
 def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> DroppedTopic:
     """Explain why an entry is not rewritten; what may be there all the same stays."""
     criterion = outputs.left_out.get(old.topic)
-    if not outputs.is_complete and not filters.wants(old.topic):
+    if not outputs.is_complete and not filters.keeps(old.topic):
         criterion = "topics"
     if criterion is not None:
         return DroppedTopic(f"is left out by {OPTIONS[criterion]}")
