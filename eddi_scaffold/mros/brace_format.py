@@ -21,7 +21,6 @@ from eddi_scaffold.mros.model import (
     Notice,
     Package,
     RosModel,
-    RosNode,
     Section,
     Spec,
     System,
@@ -52,20 +51,12 @@ _SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"
 
 
 def read_system(text: Text) -> System:
-    """Read a system.
-
-    Raises:
-        MrosSyntaxError: the text is not one.
-    """
+    """Read a system."""
     return _SystemReader(text).system()
 
 
 def read_model(text: Text) -> RosModel:
-    """Read the packages of a file.
-
-    Raises:
-        MrosSyntaxError: the text is not a model of this dialect.
-    """
+    """Read the packages of a file."""
     return _ModelReader(text).model()
 
 
@@ -303,13 +294,14 @@ class _ModelReader(_Reader):
         name = self.name("the name of the artifact")
         opened = self.open()
         self.accept("node")
-        node = self._node() if self.accept("Node") else None
-        self.close(opened, *(() if node else ("Node",)))
-        return Artifact(name, node)
+        has_node = self.accept("Node") is not None
+        artifact = self._node(name) if has_node else Artifact(name)
+        self.close(opened, *(() if has_node else ("Node",)))
+        return artifact
 
-    def _node(self) -> RosNode:
+    def _node(self, artifact: str) -> Artifact:
         opened = self.open()
-        name = self.named("the node")
+        node = self.named("the node")
         interfaces: list[Interface] = []
         parameters = 0
         of_one = ("parameter", *SECTIONS)
@@ -320,7 +312,7 @@ class _ModelReader(_Reader):
                 section = _MODEL_SECTIONS.get(key) or SECTIONS[key]
                 interfaces += self.block(partial(self._interface, section))
             self.accept(",")
-        return RosNode(name, tuple(interfaces), parameters)
+        return Artifact(artifact, node, tuple(interfaces), parameters)
 
     def _interface(self, section: Section) -> Interface:
         place = self.place()

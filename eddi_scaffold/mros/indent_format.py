@@ -6,7 +6,8 @@ one that is nearly known is an error, because what is below it would be lost.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
 
 from eddi_scaffold.mros.indent_lines import Line, LineCursor, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
@@ -20,7 +21,6 @@ from eddi_scaffold.mros.model import (
     Notice,
     Package,
     RosModel,
-    RosNode,
     Spec,
     SubSystem,
     System,
@@ -47,20 +47,12 @@ _SPEC_WORDS = {"msg": "topic", "srv": "service", "action": "action"}
 
 
 def read_system(text: Text) -> System:
-    """Read a system.
-
-    Raises:
-        MrosSyntaxError: the text is not one; ``FOREIGN_FORMAT`` when it is the YAML of rossdl.
-    """
+    """Read a system; the YAML of rossdl is refused as ``FOREIGN_FORMAT``."""
     return _Reader(text).system()
 
 
 def read_model(text: Text) -> RosModel:
-    """Read the packages of a file.
-
-    Raises:
-        MrosSyntaxError: the text is not a model of this dialect.
-    """
+    """Read the packages of a file."""
     reader = _Reader(text)
     packages = tuple(reader.package(line) for line in blocks_of(text))
     return RosModel(text.file, "indent", packages, tuple(reader.notices))
@@ -73,7 +65,7 @@ class _Reader:
 
     # what systems and models have in common
 
-    def known(self, line: Line, keys: Collection[str]) -> Iterator[tuple[str, LineCursor, Line]]:
+    def known(self, line: Line, keys: Sequence[str]) -> Iterator[tuple[str, LineCursor, Line]]:
         """Yield known keys below a line, in lower case, each with the rest of its line, and it."""
         for inner in line.below:
             rest = LineCursor(self.text, inner)
@@ -82,10 +74,11 @@ class _Reader:
             if key.lower() in keys:
                 yield key.lower(), rest, inner
                 continue
-            meant = next((known for known in keys if edits(key.lower(), known) <= 2), None)
-            case = "M005.unknown_key" if meant is None else "M006.misspelt"
-            fields = {"key": key} if meant is None else {"key": key, "meant": meant}
-            self.notices.append(Notice(case, *place, fields))
+            for meant in get_close_matches(key.lower(), keys, n=1, cutoff=0.8):
+                self.notices.append(Notice("M006.misspelt", *place, {"key": key, "meant": meant}))
+                break
+            else:
+                self.notices.append(Notice("M005.unknown_key", *place, {"key": key}))
 
     def heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
         """Read a line that is ``name:``; return the name and its place."""
@@ -169,7 +162,7 @@ class _Reader:
         place, label = words.place(), words.key("the label of an interface")
         expected = alternatives([*map(repr, _ARROWS)])
         if words.at_end():  # in 2022 `fromPub: "package.artifact.node.interface"` is below it
-            for key, words, _ in self.known(line, _FROM):
+            for key, words, _ in self.known(line, [*_FROM]):
                 ref = words.name("a reference")
                 words.end()
                 return SystemInterface(_FROM[key], label, ref, None, *place)
@@ -216,14 +209,14 @@ class _Reader:
 
     def _artifact(self, line: Line) -> Artifact:
         name, _ = self.heading(line, "the name of an artifact")
-        node_name = None
+        node = None
         interfaces: list[Interface] = []
         parameters = 0
         blocks = [line]
         for block in blocks:
             for key, rest, inner in self.known(block, _ARTIFACT):
                 if key == "node":
-                    node_name = rest.name("the name of the node")
+                    node = rest.name("the name of the node")
                     blocks.append(inner)  # its sections may be indented deeper than itself
                 elif key in _SECTIONS:
                     interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
@@ -231,8 +224,9 @@ class _Reader:
                     parameters += len(inner.below)
                     skip_block(self.text, inner)
                 rest.end()
-        node = None if node_name is None else RosNode(node_name, tuple(interfaces), parameters)
-        return Artifact(name, node)
+        if node is None:
+            return Artifact(name)
+        return Artifact(name, node, tuple(interfaces), parameters)
 
     def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
         name, place = self.heading(line, "the name of an interface")
@@ -283,15 +277,3 @@ def _deadline(qos: Line) -> str:
         if key.casefold() == "deadline" and rest[:1] == [":"]:
             return " ".join(rest[1:]).strip("\"'")
     return ""
-
-
-def edits(word: str, other: str) -> int:
-    """Return how many letters must be inserted, removed or replaced, at most 3."""
-    if abs(len(word) - len(other)) > 2:
-        return 3
-    row = list(range(len(other) + 1))
-    for i, a in enumerate(word, 1):
-        before, row[0] = row[0], i
-        for j, b in enumerate(other, 1):
-            before, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, before + (a != b))
-    return min(row[-1], 3)

@@ -127,11 +127,7 @@ class LineCursor(Cursor):
         super().__init__(text, line.tokens)
 
     def key(self, what: str) -> str:
-        """Take ``name:``.
-
-        Raises:
-            MrosSyntaxError: there is no name, or no colon behind it.
-        """
+        """Take ``name:``."""
         offset = self.token[2]
         name = self.name(what)
         if not self.accept(":"):
@@ -139,11 +135,7 @@ class LineCursor(Cursor):
         return name
 
     def names(self) -> tuple[str, ...]:
-        """Take ``[ a, b ]`` or one name.
-
-        Raises:
-            MrosSyntaxError: neither comes next.
-        """
+        """Take ``[ a, b ]`` or one name."""
         if not self.accept("["):
             return (self.name("a name or ["),)
         names: list[str] = []
@@ -158,11 +150,7 @@ class LineCursor(Cursor):
             self.fail("end of line")
 
     def skip(self) -> None:
-        """Take the rest of the line.
-
-        Raises:
-            MrosSyntaxError: a quote, comment or bracket is never closed.
-        """
+        """Take the rest of the line, unless something in it is never closed."""
         while not self.at_end():
             if self.token[0] == "bad":
                 self.fail("")

@@ -191,20 +191,13 @@ class Interface:
 
 
 @dataclass(frozen=True, slots=True)
-class RosNode:
-    """A node: its name and what it offers and needs."""
-
-    name: str
-    interfaces: tuple[Interface, ...]
-    parameters: int
-
-
-@dataclass(frozen=True, slots=True)
 class Artifact:
-    """An executable and its node, if it has one."""
+    """An executable; the name of its node, if it has one, and what that offers and needs."""
 
     name: str
-    node: RosNode | None
+    node: str | None = None
+    interfaces: tuple[Interface, ...] = ()
+    parameters: int = 0
 
 
 @dataclass(frozen=True, slots=True)

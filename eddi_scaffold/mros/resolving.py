@@ -10,11 +10,11 @@ from functools import cached_property
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
 from eddi_scaffold.mros.model import (
     SECTIONS,
+    Artifact,
     Component,
     Interface,
     InterfaceKind,
     RosModel,
-    RosNode,
     System,
     SystemInterface,
 )
@@ -51,16 +51,12 @@ class NodeModel:
 
     file: str
     package: str
-    artifact: str
-    node: RosNode
+    artifact: Artifact
 
-
-@dataclass(frozen=True)
-class Definition:
-    """One interface of one node as a file defines it."""
-
-    model: NodeModel
-    interface: Interface
+    @property
+    def name(self) -> tuple[str, str]:
+        """Its package and its own name, by which systems refer to it."""
+        return self.package, self.artifact.node or ""
 
 
 @dataclass(frozen=True)
@@ -98,9 +94,9 @@ class Definitions:
             for package in model.packages:
                 for artifact in package.artifacts:
                     if artifact.node is not None:
-                        node = NodeModel(model.file, package.name, artifact.name, artifact.node)
+                        node = NodeModel(model.file, package.name, artifact)
                         self._nodes.append(node)
-                        self._by_name[package.name, artifact.node.name].append(node)
+                        self._by_name[node.name].append(node)
                         self._by_artifact[artifact.name].append(node)
 
     def nodes(self, package: str, node: str) -> Sequence[NodeModel]:
@@ -111,16 +107,17 @@ class Definitions:
         return [
             model
             for model in self._by_artifact.get(reference.artifact, ())
-            if not reference.package
-            or (reference.package, reference.node) == (model.package, model.node.name)
+            if not reference.package or (reference.package, reference.node) == model.name
         ]
 
-    def find(self, reference: InterfaceReference, kind: InterfaceKind) -> list[Definition]:
+    def find(
+        self, reference: InterfaceReference, kind: InterfaceKind
+    ) -> list[tuple[NodeModel, Interface]]:
         """Return the definitions that a reference can mean, in reading order."""
         return [
-            Definition(model, interface)
+            (model, interface)
             for model in self._nodes_of(reference)
-            for interface in model.node.interfaces
+            for interface in model.artifact.interfaces
             if interface.kind == kind and interface.name == reference.interface
         ]
 
@@ -136,9 +133,9 @@ class Definitions:
                 what, known = "node", {_dotted(model) for model in self._nodes}
             reason, hint = f"no model defines the {what} {name!r}", self._hint(name, known)
             return problem("M009.undefined", place, hint=hint, reason=reason)
-        interfaces = [interface for model in models for interface in model.node.interfaces]
+        interfaces = [interface for model in models for interface in model.artifact.interfaces]
         others = sorted({i.kind for i in interfaces if i.name == reference.interface})
-        where, title = f"{models[0].artifact} ({models[0].file})", SECTIONS[kind].title
+        where, title = f"{models[0].artifact.name} ({models[0].file})", SECTIONS[kind].title
         if others:
             actual = " and ".join(SECTIONS[other].title for other in others)
             reason = f"{reference.interface!r} of {where} is {actual}, not {title}"
@@ -164,7 +161,7 @@ class Definitions:
 
 
 def _dotted(model: NodeModel) -> str:
-    return f"{model.package}.{model.artifact}.{model.node.name}"
+    return f"{model.package}.{model.artifact.name}.{model.artifact.node}"
 
 
 @dataclass(frozen=True)
@@ -173,17 +170,15 @@ class ResolvedInterface:
 
     Attributes:
         listed: as the system names it; ``None`` where only the model does.
+        model: of its node.
+        interface: as the model names it.
     """
 
     system: System
     component: Component
     listed: SystemInterface | None
-    definition: Definition
-
-    @property
-    def kind(self) -> InterfaceKind:
-        """What it is."""
-        return self.definition.interface.kind
+    model: NodeModel
+    interface: Interface
 
     @property
     def end(self) -> str:
@@ -196,17 +191,7 @@ class ResolvedInterface:
     @property
     def name(self) -> str:
         """The name in the system, else in the model."""
-        return self.listed.name if self.listed is not None else self.model_name
-
-    @property
-    def type(self) -> str:
-        """``package.Type``."""
-        return self.definition.interface.ros_type or ""
-
-    @property
-    def model_name(self) -> str:
-        """The name in the model."""
-        return self.definition.interface.name
+        return self.listed.name if self.listed is not None else self.interface.name
 
     @property
     def namespace(self) -> str | None:
@@ -244,10 +229,10 @@ class Resolver:
             if system.dialect == "indent":
                 models = self._models(component, Place(system.file, component.line, component.col))
             renamed = {self._listed(system, component, i, models) for i in component.interfaces}
-            for interface in models[0].node.interfaces if models else ():
+            for interface in models[0].artifact.interfaces if models else ():
                 if (interface.kind, interface.name) not in renamed:
-                    found = Definition(models[0], interface)
-                    self._take(ResolvedInterface(system, component, None, found))
+                    model = models[0]
+                    self._take(ResolvedInterface(system, component, None, model, interface))
 
     def _models(self, component: Component, place: Place) -> Sequence[NodeModel]:
         """Return the models of ``from:``, which is ``package.node`` or, in 2022, three parts."""
@@ -261,7 +246,7 @@ class Resolver:
             case = "M007.listed_only" if component.interfaces else "M007.nothing_listed"
             hint = self._definitions.hint_for_node(node)
             self.problems.append(problem(case, place, hint=hint, reason=reason))
-        elif len({frozenset(_interfaces(model)) for model in models}) > 1:
+        elif len({_interfaces(model) for model in models}) > 1:
             files = ", ".join(dict.fromkeys(model.file for model in models))
             self.problems.append(problem("M007.several_models", place, node=node, files=files))
         return models
@@ -286,40 +271,36 @@ class Resolver:
             self.problems.append(problem("M009.short", place, ref=listed.ref))
             return name
         every = self._definitions.find(reference, listed.kind)
-        own = {(model.package, model.node.name) for model in models}
-        of_node = [d for d in every if (d.model.package, d.model.node.name) in own]
-        definitions = of_node or every
+        own = {model.name for model in models}
+        definitions = [pair for pair in every if pair[0].name in own] or every
         if not definitions:
             self.problems.append(self._definitions.undefined(reference, listed.kind, place))
             return name
-        interfaces = [definition.interface for definition in definitions]
+        interfaces = [interface for _, interface in definitions]
         if len({interface.ros_type or interface.type for interface in interfaces}) > 1:
             types = ", ".join(dict.fromkeys(interface.type for interface in interfaces))
-            self.problems.append(
-                problem("M012.several_types", place, reference=listed.ref, types=types)
-            )
-        self._take(ResolvedInterface(system, component, listed, definitions[0]))
+            fields = {"reference": listed.ref, "types": types}
+            self.problems.append(problem("M012.several_types", place, **fields))
+        self._take(ResolvedInterface(system, component, listed, *definitions[0]))
         return name
 
     def _take(self, resolved: ResolvedInterface) -> None:
-        interface = resolved.definition.interface
+        interface = resolved.interface
         if interface.kind not in self._kinds:
             return
         if "?" in interface.name:
             place = resolved.place
             self.problems.append(problem("M009.question_mark", place, name=interface.name))
         elif interface.ros_type is None:
-            file = resolved.definition.model.file
-            place = Place(file, interface.type_line, interface.type_col)
-            self.problems.append(
-                problem("M012.type", place, type=interface.type, interface=interface.name)
-            )
+            place = Place(resolved.model.file, interface.type_line, interface.type_col)
+            fields = {"type": interface.type, "interface": interface.name}
+            self.problems.append(problem("M012.type", place, **fields))
         else:
             self.interfaces.append(resolved)
 
 
-def _interfaces(model: NodeModel) -> Iterator[tuple[str, str, str]]:
-    return ((interface.kind, interface.name, interface.type) for interface in model.node.interfaces)
+def _interfaces(model: NodeModel) -> frozenset[tuple[str, str, str]]:
+    return frozenset((i.kind, i.name, i.type) for i in model.artifact.interfaces)
 
 
 def flattened(system: System, known: Sequence[System]) -> tuple[list[System], list[Problem]]:

@@ -50,11 +50,11 @@ def model_json(model: RosModel) -> dict[str, Json]:
         artifacts = [
             {
                 "name": artifact.name,
-                "node": artifact.node.name if artifact.node else None,
-                "parameters": artifact.node.parameters if artifact.node else 0,
+                "node": artifact.node,
+                "parameters": artifact.parameters,
                 "interfaces": [
                     [interface.kind, interface.name, interface.type, interface.line]
-                    for interface in (artifact.node.interfaces if artifact.node else ())
+                    for interface in artifact.interfaces
                 ],
             }
             for artifact in package.artifacts
@@ -117,12 +117,12 @@ def model_tree(model: RosModel) -> Iterator[str]:
     for package in model.packages:
         yield f"package {package.name}"
         for artifact in package.artifacts:
-            node = artifact.node
-            yield f"  artifact {artifact.name}{f': node {node.name}' if node else ''}"
-            for interface in node.interfaces if node else ():
+            node = "" if artifact.node is None else f": node {artifact.node}"
+            yield f"  artifact {artifact.name}{node}"
+            for interface in artifact.interfaces:
                 yield f"    {SECTIONS[interface.kind].verb:10} {interface.name}: {interface.type}"
-            if node and node.parameters:
-                yield f"    {plural(node.parameters, 'parameter')}"
+            if artifact.parameters:
+                yield f"    {plural(artifact.parameters, 'parameter')}"
         for spec in package.specs:
             yield f"  {spec.kind or 'message'} {spec.name}"
             for section, fields in spec.sections:

@@ -80,11 +80,7 @@ class Text:
 
 
 def decoded(source: str | bytes, file: str) -> Text:
-    """Decode a file.
-
-    Raises:
-        MrosSyntaxError: it is not UTF-8.
-    """
+    """Decode a file, which must be UTF-8."""
     if isinstance(source, str):
         return Text(source, file)
     try:
@@ -106,7 +102,10 @@ def never_closed(mark: str, offset: int) -> Token:
 
 
 class Cursor:
-    """A position among tokens, whose last one is an ``end`` and says of what."""
+    """A position among tokens, whose last one is an ``end`` and says of what.
+
+    What does not fit raises :class:`MrosSyntaxError`.
+    """
 
     def __init__(self, text: Text, tokens: Sequence[Token]) -> None:
         self.text = text
@@ -139,11 +138,7 @@ class Cursor:
         return value
 
     def expect(self, *texts: str) -> str:
-        """Take one of these words or marks.
-
-        Raises:
-            MrosSyntaxError: something else comes next.
-        """
+        """Take one of these words or marks, which must come next."""
         return self.accept(*texts) or self.fail(*map(repr, texts))
 
     def fail(self, *expected: str) -> NoReturn:
@@ -158,11 +153,7 @@ class Cursor:
         raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
 
     def name(self, what: str) -> str:
-        r"""Take a word or a quoted text, in which ``\x`` means x.
-
-        Raises:
-            MrosSyntaxError: something else comes next, or the quoted text goes over a line end.
-        """
+        r"""Take a word or a quoted text on one line, in which ``\x`` means x."""
         kind, value, offset = self._tokens[self._index]
         if kind not in {"word", "string"}:
             self.fail(what)

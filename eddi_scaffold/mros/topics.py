@@ -184,9 +184,9 @@ def simulator_outputs(
     is_complete = not any(p.level == "error" or p.case in LOST_TOPICS for p in known)
     collector = _Collector(systems if names == "label" else (), resolver.interfaces)
     for kind in kinds:
-        for interface in resolver.interfaces:
-            if interface.kind == kind:
-                collector.add(interface)
+        for resolved in resolver.interfaces:
+            if resolved.interface.kind == kind:
+                collector.add(resolved)
     topics = collector.topics
     published = {t: name for t, name in collector.names.items() if topics[t].kind == "published"}
     reserved = () if is_complete else [old.id for old in existing if old.topic not in topics]
@@ -239,9 +239,9 @@ class _Collector:
         self._connection_names: dict[str, str] = {}  # of each end
         self._sources: dict[str, ResolvedInterface] = {}  # who gives what an end takes
         publishers: dict[str, ResolvedInterface] = {}
-        for interface in resolved:
-            if interface.kind == "publisher":
-                publishers.setdefault(interface.end, interface)
+        for publisher in resolved:
+            if publisher.interface.kind == "publisher":
+                publishers.setdefault(publisher.end, publisher)
         used = Counter(
             (interface.kind in _SOURCES, interface.name)
             for part in named
@@ -266,21 +266,22 @@ class _Collector:
 
     def add(self, resolved: ResolvedInterface) -> None:
         """Add the topic of an interface; those of an action server of ROS 1 (actionlib)."""
-        is_action, name, type_ = resolved.kind == "actionserver", resolved.model_name, resolved.type
-        if is_action and resolved.definition.model.file.endswith(".ros2"):
+        kind, name = resolved.interface.kind, resolved.interface.name
+        type_ = str(resolved.interface.ros_type)
+        if kind == "actionserver" and resolved.model.file.endswith(".ros2"):
             self.problems.append(problem("M019", resolved.place, name=resolved.name))
             return
         topic = self._topic(resolved)
         if topic is None:
             return
-        if is_action:
+        if kind == "actionserver":
             for part, part_type in (
                 ("feedback", f"{type_}ActionFeedback"),
                 ("status", "actionlib_msgs.GoalStatusArray"),
                 ("result", f"{type_}ActionResult"),
             ):
                 self._add(f"{topic}/{part}", resolved, f"{name}/{part}", part_type, "action")
-        elif resolved.kind == "publisher":
+        elif kind == "publisher":
             self.publishers += 1
             self._add(topic, resolved, name, type_, "published")
         else:
@@ -288,11 +289,14 @@ class _Collector:
 
     def _topic(self, resolved: ResolvedInterface) -> str | None:
         """Return the topic of an interface; ``None``, and a problem, where it has none."""
-        source = self._sources.get(resolved.end) if resolved.kind == "subscriber" else None
+        is_subscriber = resolved.interface.kind == "subscriber"
+        source = self._sources.get(resolved.end) if is_subscriber else None
         named = source or resolved
-        written = named.model_name
+        written = named.interface.name
         if self._uses_labels:
-            connection = named.kind != "actionserver" and self._connection_names.get(named.end)
+            connection = named.interface.kind != "actionserver" and self._connection_names.get(
+                named.end
+            )
             written = connection or named.name
         topic, is_glued = topic_name(written, named.namespace, named.component.name)
         illegal = "".join(sorted({*_ILLEGAL.findall(topic)}))
@@ -308,7 +312,7 @@ class _Collector:
     def _add(
         self, topic: str, resolved: ResolvedInterface, name: str, type_: str, kind: TopicKind
     ) -> None:
-        component, deadline = resolved.component.name, resolved.definition.interface.deadline
+        component, deadline = resolved.component.name, resolved.interface.deadline
         known = self.topics.get(topic)
         if known is None:
             place = resolved.place
@@ -319,23 +323,13 @@ class _Collector:
             return
         if known.type != type_:
             case = "M012.subscribed_types" if kind == "subscribed" else "M012.two_types"
-            self.problems.append(
-                problem(
-                    case,
-                    resolved.place,
-                    topic=topic,
-                    type=known.type,
-                    component=known.components[0],
-                    other=type_,
-                    other_component=component,
-                )
-            )
+            fields = {"topic": topic, "type": known.type, "component": known.components[0]}
+            more = {"other": type_, "other_component": component}
+            self.problems.append(problem(case, resolved.place, **fields, **more))
         if known.kind == kind and component not in known.components:
-            self.topics[topic] = replace(
-                known,
-                components=(*known.components, component),
-                deadlines=(*known.deadlines, deadline),
-            )
+            components = (*known.components, component)
+            deadlines = (*known.deadlines, deadline)
+            self.topics[topic] = replace(known, components=components, deadlines=deadlines)
 
 
 def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:

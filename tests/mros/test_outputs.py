@@ -72,7 +72,7 @@ def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
                     {
                         "id": reference.interface,
                         "topic": interface.name,
-                        "type": definitions[0].interface.type if definitions else None,
+                        "type": definitions[0][1].type if definitions else None,
                     }
                 )
     wanted = yaml.safe_load((case.parent / "cob4_ros_tool_test.figure33.yml").read_text("utf-8"))

@@ -181,9 +181,8 @@ def test_brace_model() -> None:
         ("geometry_msgs.Pose[]", "poses", None),
         ("float32[]", "v", None),
     ]
-    node = package.artifacts[0].node
-    assert node is not None
-    assert [(one.kind, one.name, one.type) for one in node.interfaces] == [
+    (artifact,) = package.artifacts
+    assert [(one.kind, one.name, one.type) for one in artifact.interfaces] == [
         ("publisher", "message", "p.T"),
         ("actionserver", "action", "p.Go"),
     ]
