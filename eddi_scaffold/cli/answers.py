@@ -64,7 +64,7 @@ def answers(
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.handwritten import lost_sources
     from eddi_scaffold.packages.rendering import own_template
@@ -75,7 +75,7 @@ def answers(
     target = chosen(platform)
     root = (workspace or Path()) / target.root
     configs = [config] if config else []
-    with beside_configs(system, models) as (robot, problems):
+    with robot_models(system, models) as (robot, problems):
         monitors, found = monitors_of(model, configs, name, default_guarantee or (), robot, root)
     only(monitors)
     asked = choices(runtime, single_process)

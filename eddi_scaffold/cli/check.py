@@ -44,7 +44,7 @@ def check(
 
     from eddi_scaffold.cli.console import console, count_line
     from eddi_scaffold.common.problems import has_errors, in_order
-    from eddi_scaffold.connect.robot import beside_configs, check_robots
+    from eddi_scaffold.connect.robot import check_robots, robot_models
     from eddi_scaffold.deployments.checking import ByHand, check_files
     from eddi_scaffold.monitors.loading import named_like_mros
     from eddi_scaffold.monitors.survey import files_of
@@ -61,7 +61,7 @@ def check(
     found, robot = check_robots(robots, others, models)
     if system is not None:
         told = {replace(one, level="warning") for one in found}
-        with beside_configs(system, models) as (robot, unsure):
+        with robot_models(system, models) as (robot, unsure):
             found += [one for one in unsure if one not in told]
     found += check_files(others, default_guarantee or (), robot, platform)
     problems = in_order(until_written_near(found, files))

@@ -14,7 +14,7 @@ from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, Nod
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
-    from eddi_scaffold.connect.surroundings import Around
+    from eddi_scaffold.connect.surroundings import Surroundings
 
 _STATES = {
     "kept": "decided before",
@@ -63,12 +63,12 @@ def connect(
     from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.rossystem import save
-    from eddi_scaffold.connect.surroundings import Around
+    from eddi_scaffold.connect.surroundings import Surroundings
 
-    around = Around(system, models, others or (), default_guarantee or ())
+    surroundings = Surroundings(system, models, others or (), default_guarantee or ())
     if bag is not None:
-        around = _with_bag(around, bag)
-    found = connect(model, name, output, around)
+        surroundings = _with_bag(surroundings, bag)
+    found = connect(model, name, output, surroundings)
     if as_json:
         console.json(found.as_json())
     elif dry_run and output is not None:
@@ -85,7 +85,7 @@ def connect(
         raise typer.Exit(exit_status.NO)
 
 
-def _with_bag(around: Around, bag: Path) -> Around:
+def _with_bag(surroundings: Surroundings, bag: Path) -> Surroundings:
     """Return what is given, with the topics of a bag, and when their messages are too old."""
     from eddi_scaffold.connect.draft import recorded_age
     from eddi_scaffold.recordings.bags import read_contents
@@ -93,7 +93,7 @@ def _with_bag(around: Around, bag: Path) -> Around:
     found = read_contents(bag)
     ages = {topic: recorded_age(times, bag.name) for topic, times in found.times.items()}
     known = {topic: age for topic, age in ages.items() if age is not None}
-    return replace(around, ages=known, topics=found.topics, types=found.types)
+    return replace(surroundings, ages=known, topics=found.topics, types=found.types)
 
 
 def _what(found: DraftResult, *, writes: bool) -> str:

@@ -99,7 +99,7 @@ def parse_rossystem(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.rossystem import parse, read_robot, save
-    from eddi_scaffold.mros.filters import Filters
+    from eddi_scaffold.mros.topics import Filters
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)

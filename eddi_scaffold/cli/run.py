@@ -100,7 +100,7 @@ def run(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import refuse_input
     from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import monitors_of
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.recordings.playing import play
@@ -118,7 +118,7 @@ def run(
     if package is not None:
         monitors = [package.monitor]
     else:
-        with beside_configs(system, models) as (robot, problems):
+        with robot_models(system, models) as (robot, problems):
             model_files, configs = _models_and_configs(files or [], config or [], robot)
             marks = default_guarantee or ()
             monitors, more = monitors_of(model_files, configs, name, marks, robot)

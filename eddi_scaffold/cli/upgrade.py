@@ -42,7 +42,7 @@ def upgrade(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish_all
     from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import (
@@ -61,7 +61,7 @@ def upgrade(
     places = roots(workspace, packages or [])
     with (
         alone(() if dry_run else places),
-        beside_configs(system, models) as (robot, unsure),
+        robot_models(system, models) as (robot, unsure),
     ):
         found = groups(workspace, packages or [])
         refuse_for_several(found, model, config or [])

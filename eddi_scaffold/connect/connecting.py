@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import difflib
-import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.identifiers import free_name, full_topic, package_name
-from eddi_scaffold.common.problems import Problem, in_order, with_excerpts
-from eddi_scaffold.config.message_types import known_messages
+from eddi_scaffold.common.problems import (
+    EddiError,
+    Problem,
+    in_order,
+    most_similar,
+    problem,
+    shortened_list,
+    with_excerpts,
+)
+from eddi_scaffold.config.message_types import Fields, declared, known_messages
 from eddi_scaffold.config.topic_block import (
     ConfigText,
     TopicEntry,
@@ -20,35 +26,40 @@ from eddi_scaffold.config.topic_block import (
     read_block,
 )
 from eddi_scaffold.config.undecided import undecided
-from eddi_scaffold.connect import draft as drafts
+from eddi_scaffold.connect.draft import age_line, entry
 from eddi_scaffold.connect.keeping import (
     Draft,
     content,
-    declared_types,
     model_id,
-    section_of,
-    synonyms_of,
     text_of,
     topics_of,
     with_draft,
 )
 from eddi_scaffold.connect.matching import Decision, decide
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.offers import offers
+from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.rossystem import unified_diff
 from eddi_scaffold.connect.surroundings import (
-    Around,
-    chosen_model,
-    monitors_beside,
-    refuse_other,
-    unknown_inputs,
+    Surroundings,
+    fulfilments,
+    other_monitors,
     with_robot,
 )
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
-from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, ModelDraft, Options, kinds
-from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.mros.filters import slug
-from eddi_scaffold.yaml_text.nodes import Map, items_of
+from eddi_scaffold.kinds import (
+    TODO,
+    DeclaredInput,
+    JsonValue,
+    Kind,
+    Model,
+    ModelDraft,
+    ModelInput,
+    Options,
+    kinds,
+)
+from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
+from eddi_scaffold.mros.topics import slug
+from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 
 
 @dataclass(frozen=True)
@@ -89,122 +100,199 @@ class DraftResult:
 
     def diff(self) -> str:
         """Return the change as a unified diff."""
-        old = (self.before or "").splitlines(keepends=True)
-        name = self.name if self.before is not None else os.devnull
-        new = self.after.splitlines(keepends=True)
-        lines = difflib.unified_diff(old, new, name, self.name)
-        return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
+        return unified_diff(self.before, self.after, self.name)
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the decisions for programs."""
-        return {
-            "inputs": [
+        inputs: list[JsonValue] = []
+        for decision in self.decisions:
+            candidates: list[JsonValue] = [
                 {
-                    "id": decision.need.id,
-                    "state": self.state(decision),
-                    "candidates": [
-                        {
-                            "output": found.topic.id,
-                            found.access.key: found.access.text,
-                            "unit": found.access.unit,
-                            "score": found.score,
-                            "parts": dict(found.parts),
-                            "why": list(found.reasons),
-                        }
-                        for found in decision.candidates
-                    ],
+                    "output": candidate.topic.id,
+                    candidate.access.key: candidate.access.text,
+                    "unit": candidate.access.unit,
+                    "score": candidate.score,
+                    "parts": dict(candidate.parts),
+                    "why": list(candidate.reasons),
                 }
-                for decision in self.decisions
-            ],
-            "todo": self.todo,
-        }
+                for candidate in decision.candidates
+            ]
+            state = self.state(decision)
+            inputs.append({"id": decision.need.id, "state": state, "candidates": candidates})
+        return {"inputs": inputs, "todo": self.todo}
 
 
-def connect(model: Path, name: str | None, config: Path | None, around: Around) -> DraftResult:
+def connect(
+    model: Path, name: str | None, config: Path | None, surroundings: Surroundings
+) -> DraftResult:
     """Draft the configuration of a model, or add to one what it does not say yet.
 
     Args:
         model: its file.
         name: of the model, where the file has several.
         config: the configuration, which need not exist; ``None`` reads none.
-        around: what is given beside the model.
+        surroundings: what is given beside the model.
 
     Raises:
         EddiError: something cannot be read, or the configuration cannot be changed.
     """
-    models = checked_models(model, around.marks).models
-    document, before = _document(config)
+    models = checked_models(model, surroundings.default_guarantees).models
+    if config is not None and (config.exists() or config.is_symlink()):
+        document = read_block(read_source(config))
+        before: str | None = document.text
+    else:
+        document, before = new_document(str(config or "eddi_config.yml")), None
     root = content(document)
-    chosen = chosen_model(models, name, root)
+    chosen = _chosen_model(models, name, root)
     kind = kinds()[chosen.kind]
-    refuse_other(document, root, chosen, models)
+    _refuse_other(document, root, chosen, models)
     package = package_name(model_id(root) or chosen.name)
-    robot = with_robot(document, around)
-    document = robot.document
+    robot = with_robot(document, surroundings.system, surroundings.models)
     model_draft = _model_draft(chosen, root)
-    topics = topics_of(content(document))
-    recorded = _recorded(around.topics, topics, package)
+    topics = topics_of(content(robot.document))
+    recorded = _recorded(surroundings.topics, topics, package)
     topics += recorded
-    others = [one for one in monitors_beside(models, around) if one.package != package]
-    offered = offers(others, chosen, model_draft.inputs, topics)
-    types = {**around.types, **known_messages(), **robot.types, **declared_types(root)}
-    synonyms = synonyms_of(root)
-    needs = [
-        InputNeed.of(input_, synonyms, events_of(chosen.links, input_.id))
-        for input_ in model_draft.inputs
-    ]
-    decisions = decide(needs, topics, types.get, offered.by_input)
-    named = {found.topic for decision in decisions for found in decision.candidates}
+    others = [m for m in other_monitors(models, surroundings) if m.package != package]
+    fulfilled, published = fulfilments(others, chosen, model_draft.inputs, topics)
+    types = {**surroundings.types, **known_messages(), **robot.types, **_declared_types(root)}
+    needs = _needs(root, chosen, model_draft.inputs)
+    decisions = decide(needs, topics, types.get, fulfilled)
+    named = {candidate.topic for decision in decisions for candidate in decision.candidates}
     new = [
-        TopicEntry(one.id, one.type.replace("/", "."), one.topic)
-        for one in (*recorded, *offered.topics)
-        if one in named
+        TopicEntry(topic.id, topic.type.replace("/", "."), topic.topic)
+        for topic in (*recorded, *published)
+        if topic in named
     ]
-    document = read_block(Source(document.name, extended(document, new).encode()))
-    full = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
-    known = {**robot.ages, **around.ages}
-    ages = {topic: known[name] for topic, name in full.items() if name in known}
+    document = read_block(Source(document.name, extended(robot.document, new).encode()))
+    known = {**robot.ages, **surroundings.ages}
+    full_names = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
+    ages = {topic: known[full] for topic, full in full_names.items() if full in known}
+    parts = chosen.separate_outputs()
+    outputs: list[dict[str, JsonValue]] = [{"id": package, "topic": f"{package}/{kind.topic}"}]
+    if len(parts) > 1:
+        outputs = [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]
     draft = Draft(
-        _model(chosen, kind, model, config),
+        _model_section(chosen, kind, model, config),
         model_draft.options,
         model_draft.notes,
-        [drafts.entry(decision, ages) for decision in decisions],
-        drafts.outputs(package, kind.topic, chosen.separate_outputs()),
-        {topic.id: drafts.age_line(topic, ages) for topic in topics},
+        [entry(decision, ages) for decision in decisions],
+        outputs,
+        {topic.id: age_line(topic, ages) for topic in topics},
     )
     after = with_draft(document, draft)
-    ids = [input_.id for input_ in model_draft.inputs]
-    unknown = with_excerpts(unknown_inputs(root, ids), before or "")
-    left = undecided(content(ConfigText(document.name, after, 0, 0)))
-    kept = frozenset(
-        text_of(item, "id") or ""
-        for item in items_of(root.get("EDDIInputs"))
-        if not undecided(item)
+    unknown = _unknown_inputs(root, [item.id for item in model_draft.inputs])
+    problems = in_order([*robot.problems, *with_excerpts(unknown, before or "")])
+    items = items_of(root.get("EDDIInputs"))
+    kept = frozenset(text_of(item, "id") or "" for item in items if not undecided(item))
+    todo = len(undecided(content(ConfigText(document.name, after, 0, 0))))
+    return DraftResult(document.name, before, after, decisions, kept, problems, todo)
+
+
+def _chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
+    """Return the model: by its name, else the one that the configuration is of, else the only one.
+
+    Raises:
+        EddiError: there is none of that name (F005), or several (G005).
+    """
+    id_ = model_id(root)
+    if name is not None:
+        models = select_models(models, name)
+    elif id_ is not None:
+        same = [model for model in models if package_name(model.name) == package_name(id_)]
+        models = same or models
+    if len(models) > 1:
+        names = ", ".join(model.name for model in models)
+        raise EddiError(problem("G005.several", names=names))
+    return models[0]
+
+
+def _refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequence[Model]) -> None:
+    """Refuse a file to which the draft of a model must not be added.
+
+    Raises:
+        EddiError: it is no configuration (K001), or that of another kind (K010) or model (K026).
+    """
+    if root.entries and not is_config(Source(document.name, document.text.encode())):
+        raise EddiError(problem("K001.nothing_added", root.place))
+    section = root.get("Model") or root
+    kind, type_, id_ = kinds()[chosen.kind], text_of(section, "type"), model_id(root)
+    known_types = {known.casefold() for known in kind.config_types}
+    if type_ not in (None, TODO) and str(type_).casefold() not in known_types:
+        raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
+    owner = package_name(id_) if id_ is not None else None
+    if owner in {package_name(model.name) for model in models} - {package_name(chosen.name)}:
+        raise EddiError(problem("K026.other_model", section.place, id=id_, requested=chosen.name))
+
+
+def _unknown_inputs(root: Map, ids: Sequence[str]) -> Iterator[Problem]:
+    """Warn of entries that the model has no input for (K013)."""
+    items = [(item, text_of(item, "id")) for item in items_of(root.get("EDDIInputs"))]
+    new = sorted({*ids} - {id_ for _, id_ in items})
+    for item, id_ in items:
+        if id_ is None or id_ in ids:
+            continue
+        similar = most_similar(id_, new)
+        hint = f"its inputs: {shortened_list(ids)}"
+        if similar is not None:
+            hint = f"where it is {similar!r} now, write `id: {similar}` and `renamed_from: {id_}`"
+        yield problem("K013.entry_stays", item.place, hint=hint, input=id_)
+
+
+def _declared_types(root: Map) -> dict[str, Fields]:
+    """Return the message types that a configuration declares itself."""
+    types = root.get("MessageTypes")
+    return {
+        name.text: declared(
+            ((text_of(fields, key.text) or "", key.text) for key, _ in fields.entries),
+            name.text.partition("/")[0],
+        )
+        for name, fields in (types.entries if isinstance(types, Map) else ())
+        if isinstance(fields, Map)
+    }
+
+
+def _needs(root: Map, model: Model, inputs: Sequence[ModelInput]) -> list[InputNeed]:
+    """Return what the inputs need, with the words that the configuration says mean the same."""
+    section = root.get("connect")
+    groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
+    synonyms = frozenset(
+        frozenset(
+            word
+            for item in items_of(group)
+            if isinstance(item, Scalar)
+            for word in words(item.text)
+        )
+        for group in groups
     )
-    problems = in_order([*robot.problems, *unknown])
-    return DraftResult(document.name, before, after, decisions, kept, problems, len(left))
+    return [
+        InputNeed(
+            item.id,
+            item.type,
+            item.unit,
+            item.description or "",
+            item.is_demand,
+            item.safety,
+            item.states,
+            item.timeout,
+            synonyms,
+            events_of(model.links, item.id),
+        )
+        for item in inputs
+    ]
 
 
 def _recorded(
     topics: Mapping[str, str], known: Sequence[RobotTopic], package: str
 ) -> list[RobotTopic]:
     """Return the topics of a bag that are not known without it, each with an id of its own."""
-    there = {full_topic(one.topic, "", package) for one in known}
-    taken = {one.id for one in known}
-    found = []
-    for topic, of in sorted(topics.items()):
+    there = {full_topic(topic.topic, "", package) for topic in known}
+    taken = {topic.id for topic in known}
+    recorded = []
+    for topic, message in sorted(topics.items()):
         if topic not in there:
-            found.append(RobotTopic(free_name(slug(topic), taken), of, topic))
-            taken.add(found[-1].id)
-    return found
-
-
-def _document(config: Path | None) -> tuple[ConfigText, str | None]:
-    """Return the configuration to be changed, and its text where there is one."""
-    if config is None or not (config.exists() or config.is_symlink()):
-        return new_document(str(config or "eddi_config.yml")), None
-    document = read_block(read_source(config))
-    return document, document.text
+            recorded.append(RobotTopic(free_name(slug(topic), taken), message, topic))
+            taken.add(recorded[-1].id)
+    return recorded
 
 
 def _model_draft(model: Model, root: Map) -> ModelDraft:
@@ -217,16 +305,19 @@ def _model_draft(model: Model, root: Map) -> ModelDraft:
     inputs = tuple(
         DeclaredInput(id_, None, None, None, model.place) for id_ in ids if id_ is not None
     )
-    return model.draft(Options(values=section_of(root), inputs=inputs))
+    section = root.get("Model")
+    values = value_11(section) if isinstance(section, Map) else {}
+    return model.draft(Options(values=values, inputs=inputs))
 
 
-def _model(model: Model, kind: Kind, path: Path, config: Path | None) -> dict[str, JsonValue]:
+def _model_section(
+    model: Model, kind: Kind, path: Path, config: Path | None
+) -> dict[str, JsonValue]:
     """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
     section: dict[str, JsonValue] = {
         "id": model.name, "type": kind.config_types[0], "frequency": 10
     }  # fmt: skip
     folder = (config or Path("eddi_config.yml")).resolve().parent
     if path.resolve().is_relative_to(folder):
-        name = path.resolve().relative_to(folder).as_posix()
-        section["parameters"] = [{"model": name}]
+        section["parameters"] = [{"model": path.resolve().relative_to(folder).as_posix()}]
     return section

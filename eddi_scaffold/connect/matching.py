@@ -5,99 +5,27 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from typing import Literal
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.name_words import words
-from eddi_scaffold.connect.needs import InputNeed
-from eddi_scaffold.connect.scoring import ALARM, Candidate, scored, unsaid, weights
-from eddi_scaffold.connect.topics import (
-    FieldsOf,
-    FieldUse,
-    RobotTopic,
-    TopicField,
-    leaves,
-    units_of,
-)
+from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.scoring import ALARM, Candidate, Scorer
+from eddi_scaffold.connect.topics import FieldsOf, FieldUse, RobotTopic, TopicField, leaves
 
 _NO_MEASUREMENTS = (
     *("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs", "rosgraph_msgs"),
     *("visualization_msgs", "tf2_msgs"),
 )
-_FOR_DEMANDS = ("eddi_messages/ConSertOutput", "eddi_messages/BayesianNetworkOutput")
+_GUARANTEES, _POSTERIORS = "eddi_messages/ConSertOutput", "eddi_messages/BayesianNetworkOutput"
 _SETTING = re.compile(
     r"angle_.*|range_m(?:in|ax)|m(?:in|ax)_range|field_of_view|time_increment|scan_time|"
     r"intensities|origin|significance_level|time_from_start"
 )
 _PICTURES = ("Image", "CameraInfo", "PointCloud2", "OccupancyGrid")
-_SIZES = (
-    "width",
-    "height",
-    "resolution",
-    "step",
-    "point_step",
-    "row_step",
-    "binning_x",
-    "binning_y",
-)
-_NEVER = ("header", "layout")
+_SIZE = re.compile("width|height|resolution|step|point_step|row_step|binning_[xy]")
 _ABOUT_UNCERTAINTY = ("uncertainty", "covariance", "deviation", "std", "variance", "accuracy")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
-_TIMES = ("secs", "nsecs")
-
-
-def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
-    """Return why a value of a message type cannot fill an input, ``None`` where it might."""
-    names = [name.partition("[")[0] for name in leaf.path] or [""]
-    if message.partition("/")[0] in _NO_MEASUREMENTS:
-        return "it is not a measurement"
-    if need.is_demand != (message == _FOR_DEMANDS[0]):
-        return "a demand needs the guarantee of another ConSert"
-    if message == _FOR_DEMANDS[1]:
-        return "posteriors are not evidence"
-    if names[0] in _NEVER or names[-1] in _TIMES:
-        return "it is about the message"
-    is_size = message.rpartition("/")[2] in _PICTURES and names[-1] in _SIZES
-    if is_size or any(map(_SETTING.fullmatch, names)):
-        return "it is a setting of the sensor"
-    if leaf.path and leaf.is_variance != need.says(*_ABOUT_UNCERTAINTY):
-        return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
-    return _type(need, message, leaf) or _unit(need, leaf)
-
-
-def _type(need: InputNeed, message: str, leaf: TopicField) -> str | None:
-    if not leaf.path:
-        return None
-    is_number = leaf.type in ("int", "float")
-    is_coded = leaf.units == () and leaf.type == "int"  # an enumeration, bits
-    if need.type == "bool":
-        is_told = bool(leaf.path) and set(words(leaf.text)) <= set(need.told)
-        fits = leaf.type == "bool" or (is_number and (message.startswith(_COMPARED) or is_told))
-    elif need.type in ("float", "int"):
-        fits = is_number and not (is_coded and need.type == "float")
-    elif need.type == "float[]":
-        fits = is_number and leaf.text.endswith("[]") and leaf.lists == 1
-    elif need.type == "bool[]":
-        fits = leaf.type == "bool" and leaf.text.endswith("[]") and leaf.lists == 1
-    else:  # a text, or a state by its name
-        fits = leaf.type == "str"
-    return None if fits else f"it is a {leaf.type}"
-
-
-def _unit(need: InputNeed, leaf: TopicField) -> str | None:
-    if need.unit is None or need.type not in ("float", "int"):
-        return None
-    given = units_of(leaf)
-    if given is None:
-        return None
-    if not given:
-        return "it has no unit" if need.unit else None
-    if any(units.factor(unit, need.unit) is not None for unit in given):
-        return None
-    return f"it is in {' or '.join(given)}"
-
-
 _SURE = ((50, 8), (32, 15))
 """Score and distance to the next candidate from which a topic is taken."""
 _LEAST_NAME = 15
@@ -134,7 +62,7 @@ class Decision:
 
 
 @dataclass(frozen=True)
-class Offer:
+class Fulfilment:
     """An output of another monitor that fulfils an input.
 
     Attributes:
@@ -155,7 +83,7 @@ def decide(
     needs: Sequence[InputNeed],
     topics: Sequence[RobotTopic],
     fields_of: FieldsOf,
-    offers: Mapping[str, Sequence[Offer]] | None = None,
+    fulfilments: Mapping[str, Sequence[Fulfilment]] | None = None,
 ) -> list[Decision]:
     """Decide for each input; the same inputs give the same decisions.
 
@@ -163,94 +91,138 @@ def decide(
         needs: the inputs.
         topics: of the robot.
         fields_of: message type -> fields, ``None`` where they are not known.
-        offers: input -> outputs of other monitors that fulfil it.
+        fulfilments: input -> outputs of other monitors that fulfil it.
     """
-    known = cache(lambda message: tuple(leaves(message, fields_of)))
-    given = offers or {}
+    leaves_of = cache(lambda message: tuple(leaves(message, fields_of)))
     return [
-        _with_offers(need, given.get(need.id, ()), partial(_decide, need, topics, known))
-        for need in needs
+        _decide(need, topics, leaves_of, (fulfilments or {}).get(need.id, ())) for need in needs
     ]
-
-
-def _with_offers(
-    need: InputNeed, offers: Sequence[Offer], decide_by_name: Callable[[], Decision]
-) -> Decision:
-    """Return the decision: what fulfils an input is a matter of composition, not of names."""
-    found = [
-        Candidate(
-            offer.topic,
-            TopicField((offer.field,), "bool", None),
-            FieldUse("field", offer.field),
-            {"composition": _COMPOSED} if offer.is_sure else {"name": _likeness(need, offer)},
-            (offer.why,),
-        )
-        for offer in offers
-    ]
-    if found and offers[0].is_sure:
-        return Decision(need, "taken" if len(found) == 1 else "listed", tuple(found))
-    decision = decide_by_name()
-    if decision.state == "taken" or not found:
-        return decision
-    every = sorted((*decision.candidates, *found), key=lambda one: -one.score)
-    # a claim may have quite another name, so that all are listed where none is like the input
-    like = [one for one in every if one.score > 0] or every
-    return Decision(need, "listed", tuple(like[:_MOST]))
-
-
-def _likeness(need: InputNeed, offer: Offer) -> int:
-    near = (*words(offer.key), *offer.topic.words)
-    return round(50 * sum(need.fit(word, near) for word in need.words) / len(need.words))
 
 
 def _decide(
-    need: InputNeed, topics: Sequence[RobotTopic], known: Callable[[str], tuple[TopicField, ...]]
+    need: InputNeed,
+    topics: Sequence[RobotTopic],
+    leaves_of: Callable[[str], tuple[TopicField, ...]],
+    fulfilments: Sequence[Fulfilment],
+) -> Decision:
+    """Return the decision: what fulfils an input is a matter of composition, not of names."""
+    composed = []
+    for fulfilment in fulfilments:
+        parts = {"composition": _COMPOSED}
+        if not fulfilment.is_sure:
+            names = (*words(fulfilment.key), *fulfilment.topic.words)
+            likeness = sum(need.fit(word, names) for word in need.words) / len(need.words)
+            parts = {"name": round(50 * likeness)}
+        leaf, use = (
+            TopicField((fulfilment.field,), "bool", None),
+            FieldUse("field", fulfilment.field),
+        )
+        composed.append(Candidate(fulfilment.topic, leaf, use, parts, (fulfilment.why,)))
+    if composed and fulfilments[0].is_sure:
+        return Decision(need, "taken" if len(composed) == 1 else "listed", tuple(composed))
+    decision = _by_name(need, topics, leaves_of)
+    if decision.state == "taken" or not composed:
+        return decision
+    every = sorted((*decision.candidates, *composed), key=lambda candidate: -candidate.score)
+    # a claim may have quite another name, so that all are listed where none is like the input
+    like = [candidate for candidate in every if candidate.score > 0] or every
+    return Decision(need, "listed", tuple(like[:_MOST]))
+
+
+def _by_name(
+    need: InputNeed,
+    topics: Sequence[RobotTopic],
+    leaves_of: Callable[[str], tuple[TopicField, ...]],
 ) -> Decision:
     fitting_of = {
-        type_: [leaf for leaf in known(type_) if objection(need, type_, leaf) is None]
-        for type_ in {topic.type for topic in topics}
+        message: [leaf for leaf in leaves_of(message) if objection(need, message, leaf) is None]
+        for message in {topic.type for topic in topics}
     }
-    fitting = [(topic, leaf) for topic in topics for leaf in fitting_of[topic.type]]
-    left = list(dict.fromkeys(topic for topic, _ in fitting))
-    weight = weights(need, left)
+    scorer = Scorer(need, [topic for topic in dict.fromkeys(topics) if fitting_of[topic.type]])
     every = sorted(
-        (scored(need, topic, leaf, weight) for topic, leaf in fitting),
-        key=lambda one: (-one.score, one.topic.id, one.leaf.path),
+        (scorer.score(topic, leaf) for topic in topics for leaf in fitting_of[topic.type]),
+        key=lambda candidate: (-candidate.score, candidate.topic.id, candidate.leaf.path),
     )
-    first: dict[RobotTopic, Candidate] = {}
-    for one in every:
-        first.setdefault(one.topic, one)
+    best: dict[RobotTopic, Candidate] = {}
+    for candidate in every:
+        best.setdefault(candidate.topic, candidate)
     least = 0 if need.is_demand or need.type.endswith("[]") else _LEAST  # few topics can be that
-    listed = tuple(one for one in first.values() if one.score >= least)[:_MOST]
+    listed = tuple(candidate for candidate in best.values() if candidate.score >= least)[:_MOST]
     if need.is_demand:
         return Decision(need, "listed" if listed else "none", listed)
     if not listed:
-        return Decision(need, "none", missed=_missed(need, topics, known))
+        return Decision(need, "none", missed=_missed(need, topics, leaves_of))
     top = every[0]
     lead = top.score - every[1].score if len(every) > 1 else None
-    far = _SURE[-1][1] if lead is None else lead
-    sure = any(top.score >= score and far >= distance for score, distance in _SURE)
-    is_named = top.parts["name"] >= _LEAST_NAME and ALARM not in top.parts
-    if sure and is_named and not unsaid(need, top.topic, top.leaf) and top.access.is_complete:
+    distance = _SURE[-1][1] if lead is None else lead
+    if (
+        any(top.score >= score and distance >= least for score, least in _SURE)
+        and top.parts["name"] >= _LEAST_NAME
+        and ALARM not in top.parts
+        and not scorer.unsaid(top.topic, top.leaf)
+        and top.access.is_complete
+    ):
         return Decision(need, "taken", listed, lead)
     return Decision(need, "listed", listed)
 
 
 def _missed(
-    need: InputNeed, topics: Sequence[RobotTopic], known: Callable[[str], tuple[TopicField, ...]]
+    need: InputNeed,
+    topics: Sequence[RobotTopic],
+    leaves_of: Callable[[str], tuple[TopicField, ...]],
 ) -> NearMiss | None:
     """Return the value that would fit best by its name, with the rule that keeps it out."""
-    weight = weights(need, topics)
-
-    def near(topic: RobotTopic) -> float:
-        return sum(weight(word) * need.fit(word, topic.words) for word in need.words)
-
-    topic = min(topics, key=lambda one: (-near(one), one.id), default=None)
-    if topic is None or not near(topic):
+    scorer = Scorer(need, topics)
+    topic = min(topics, key=lambda topic: (-scorer.likeness(topic), topic.id), default=None)
+    if topic is None or not scorer.likeness(topic):
         return None
     misses = {
-        (-scored(need, topic, leaf, weight).parts["name"], leaf.path): NearMiss(topic, leaf, why)
-        for leaf in known(topic.type)
+        (-scorer.score(topic, leaf).parts["name"], leaf.path): NearMiss(topic, leaf, why)
+        for leaf in leaves_of(topic.type)
         if (why := objection(need, topic.type, leaf)) is not None
     }
     return misses[min(misses)] if misses else None
+
+
+def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
+    """Return why a value of a message type cannot fill an input, ``None`` where it might."""
+    names = [name.partition("[")[0] for name in leaf.path] or [""]
+    package, _, name = message.partition("/")
+    if package in _NO_MEASUREMENTS:
+        return "it is not a measurement"
+    if need.is_demand != (message == _GUARANTEES):
+        return "a demand needs the guarantee of another ConSert"
+    if message == _POSTERIORS:
+        return "posteriors are not evidence"
+    if names[0] in ("header", "layout") or names[-1] in ("secs", "nsecs"):
+        return "it is about the message"
+    is_size = name in _PICTURES and _SIZE.fullmatch(names[-1])
+    if is_size or any(map(_SETTING.fullmatch, names)):
+        return "it is a setting of the sensor"
+    if leaf.path and leaf.is_variance != need.says(*_ABOUT_UNCERTAINTY):
+        return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
+    if leaf.path and not _has_type(need, message, leaf):
+        return f"it is a {leaf.type}"
+    read = leaf.read_units
+    if need.unit is None or not need.is_number or read is None:
+        return None
+    if not read:
+        return "it has no unit" if need.unit else None
+    if all(units.factor(unit, need.unit) is None for unit in read):
+        return f"it is in {' or '.join(read)}"
+    return None
+
+
+def _has_type(need: InputNeed, message: str, leaf: TopicField) -> bool:
+    is_number = leaf.type in ("int", "float")
+    if need.type == "bool":
+        is_compared = message.startswith(_COMPARED) or {*words(leaf.text)} <= {*need.compared}
+        return leaf.type == "bool" or (is_number and is_compared)
+    is_code = leaf.units == () and leaf.type == "int"  # an enumeration, bits
+    fits = {
+        "float": is_number and not is_code,
+        "int": is_number,
+        "float[]": is_number and leaf.is_list,
+        "bool[]": leaf.type == "bool" and leaf.is_list,
+    }
+    return fits.get(need.type, leaf.type == "str")  # a text, or a state by its name

@@ -1,13 +1,82 @@
-"""Inputs of a model as far as a topic for them is sought."""
+"""Inputs of a model as far as a topic for them is sought; names as words, and their likeness."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from os.path import commonprefix
 
-from eddi_scaffold.connect.name_words import Synonyms, best, telling, words
-from eddi_scaffold.kinds import InputType, ModelInput
+from eddi_scaffold.kinds import InputType
+
+Synonyms = frozenset[frozenset[str]]
+"""Groups of words; those of a group mean the same."""
+_SYNONYMS: Synonyms = frozenset(
+    frozenset(group.split())
+    for group in (
+        "speed velocity vel",
+        "distance range clearance proximity dist",
+        "scan laser lidar",
+        "battery bms charge power soc",
+        "temperature temp",
+        "humidity moisture",
+        "position pose localization localisation amcl location",
+        "odometry odom",
+        "left port",
+        "right starboard",
+        "obstacle obstacles",
+        "health healthy ok good diagnostics diagnostic status",
+        "person human pedestrian people",
+        "detected detection detections boxes",
+        "yaw heading",
+        "uncertainty covariance deviation std variance accuracy",
+        "gps gnss navsat global",
+        "ground rangefinder altitude height",
+        "current amps",
+        "voltage volts cell",
+        "joint joints",
+        "torque effort",
+        "valid safe",
+    )
+)
+_SAME = {"ahead": "front", "forward": "front", "fwd": "front", "back": "rear", "behind": "rear"}
+_SAYING_NOTHING = frozenset([
+    "the", "is", "a", "of", "in", "to", "and", "an", "are", "data", "eddi", "input", "value",
+    "state", "rt", "msg", "nearest", "minimum", "min", "max", "vehicle", "robot", "system",
+    "sensor", "monitor", "node", "topic", "measured", "actual", "ambient",
+])  # fmt: skip
+_BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
+_LONG = 4
+_COMMON = 5
+MEANS_THE_SAME = 0.7
+"""From this match on, a word is taken for another one."""
+
+
+@cache
+def words(text: str) -> tuple[str, ...]:
+    """Split a name or a sentence into words: lower case, one word for each direction."""
+    return tuple(_SAME.get(word, word) for word in map(str.lower, _BREAK.split(text)) if word)
+
+
+def _telling(text: str) -> list[str]:
+    """Return the words of an input that tell what it is; all of them where none does."""
+    every = list(dict.fromkeys(words(text)))
+    return [word for word in every if word not in _SAYING_NOTHING] or every
+
+
+@cache
+def _likeness(first: str, second: str, synonyms: Synonyms) -> float:
+    """Return how far two words mean the same, from 0 to 1."""
+    if first == second:
+        return 1.0
+    if any(first in group and second in group for group in _SYNONYMS | synonyms):
+        return 0.8
+    common = len(commonprefix((first, second)))  # noqa: RUF071 - characters are meant
+    shorter, longer = sorted((len(first), len(second)))
+    if shorter >= _LONG and common == shorter:
+        return 0.7
+    return 0.6 if common >= _COMMON and 2 * common >= longer else 0.0
 
 
 @dataclass(frozen=True)
@@ -39,15 +108,15 @@ class InputNeed:
     @cached_property
     def words(self) -> Sequence[str]:
         """What the id tells."""
-        return telling(self.id)
+        return _telling(self.id)
 
     @cached_property
     def described(self) -> Sequence[str]:
         """What the description and the events tell."""
-        return telling(" ".join((self.description, *self.events)))
+        return _telling(" ".join((self.description, *self.events)))
 
     @cached_property
-    def told(self) -> Sequence[str]:
+    def compared(self) -> Sequence[str]:
         """What the conditions of the events read."""
         conditions = " ".join(event.partition(" (")[2] for event in self.events)
         return [word for word in words(conditions) if word.isalpha()]
@@ -57,29 +126,15 @@ class InputNeed:
         """All words of id and description."""
         return frozenset(words(f"{self.id} {self.description}"))
 
-    @classmethod
-    def of(
-        cls, item: ModelInput, synonyms: Synonyms = frozenset(), events: tuple[str, ...] = ()
-    ) -> InputNeed:
-        """Return what an input of a model needs."""
-        text = item.description or ""
-        return cls(
-            item.id,
-            item.type,
-            item.unit,
-            text,
-            item.is_demand,
-            item.safety,
-            item.states,
-            item.timeout,
-            synonyms,
-            events,
-        )
+    @property
+    def is_number(self) -> bool:
+        """Whether it is one number."""
+        return self.type in ("float", "int")
 
     def fit(self, word: str, others: Iterable[str]) -> float:
         """Return the best match of a word among others, from 0 to 1."""
-        return best(word, others, self.synonyms)
+        return max((_likeness(word, other, self.synonyms) for other in others), default=0.0)
 
-    def says(self, *some: str) -> bool:
+    def says(self, *any_of: str) -> bool:
         """Return whether id or description has one of some words."""
-        return not self.every_word.isdisjoint(some)
+        return not self.every_word.isdisjoint(any_of)

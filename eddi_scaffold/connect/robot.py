@@ -17,12 +17,47 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
-from eddi_scaffold.mros.filters import Existing
-from eddi_scaffold.mros.interface_definitions import Models, noticed
-from eddi_scaffold.mros.outputs import Outputs, silent_problems, simulator_outputs
+from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.topics import Existing, Outputs, silent_problems, simulator_outputs
 
 
-def beside(robot: Robot) -> RobotAdditions:
+@contextmanager
+def robot_models(
+    system: Path | None, folder: Path | None
+) -> Iterator[tuple[RobotAdditions | None, list[Problem]]]:
+    """Add what a command was given with configurations: a system, models, both or none.
+
+    What does not resolve in the system is a warning here: only what an input requires must.
+
+    Yields:
+        What the models add, and what is wrong with them: it may be the reason for what is refused
+        inside, and is told with it.
+
+    Raises:
+        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
+    """
+    if folder is None:
+        if system is not None:
+            raise EddiError(problem("G017"))
+        yield None, []
+        return
+    if system is None:
+        models = load_models(folder)
+        additions = RobotAdditions(types=message_types(models))
+        problems = _located(folder, models.problems)
+    else:
+        robot = read_robot(system, folder)
+        outputs = simulator_outputs(robot.system, robot.models)
+        additions = _additions(robot)
+        problems = robot.located([*robot.problems, *outputs.problems])
+    problems = [replace(reported, level="warning") for reported in problems]
+    try:
+        yield additions, problems
+    except EddiError as refused:
+        raise EddiError(*problems, *refused.problems) from None
+
+
+def _additions(robot: Robot) -> RobotAdditions:
     """Return what a system and its models add to configurations.
 
     The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write, without
@@ -30,44 +65,26 @@ def beside(robot: Robot) -> RobotAdditions:
     """
 
     def outputs(entries: object) -> list[dict[str, JsonValue]]:
-        old = (
-            [entry for entry in entries if isinstance(entry, dict)]
-            if isinstance(entries, list)
-            else []
-        )
-        existing = [
-            Existing(str(one.get("id")), str(one.get("topic")), Place(str(robot.path)))
-            for one in old
+        rows = entries if isinstance(entries, list) else []
+        old = [entry for entry in rows if isinstance(entry, dict)]
+        place = Place(str(robot.path))
+        existing = [Existing(str(e.get("id")), str(e.get("topic")), place) for e in old]
+        by_topic = {str(entry.get("topic")): entry for entry in old}
+        topics = [
+            topic
+            for topic in simulator_outputs(robot.system, robot.models, existing=existing).topics
+            if is_ros_name(topic.topic) or topic.topic in by_topic
         ]
-        every = simulator_outputs(robot.system, robot.models, existing=existing).topics
-        more = {str(one.get("topic")): one for one in old}
-        found = [one for one in every if is_ros_name(one.topic) or one.topic in more]
-        given = [
-            {**more.get(one.topic, {}), "id": one.id, "type": one.type, "topic": one.topic}
-            for one in found
+        taken = {topic.id for topic in topics} | {topic.topic for topic in topics}
+        return [
+            *(
+                {**by_topic.get(t.topic, {}), "id": t.id, "type": t.type, "topic": t.topic}
+                for t in topics
+            ),
+            *(entry for entry in old if not {entry.get("id"), entry.get("topic")} & taken),
         ]
-        taken = {one.id for one in found} | {one.topic for one in found}
-        return [*given, *(o for o in old if not {o.get("id"), o.get("topic")} & taken)]
 
     return RobotAdditions(outputs, message_types(robot.models))
-
-
-def additions(system: Path | None, folder: Path | None) -> tuple[RobotAdditions, list[Problem]]:
-    """Return what a system, node models or both add to configurations, and what is wrong with them.
-
-    Raises:
-        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
-    """
-    if folder is None:
-        raise EddiError(problem("G017"))
-    if system is None:
-        models = load_models(folder)
-        located = [replace(p, place=_inside(folder, p.place)) for p in models.problems]
-        return RobotAdditions(types=message_types(models)), _as_warnings(located)
-    robot = read_robot(system, folder)
-    outputs = simulator_outputs(robot.system, robot.models)
-    problems = robot.located([*robot.problems, *outputs.problems])
-    return beside(robot), _as_warnings(problems)
 
 
 def check_robots(
@@ -83,10 +100,8 @@ def check_robots(
     Returns:
         All problems, and what the models add to configurations.
     """
-    problems: list[Problem] = []
     models = load_models(folder, systems=True) if folder is not None else None
-    if folder is not None and models is not None:
-        problems += [replace(p, place=_inside(folder, p.place)) for p in models.problems]
+    problems = _located(folder, models.problems) if folder is not None and models else []
     for path in files:
         problems += _check_file(path, folder, models, configs)
     return problems, RobotAdditions(types=message_types(models)) if models is not None else None
@@ -94,31 +109,23 @@ def check_robots(
 
 def _check_file(
     path: Path, folder: Path | None, models: Models | None, configs: Sequence[Path]
-) -> Iterable[Problem]:
+) -> Sequence[Problem]:
     try:
-        if path.name.endswith(SYSTEM_SUFFIX):
-            return _check_system(path, folder, models, configs)
-        model = read_ros_models(read_source(path).data, str(path))
+        if not path.name.endswith(SYSTEM_SUFFIX):
+            return [*noticed(read_ros_models(read_source(path).data, str(path)))]
+        system, problems = load_system(path, folder)
     except MrosSyntaxError as failed:
         return [problem_of(failed)]
     except EddiError as failed:
         return failed.problems
-    return noticed(model.notices, str(path))
-
-
-def _check_system(
-    path: Path, folder: Path | None, models: Models | None, configs: Sequence[Path]
-) -> list[Problem]:
     if folder is None or models is None:
-        return load_system(path)[1]
-    system, problems = load_system(path, folder)
-    robot = Robot(folder, path, system, models, ())
+        return problems
     outputs = simulator_outputs(system, models, include=("subscribed", "actions"))
     problems += [*outputs.problems, *silent_problems(system, models)]
-    located = robot.located(problems)
+    problems = Robot(folder, path, system, models, ()).located(problems)
     for config in configs:
-        located += _compared(config, outputs, path)
-    return located
+        problems += _compared(config, outputs, path)
+    return problems
 
 
 def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
@@ -146,19 +153,18 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
             )
 
 
-def _inside(folder: Path, place: Place) -> Place:
-    return replace(place, file=str(folder / place.file))
-
-
-def _as_warnings(problems: Iterable[Problem]) -> list[Problem]:
-    return [replace(problem, level="warning") for problem in problems]
+def _located(folder: Path, problems: Iterable[Problem]) -> list[Problem]:
+    return [
+        replace(reported, place=replace(reported.place, file=str(folder / reported.place.file)))
+        for reported in problems
+    ]
 
 
 def message_types(models: Models) -> dict[str, dict[str, str]]:
     """Return the messages that are specified next to node models; the first of a name is used."""
     found: dict[str, dict[str, str]] = {}
     for file in models.files:
-        for package in file.model.packages:
+        for package in file.packages:
             for spec in package.specs:
                 fields = dict(spec.sections).get("message")
                 if fields is not None:
@@ -166,30 +172,3 @@ def message_types(models: Models) -> dict[str, dict[str, str]]:
                     table = declared(pairs, package.name)
                     found.setdefault(f"{package.name}/{spec.name}", table)
     return found
-
-
-@contextmanager
-def beside_configs(
-    system: Path | None, folder: Path | None
-) -> Iterator[tuple[RobotAdditions | None, list[Problem]]]:
-    """Add what a command was given beside configurations: a system, models, both or none.
-
-    What does not resolve in the system is a warning here: only what an input requires must.
-
-    Yields:
-        What the models add, and what is wrong with them: it may be the reason for what is refused
-        inside, and is told with it.
-
-    Raises:
-        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
-    """
-    if system is None and folder is None:
-        yield None, []
-        return
-    # reading MROS takes a while to import, and most commands are given none
-
-    robot, problems = additions(system, folder)
-    try:
-        yield robot, problems
-    except EddiError as refused:
-        raise EddiError(*problems, *refused.problems) from None

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-import tempfile
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -31,11 +30,19 @@ from eddi_scaffold.config.topic_block import (
 )
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.mros.directory import load_models, load_system, named
-from eddi_scaffold.mros.filters import OPTIONS, Existing, Filters, unmatched
-from eddi_scaffold.mros.interface_definitions import Models, SystemFile
-from eddi_scaffold.mros.outputs import Include, Outputs, simulator_outputs
-from eddi_scaffold.mros.resolving import flattened
-from eddi_scaffold.mros.topics import Topic
+from eddi_scaffold.mros.model import System
+from eddi_scaffold.mros.resolving import Models, flattened
+from eddi_scaffold.mros.topics import (
+    OPTIONS,
+    Existing,
+    Filters,
+    Include,
+    Outputs,
+    Topic,
+    simulator_outputs,
+)
+
+_MARK = b"\xef\xbb\xbf"
 
 
 @dataclass(frozen=True)
@@ -50,7 +57,7 @@ class Robot:
 
     folder: Path
     path: Path
-    system: SystemFile
+    system: System
     models: Models
     problems: tuple[Problem, ...]
 
@@ -61,10 +68,9 @@ class Robot:
     def _located(self, place: Place) -> Place:
         if place.file == self.system.file:
             return replace(place, file=str(self.path))
-        inside = {*self.models.skipped, *(file.file for file in self.models.files)}
-        inside |= {system.file for system in self.models.systems} | {
-            problem.place.file for problem in self.models.problems
-        }
+        models = self.models
+        inside = {*models.skipped, *(reported.place.file for reported in models.problems)}
+        inside |= {model.file for model in models.files} | {part.file for part in models.systems}
         return replace(place, file=str(self.folder / place.file)) if place.file in inside else place
 
 
@@ -91,12 +97,7 @@ class Parsed:
 
     def diff(self, name: str) -> str:
         """Return the change of the configuration as a unified diff."""
-        old = (self.before or "").splitlines(keepends=True)
-        new = self.after.splitlines(keepends=True)
-        lines = difflib.unified_diff(
-            old, new, name if self.before is not None else os.devnull, name
-        )
-        return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
+        return unified_diff(self.before, self.after, name)
 
     def summary(self) -> Mapping[str, int]:
         """Return the figures of the last line."""
@@ -114,7 +115,7 @@ class Parsed:
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the result for programs; the same on every machine."""
-        system = self.robot.system.system
+        system = self.robot.system
         return {
             "system": system.name,
             "dialect": system.dialect,
@@ -145,6 +146,13 @@ class Parsed:
         }
 
 
+def unified_diff(before: str | None, after: str, name: str) -> str:
+    """Return the change of a file, ``None`` for one that is new."""
+    old, new = (before or "").splitlines(keepends=True), after.splitlines(keepends=True)
+    lines = difflib.unified_diff(old, new, name if before is not None else os.devnull, name)
+    return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
+
+
 def read_robot(system: Path, folder: Path) -> Robot:
     """Read a system and all models of its directory.
 
@@ -152,23 +160,17 @@ def read_robot(system: Path, folder: Path) -> Robot:
         EddiError: the system cannot be read, or there is no such directory.
     """
     try:
-        file, problems = load_system(system, folder)
-    except EddiError as failed:
-        raise EddiError(*_as_given(failed.problems, system, folder)) from None
-    models = load_models(folder, systems=bool(file.system.subsystems))
-    return Robot(folder, system, file, models, (*problems, *models.problems))
-
-
-def _as_given(problems: Sequence[Problem], system: Path, folder: Path) -> Iterable[Problem]:
-    """Name the system as it was given; who can go no further sees an error in any case."""
-    name = named(system, folder)
-    for reported in problems:
-        place = (
-            replace(reported.place, file=str(system))
+        model, problems = load_system(system, folder)
+    except EddiError as failed:  # who can go no further sees an error in any case
+        name = named(system, folder)
+        raise EddiError(*(
+            replace(reported, level="error", place=replace(reported.place, file=str(system)))
             if reported.place.file == name
-            else reported.place
-        )
-        yield replace(reported, place=place, level="error")
+            else replace(reported, level="error")
+            for reported in failed.problems
+        )) from None  # fmt: skip
+    models = load_models(folder, systems=bool(model.subsystems))
+    return Robot(folder, system, model, models, (*problems, *models.problems))
 
 
 def parse(
@@ -197,7 +199,7 @@ def with_topics(
     include: Collection[Include] = (),
     filters: Filters | None = None,
     names: Literal["label", "model"] = "label",
-    wants: Callable[[Topic], bool] = lambda _: True,
+    writes: Callable[[Topic], bool] = lambda _: True,
 ) -> Parsed:
     """Do the same with a text.
 
@@ -207,28 +209,35 @@ def with_topics(
         include: topics in addition to the published ones.
         filters: what a person chooses.
         names: whose names the topics get.
-        wants: whether a topic is written.
+        writes: whether a topic is written.
 
     Raises:
         EddiError: the filters leave nothing.
     """
     filters = filters or Filters()
+    existing = [
+        Existing(entry.id, entry.topic, Place(document.name, entry.line, 1))
+        for entry in document.old
+    ]
     outputs = simulator_outputs(
         robot.system,
         robot.models,
         include=include,
-        existing=_existing(document),
+        existing=existing,
         filters=filters,
         names=names,
     )
-    found = [*robot.problems, *outputs.problems]
+    problems = [*robot.problems, *outputs.problems]
     _refuse_filters(filters, robot, outputs, document)
     after, notes = document.text, list[Problem]()
-    if outputs.topics or not has_errors(found):
-        wanted = [topic for topic in outputs.topics if wants(topic)]
-        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in wanted]
+    if outputs.topics or not has_errors(problems):
+        entries = [TopicEntry(t.id, t.type, t.topic) for t in outputs.topics if writes(t)]
         after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
-    problems = in_order(_quoted([*found, *notes], document))
+    problems += notes
+    # the configuration is quoted as it was read: what is printed comes after it is rewritten
+    own = [reported for reported in problems if reported.place.file == document.name]
+    others = [reported for reported in problems if reported.place.file != document.name]
+    problems = in_order([*others, *with_excerpts(own, document.text)])
     return Parsed(robot, outputs, tuple(problems), document.text, after)
 
 
@@ -241,9 +250,9 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     topics = [*(topic.topic for topic in outputs.topics), *outputs.left_out]
     if not outputs.is_complete:
         topics += [old.topic for old in document.old]
-    systems = flattened(robot.system, robot.models.systems).systems
-    components = [component.name for file in systems for component in file.system.components]
-    wrong = list(unmatched(filters, topics, components))
+    systems = flattened(robot.system, robot.models.systems)[0]
+    components = [component.name for part in systems for component in part.components]
+    wrong = list(filters.unmatched(topics, components))
     some = filters.topics or filters.components
     if some and not wrong and outputs.is_complete and not outputs.topics:
         wrong = [problem("M022.no_topic", filters=filters)]
@@ -257,27 +266,13 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
 def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> DroppedTopic:
     """Explain why an entry is not rewritten; what may be there all the same stays."""
     criterion = outputs.left_out.get(old.topic)
-    if not outputs.is_complete and not filters.wants(old.topic):
+    if not outputs.is_complete and not filters.keeps(old.topic):
         criterion = "topics"
     if criterion is not None:
         return DroppedTopic(f"is left out by {OPTIONS[criterion]}")
     if not outputs.is_complete:
         return DroppedTopic("did not resolve this time, or is gone", stays=True)
     return DroppedTopic()
-
-
-def _quoted(problems: Sequence[Problem], document: ConfigText) -> list[Problem]:
-    """Quote the configuration as it was read: what is printed comes after it is rewritten."""
-    own = [problem for problem in problems if problem.place.file == document.name]
-    others = [problem for problem in problems if problem.place.file != document.name]
-    return [*others, *with_excerpts(own, document.text)]
-
-
-def _existing(document: ConfigText) -> list[Existing]:
-    return [
-        Existing(entry.id, entry.topic, Place(document.name, entry.line, 1))
-        for entry in document.old
-    ]
 
 
 def save(path: Path, text: str, before: str | None) -> None:
@@ -292,38 +287,23 @@ def save(path: Path, text: str, before: str | None) -> None:
         EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
     """
     target = path.resolve()
-    mode = target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask()
-    mark = b"\xef\xbb\xbf" if target.exists() and _has_mark(target) else b""
+    temporary = target.with_name(f".eddi-{os.getpid()}")
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".eddi-", delete=False) as file:
-            try:
+        old = target.read_bytes() if target.exists() else None
+        mark = _MARK if old is not None and old.startswith(_MARK) else b""
+        try:
+            with temporary.open("xb") as file:
                 file.write(mark + text.encode())
                 file.flush()
                 os.fsync(file.fileno())
-                Path(file.name).chmod(mode)
-                _refuse_changed(path, before)
-                Path(file.name).replace(target)
-            except BaseException:
-                Path(file.name).unlink(missing_ok=True)
-                raise
+            if old is not None:
+                temporary.chmod(target.stat().st_mode & 0o7777)
+                old = target.read_bytes().removeprefix(_MARK)
+            if old != (None if before is None else before.encode()):
+                raise saved_meanwhile(path)
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
     except OSError as refused:
-        raise EddiError(
-            problem("F002.write", Place(str(path)), reason=refused.strerror or refused)
-        ) from None
-
-
-def _refuse_changed(path: Path, before: str | None) -> None:
-    now = path.read_bytes().removeprefix(b"\xef\xbb\xbf") if path.exists() else None
-    if now != (None if before is None else before.encode()):
-        raise saved_meanwhile(path)
-
-
-def _has_mark(path: Path) -> bool:
-    with path.open("rb") as stream:
-        return stream.read(3) == b"\xef\xbb\xbf"
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current
+        reason = refused.strerror or refused
+        raise EddiError(problem("F002.write", Place(str(path)), reason=reason)) from None

@@ -1,45 +1,42 @@
-"""What is given beside the model: the robot, and other monitors."""
+"""What is known beside the model: the robot, and what other monitors publish for its inputs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import is_ros_name, package_name
-from eddi_scaffold.common.problems import (
-    EddiError,
-    Problem,
-    has_errors,
-    most_similar,
-    problem,
-    shortened_list,
-)
+from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name, key_text
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.config.message_types import MessageFields
 from eddi_scaffold.config.reading import RobotAdditions, read_configs
 from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.connect.draft import Age, deadline_age
-from eddi_scaffold.connect.keeping import model_id, text_of
+from eddi_scaffold.connect.matching import Fulfilment
 from eddi_scaffold.connect.robot import message_types
 from eddi_scaffold.connect.rossystem import read_robot, with_topics
+from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.joining import join
-from eddi_scaffold.kinds import TODO, Model, kinds
+from eddi_scaffold.eddi_xml.links import events_of
+from eddi_scaffold.kinds import Model, ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
+from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.directory import load_models
-from eddi_scaffold.yaml_text.nodes import Map, items_of
+
+_SILENT = (False,)
+"""What a field may be while nothing is known, that evidence may be made of."""
 
 
 @dataclass(frozen=True)
-class Around:
+class Surroundings:
     """What is given beside the model.
 
     Attributes:
         system: a ``.rossystem``.
         models: the directory of its node models.
         configs: of other monitors.
-        marks: default guarantees.
+        default_guarantees: their names.
         ages: full name of a topic -> when its messages are too old.
         topics: full name -> type, of those that were recorded.
         types: of their messages.
@@ -48,7 +45,7 @@ class Around:
     system: Path | None = None
     models: Path | None = None
     configs: Sequence[Path] = ()
-    marks: Sequence[str] = ()
+    default_guarantees: Sequence[str] = ()
     ages: Mapping[str, Age] = field(default_factory=dict)
     topics: Mapping[str, str] = field(default_factory=dict)
     types: MessageFields = field(default_factory=dict)
@@ -69,95 +66,124 @@ class OnRobot:
     problems: Sequence[Problem] = ()
 
 
-def with_robot(document: ConfigText, around: Around) -> OnRobot:
+def with_robot(document: ConfigText, system: Path | None, models: Path | None) -> OnRobot:
     """Return the configuration with the topics of the system, and what the models say of them.
 
     Raises:
         EddiError: one of them cannot be read, or the models of a system are missing (G017).
     """
-    if around.models is None:
-        if around.system is not None:
+    if models is None:
+        if system is not None:
             raise EddiError(problem("G017"))
         return OnRobot(document)
-    if around.system is None:
-        return OnRobot(document, message_types(load_models(around.models)))
-    robot = read_robot(around.system, around.models)
-    parsed = with_topics(robot, document, wants=lambda one: is_ros_name(one.topic))
+    if system is None:
+        return OnRobot(document, message_types(load_models(models)))
+    robot = read_robot(system, models)
+    parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
     after = read_block(Source(document.name, parsed.after.encode()))
     ages = {topic.topic: deadline_age(topic.deadlines) for topic in parsed.outputs.topics}
     known = {topic: age for topic, age in ages.items() if age is not None}
     return OnRobot(after, message_types(robot.models), known, robot.located(parsed.problems))
 
 
-def monitors_beside(models: Sequence[Model], around: Around) -> list[BoundMonitor]:
+def other_monitors(models: Sequence[Model], surroundings: Surroundings) -> list[BoundMonitor]:
     """Return the monitors of the other configurations.
 
     Raises:
         EddiError: one of them cannot be used.
     """
-    if not around.configs:
+    if not surroundings.configs:
         return []
-    configs, _ = read_configs(around.configs, RobotAdditions())
+    defaults = surroundings.default_guarantees
+    configs, _ = read_configs(surroundings.configs, RobotAdditions())
     monitors, problems = join(
-        models, configs, lambda path: checked_models(path, around.marks), around.marks
+        models, configs, lambda path: checked_models(path, defaults), defaults
     )
     if has_errors(problems):
         raise EddiError(*problems)
     return monitors
 
 
-def chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
-    """Return the model: by its name, else the one that the configuration is of, else the only one.
+def fulfilments(
+    monitors: Sequence[BoundMonitor],
+    model: Model,
+    inputs: Sequence[ModelInput],
+    topics: Sequence[RobotTopic],
+) -> tuple[dict[str, list[Fulfilment]], list[RobotTopic]]:
+    """Return what fulfils demands, and evidence: what has its id, or what the EDDI names for it.
 
-    Raises:
-        EddiError: there is none of that name (F005), or several (G005).
+    For evidence that nothing fulfils, every claim of the others is one that a person may choose.
+
+    Args:
+        monitors: with their configurations.
+        model: whose inputs are sought.
+        inputs: of the model.
+        topics: whose ids stay.
+
+    Returns:
+        Input -> what fulfils it; the topics that are not among those of the robot yet.
     """
-    id_ = model_id(root)
-    if name is not None:
-        models = select_models(models, name)
-    elif id_ is not None:
-        models = [
-            model for model in models if package_name(model.name) == package_name(id_)
-        ] or models
-    if len(models) > 1:
-        names = ", ".join(model.name for model in models)
-        raise EddiError(problem("G005.several", names=names))
-    return models[0]
+    by_topic = {topic.topic: topic for topic in topics}
+    by_input: dict[str, list[Fulfilment]] = {}
+    claims = [(monitor, claim) for monitor in monitors for claim in _claims(monitor)]
+    for item in inputs:
+        sure = [pair for pair in claims if _fulfils(pair[0], pair[1].key, model, item)]
+        possible = claims if item.type == "bool" and not item.is_demand else []
+        for monitor, claim in sure or possible:
+            if claim.topic not in by_topic:
+                taken = {topic.id for topic in by_topic.values()}
+                name = free_name(attribute(claim.output), taken)
+                by_topic[claim.topic] = RobotTopic(name, claim.type, claim.topic)
+            why = f"{claim.key} fulfils it" if sure else f"{claim.key} of {monitor.model.name}"
+            topic = by_topic[claim.topic]
+            fulfilment = Fulfilment(topic, claim.field, why, claim.key, is_sure=bool(sure))
+            by_input.setdefault(item.id, []).append(fulfilment)
+    return by_input, list(by_topic.values())[len({topic.topic for topic in topics}) :]
 
 
-def refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequence[Model]) -> None:
-    """Refuse a file to which the draft of a model must not be added.
+@dataclass(frozen=True)
+class _Claim:
+    """Something that a monitor publishes and that is false while it is not known.
 
-    Raises:
-        EddiError: it is no configuration (K001), or that of another kind (K010) or model (K026).
+    Attributes:
+        output: id of the output on which it is published.
+        key: id of the guarantee, threshold or event.
+        field: its path in the message.
     """
-    if root.entries and not is_config(Source(document.name, document.text.encode())):
-        raise EddiError(problem("K001.nothing_added", root.place))
-    section = root.get("Model") or root
-    kind, type_, id_ = kinds()[chosen.kind], text_of(section, "type"), model_id(root)
-    if type_ not in (None, TODO) and str(type_).casefold() not in map(
-        str.casefold, kind.config_types
-    ):
-        raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
-    owner = package_name(id_) if id_ is not None else None
-    if owner != package_name(chosen.name) and owner in {
-        package_name(model.name) for model in models
-    }:
-        raise EddiError(problem("K026.other_model", section.place, id=id_, requested=chosen.name))
+
+    output: str
+    type: str
+    topic: str
+    key: str
+    field: str
 
 
-def unknown_inputs(root: Map, ids: Sequence[str]) -> Iterable[Problem]:
-    """Warn of entries that the model has no input for (K013)."""
-    entries = root.get("EDDIInputs")
-    there = [(item, text_of(item, "id")) for item in items_of(entries)]
-    new = sorted({*ids} - {id_ for _, id_ in there})
-    for one, id_ in there:
-        if id_ is None or id_ in ids:
+def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
+    model = monitor.model
+    ids, parts = model.element_keys(), list(model.separate_outputs())
+    own = {claim.id: [claim.id] for claim in monitor.facts.claims}
+    messages = {"": monitor.kind.output_message, **model.companion_messages()}
+    for output in monitor.config.config.EDDIOutputs if monitor.config is not None else ():
+        if output.field is not None:
             continue
-        near = most_similar(id_, new)
-        hint = (
-            f"where it is {near!r} now, write `id: {near}` and `renamed_from: {id_}`"
-            if near is not None
-            else f"its inputs: {shortened_list(ids)}"
-        )
-        yield problem("K013.entry_stays", one.place, hint=hint, input=id_)
+        meanings = model.meanings(monitor.facts.claims_on(output.event))
+        on_topic = [output.event] if output.event is not None else parts
+        only = on_topic if len(on_topic) == 1 else []
+        for name, message in messages.items():
+            topic = f"{output.topic}/{name}" if name else output.topic
+            for path, meaning in meanings.get(message, {}).items():
+                if meaning.silent != _SILENT:
+                    continue
+                head, is_list, tail = path.partition("[].")
+                for key in ids.get(head, ()) if is_list else own.get(path, only):
+                    field = f"{head}[{key_text(key)}].{tail}" if is_list else path
+                    yield _Claim(output.id, f"eddi_messages/{message}", topic, key, field)
+
+
+def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:
+    if not item.is_demand:
+        ids = {item.id, *(event.partition(" (")[0] for event in events_of(model.links, item.id))}
+        named = {claim for name, claim in monitor.model.observes if name in ids}
+        return item.type == "bool" and (key in ids or not named.isdisjoint((key, "")))
+    is_same_kind = monitor.model.kind == model.kind
+    return is_same_kind and monitor.model.why_not_fulfilled(key, model, item.id) is None

@@ -12,9 +12,8 @@ from typing import Literal
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute, is_identifier
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.config.message_types.documented import Documented, documented
-from eddi_scaffold.connect.name_words import words
-from eddi_scaffold.connect.needs import InputNeed
+from eddi_scaffold.config.message_types.documented import documented
+from eddi_scaffold.connect.needs import InputNeed, words
 from eddi_scaffold.kinds import TODO
 
 FieldsOf = Callable[[str], Fields | None]
@@ -22,6 +21,8 @@ _DEPTH = 6
 _MOST = 1000
 """Fields of a message that are looked at, with those inside of its fields."""
 _MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
+_SCANS = ("LaserScan", "MultiEchoLaserScan")
+_DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
 
 
 @dataclass(frozen=True)
@@ -78,13 +79,25 @@ class TopicField:
 
     @cached_property
     def lists(self) -> int:
-        """How many lists are on the way."""
-        return sum(1 for name in self.path if name.endswith("[]"))
+        """How many lists its path goes through."""
+        return sum(name.endswith("[]") for name in self.path)
+
+    @cached_property
+    def is_list(self) -> bool:
+        """Whether it is an element of the only list."""
+        return self.lists == 1 and self.text.endswith("[]")
 
     @property
     def is_variance(self) -> bool:
         """Whether it says how uncertain another value is."""
         return "variance" in self.path[-1] if self.path else False  # of covariance as well
+
+    @property
+    def read_units(self) -> tuple[str, ...] | None:
+        """The units in which it is read: of a variance, those of the deviation."""
+        if self.units is None or not self.is_variance:
+            return self.units
+        return tuple(units.root(unit) or unit for unit in self.units)
 
 
 def leaves(message: str, fields_of: FieldsOf) -> list[TopicField]:
@@ -92,47 +105,39 @@ def leaves(message: str, fields_of: FieldsOf) -> list[TopicField]:
     if fields_of(message) is None:
         return [TopicField((), "", None)]
     visited = islice(_fields(message, (), fields_of, (message,)), _MOST)
-    ends = [one for one in visited if one is not None]
-    return [
-        TopicField(
-            path, python_type(of), _units(documented(message, path, fields_of)), len(ends) == 1
-        )
-        for path, of in ends
-    ]
-
-
-def _units(known: Documented | None) -> tuple[str, ...] | None:
-    return None if known is None else known.units
+    ends = [end for end in visited if end is not None]
+    fields = []
+    for path, type_ in ends:
+        known = documented(message, path, fields_of)
+        unit = None if known is None else known.units
+        fields.append(TopicField(path, python_type(type_), unit, len(ends) == 1))
+    return fields
 
 
 def _fields(
-    of: str, path: tuple[str, ...], fields_of: FieldsOf, above: tuple[str, ...]
+    message: str, path: tuple[str, ...], fields_of: FieldsOf, above: tuple[str, ...]
 ) -> Iterator[tuple[tuple[str, ...], str] | None]:
     """Yield path and type of each value below a message, and nothing for any other field.
 
     A message inside of itself ends there.
     """
-    for name, inner in (fields_of(of) or {}).items():
+    for name, type_ in (fields_of(message) or {}).items():
         yield None
         if not is_identifier(name):
             continue
-        matrix = _MATRIX.fullmatch(inner)
+        matrix = _MATRIX.fullmatch(type_)
         if matrix and "covariance" in name:
             size = {"9": 3, "36": 6}[matrix[1]]
-            for k in range(size):
-                yield (*path, f"{name}[{k * (size + 1)}]"), "float64"
+            for index in range(size):
+                yield (*path, f"{name}[{index * (size + 1)}]"), "float64"
             continue
-        single = element(inner)
-        step = (*path, name if single is None else f"{name}[]")
-        end = single or inner
+        single = element(type_)
+        inner = (*path, name if single is None else f"{name}[]")
+        end = single or type_
         if is_primitive(end):
-            yield step, end
+            yield inner, end
         elif end not in above and len(above) < _DEPTH and name != "header":
-            yield from _fields(end, step, fields_of, (*above, end))
-
-
-_SCANS = ("LaserScan", "MultiEchoLaserScan")
-_DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
+            yield from _fields(end, inner, fields_of, (*above, end))
 
 
 @dataclass(frozen=True)
@@ -152,45 +157,29 @@ class FieldUse:
     is_complete: bool = True
 
 
-def units_of(leaf: TopicField) -> tuple[str, ...] | None:
-    """Return the units of a value as it is taken: of a variance, that of the deviation."""
-    if leaf.units is None or not leaf.is_variance:
-        return leaf.units
-    return tuple(units.root(unit) or unit for unit in leaf.units)
-
-
 def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     """Return how an input takes a value of a topic."""
     if not leaf.path:
         return FieldUse("field", TODO, is_complete=False)
     path, name = leaf.text.replace("[]", f"[{TODO}]"), attribute(topic.id)
-    unit, is_own = _unit(need, leaf), topic.is_of_monitor
-    if need.type.endswith("[]") and leaf.lists == 1 and leaf.text.endswith("[]"):
+    unit = _unit_to_convert(need, leaf)
+    if need.type.endswith("[]") and leaf.is_list:
         return FieldUse("field", leaf.text.removesuffix("[]"), unit)
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
-    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and _is_distance(need):
-        every = re.sub(r"\[\]", "[*]", leaf.text)
+    # a scan has other numbers as well: the share of it that fits a map is not its least range
+    is_distance = need.is_number and (need.unit is not None or need.says(*_DISTANCES))
+    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and is_distance:
+        every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
     if need.type == "bool" and leaf.type != "bool":
         return FieldUse("expression", f"{name}.{path} == {TODO}", None, is_complete=False)
-    return FieldUse("field", path, unit, not leaf.lists and not is_own)
+    return FieldUse("field", path, unit, not leaf.lists and not topic.is_of_monitor)
 
 
-def _is_distance(need: InputNeed) -> bool:
-    """Return whether an input is a distance: by its unit, else by its words.
-
-    A scan has other numbers as well: the share of it that fits a map is not its least range.
-    """
-    return need.type in ("float", "int") and (need.unit is not None or need.says(*_DISTANCES))
-
-
-def _unit(need: InputNeed, leaf: TopicField) -> str | None:
-    """Return the unit of the value where it has to be converted."""
-    given = units_of(leaf)
-    if need.unit is None or not given:
+def _unit_to_convert(need: InputNeed, leaf: TopicField) -> str | None:
+    if need.unit is None:
         return None
-    factors = [(unit, units.factor(unit, need.unit)) for unit in given]
-    if any(exact == 1 for _, exact in factors):
-        return None
-    return next((unit for unit, exact in factors if exact is not None), None)
+    factors = {unit: units.factor(unit, need.unit) for unit in leaf.read_units or ()}
+    convertible = [unit for unit, factor in factors.items() if factor is not None]
+    return None if 1 in factors.values() or not convertible else convertible[0]

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path, PurePosixPath
-from typing import TypeVar
+from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
-from eddi_scaffold.mros.interface_definitions import Models, NodeModelFile, SystemFile, noticed
-from eddi_scaffold.mros.model import System
+from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
+from eddi_scaffold.mros.resolving import Models, noticed
 from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
-_Read = TypeVar("_Read")
 
-
-def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, list[Problem]]:
+def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Problem]]:
     """Read a system for a command.
 
     Args:
@@ -39,7 +35,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[SystemFile, lis
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
         raise EddiError(problem("M001.references", Place(name, 1, 1)))
-    return SystemFile(name, system), list(noticed(system.notices, name))
+    return system, list(noticed(system))
 
 
 def load_models(folder: Path, *, systems: bool = False) -> Models:
@@ -56,33 +52,42 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
     if not folder.is_dir():
         reason = "it is not a directory" if folder.exists() else "there is no such directory"
         raise EddiError(problem("F001.models", Place(str(folder)), reason=reason))
-    files, found, skipped = [], [], []
-    problems: list[Problem] = []
-    for name in _files(folder):
-        suffix = PurePosixPath(name).suffix
-        if suffix == SYSTEM_SUFFIX:
-            system = _system(folder, name) if systems else None
-            found += [SystemFile(name, system)] if system is not None else []
-            continue
+    suffixes = (*MODEL_SUFFIXES, SYSTEM_SUFFIX) if systems else MODEL_SUFFIXES
+    names = []
+    for root, folders, files in os.walk(folder):
+        folders[:] = [name for name in folders if not name.startswith(".")]
+        names += [
+            Path(root, name).relative_to(folder).as_posix()
+            for name in files
+            if name.endswith(suffixes)
+        ]
+    models: list[RosModel] = []
+    parts: list[System] = []
+    skipped, problems = [], list[Problem]()
+    for name in sorted(names):
         try:
-            model = _read(folder, name, read_ros_models)
-        except EddiError as failed:
-            problems += failed.problems
-            skipped.append(name)
+            data = read_source(folder / name).data
+            if name.endswith(SYSTEM_SUFFIX):
+                parts.append(read_rossystem(data, name))
+                continue
+            model = read_ros_models(data, name)
+        except (EddiError, MrosSyntaxError) as failed:
+            if not name.endswith(SYSTEM_SUFFIX):  # a sub-system that is missing is reported as such
+                problems += (
+                    failed.problems if isinstance(failed, EddiError) else [problem_of(failed)]
+                )
+                skipped.append(name)
             continue
-        problems += noticed(model.notices, name)
-        files.append(NodeModelFile(name, model))
-    return Models(tuple(files), tuple(found), tuple(skipped), tuple(problems))
+        problems += noticed(model)
+        models.append(model)
+    return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
 
 
 def named(path: Path, folder: Path | None) -> str:
     """Return the name of a file in messages: relative to the directory if it lies in it."""
-    if folder is None:
-        return str(path)
-    try:
+    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
         return path.resolve().relative_to(folder.resolve()).as_posix()
-    except ValueError:
-        return str(path)
+    return str(path)
 
 
 def problem_of(failed: MrosSyntaxError) -> Problem:
@@ -90,30 +95,3 @@ def problem_of(failed: MrosSyntaxError) -> Problem:
     place = Place(failed.file, failed.line, failed.col)
     fault = problem(failed.case, place, reason=failed.message)
     return fault if failed.case == EMPTY_FILE else replace(fault, excerpt=failed.source_line)
-
-
-def _files(folder: Path) -> list[str]:
-    found = []
-    for root, folders, files in os.walk(folder):
-        folders[:] = [name for name in folders if not name.startswith(".")]
-        found += [
-            Path(root, name).relative_to(folder).as_posix()
-            for name in files
-            if name.endswith((*MODEL_SUFFIXES, SYSTEM_SUFFIX))
-        ]
-    return sorted(found)
-
-
-def _read(folder: Path, name: str, read: Callable[[bytes, str], _Read]) -> _Read:
-    try:
-        return read(read_source(folder / name).data, name)
-    except MrosSyntaxError as failed:
-        raise EddiError(problem_of(failed)) from None
-
-
-def _system(folder: Path, name: str) -> System | None:
-    """Read a possible sub-system; a missing one is reported, regardless of other files."""
-    try:
-        return _read(folder, name, read_rossystem)
-    except EddiError:
-        return None

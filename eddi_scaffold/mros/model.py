@@ -6,14 +6,61 @@ written (``pkg.Type``, ``pkg/msg/Type``).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
+
+_TYPE = re.compile(r"([A-Za-z]\w*)(?:\.|/(?:(?:msg|srv|action)/)?)([A-Za-z]\w*)", re.ASCII)
 
 Dialect = Literal["brace", "indent"]
 InterfaceKind = Literal[
     "publisher", "subscriber", "serviceserver", "serviceclient", "actionserver", "actionclient"
 ]
+
+
+class Section(NamedTuple):
+    """How the dialects write interfaces of one kind.
+
+    Attributes:
+        kind: with indentation its section in a node model, or with an ``s``.
+        title: for people, as is ``verb``.
+        arrow: in a system with indentation.
+        entry: in a node model with braces, where its section has an ``s`` more.
+        type_word: there, before the type.
+        system_section: in a system with braces.
+        system_entries: there; the section of 2018 is the last one with an ``s``.
+        reference: there, before the reference.
+    """
+
+    kind: InterfaceKind
+    title: str
+    verb: str
+    arrow: str
+    entry: str
+    type_word: str
+    system_section: str
+    system_entries: tuple[str, ...]
+    reference: str
+
+
+SECTIONS: dict[str, Section] = {
+    section.kind: section
+    for section in (
+        Section("publisher", "a publisher", "publishes", "pub->", "Publisher", "message",
+            "RosPublishers", ("RosPublisher", "RosTopicPublisher"), "RefPublisher"),
+        Section("subscriber", "a subscriber", "subscribes", "sub->", "Subscriber", "message",
+            "RosSubscribers", ("RosSubscriber", "RosTopicSubscriber"), "RefSubscriber"),
+        Section("serviceserver", "a service server", "serves", "ss->", "ServiceServer", "service",
+            "RosSrvServers", ("RosServiceServer",), "RefServer"),
+        Section("serviceclient", "a service client", "calls", "sc->", "ServiceClient", "service",
+            "RosSrvClients", ("RosServiceClient",), "RefClient"),
+        Section("actionserver", "an action server", "acts", "as->", "ActionServer", "action",
+            "RosActionServers", ("RosActionServer", "RosServer"), "RefServer"),
+        Section("actionclient", "an action client", "commands", "ac->", "ActionClient", "action",
+            "RosActionClients", ("RosActionClient", "RosClient"), "RefClient"),
+    )
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +147,13 @@ class System:
     """A ``.rossystem``: which components run, under which names.
 
     Attributes:
+        file: its name, as the reader was given it.
         from_file: the file that the system refers to.
         processes: how many processes are listed.
-        parameters: how many parameters the system itself sets.
         references_only: components are names of ``.componentinterface`` files (2018 to 2021).
     """
 
+    file: str
     dialect: Dialect
     name: str
     components: tuple[Component, ...]
@@ -113,7 +161,6 @@ class System:
     subsystems: tuple[SubSystem, ...] = ()
     from_file: str | None = None
     processes: int = 0
-    parameters: int = 0
     references_only: bool = False
     notices: tuple[Notice, ...] = ()
 
@@ -136,24 +183,21 @@ class Interface:
     type_col: int
     deadline: str = ""
 
-
-@dataclass(frozen=True, slots=True)
-class RosNode:
-    """A node: its name and what it offers and needs."""
-
-    name: str
-    interfaces: tuple[Interface, ...]
-    parameters: int
+    @property
+    def ros_type(self) -> str | None:
+        """The type as ``package.Type``; ``None`` when it is none."""
+        match = _TYPE.fullmatch(self.type)
+        return f"{match[1]}.{match[2]}" if match else None
 
 
 @dataclass(frozen=True, slots=True)
 class Artifact:
-    """An executable and its node, if it has one."""
+    """An executable; the name of its node, if it has one, and what that offers and needs."""
 
     name: str
-    node: RosNode | None
-    line: int
-    col: int
+    node: str | None = None
+    interfaces: tuple[Interface, ...] = ()
+    parameters: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,31 +228,22 @@ class Spec:
     kind: str
     name: str
     sections: tuple[tuple[str, tuple[Field, ...]], ...]
-    line: int
-    col: int
 
 
 @dataclass(frozen=True, slots=True)
 class Package:
-    """A ROS package: executables and message specifications.
-
-    Attributes:
-        kind: word of the brace dialect (``CatkinPackage``), ``""`` in the indentation dialect.
-    """
+    """A ROS package: executables and message specifications."""
 
     name: str
-    kind: str
     artifacts: tuple[Artifact, ...]
     specs: tuple[Spec, ...]
-    dependencies: tuple[str, ...]
-    line: int
-    col: int
 
 
 @dataclass(frozen=True, slots=True)
 class RosModel:
     """A ``.ros``, ``.ros1`` or ``.ros2`` file."""
 
+    file: str
     dialect: Dialect
     packages: tuple[Package, ...]
     notices: tuple[Notice, ...] = ()

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from typing import TypeVar
 
-from eddi_scaffold.mros.brace import models as brace_models
-from eddi_scaffold.mros.brace import system as brace_system
-from eddi_scaffold.mros.indent import models as indent_models
-from eddi_scaffold.mros.indent import system as indent_system
-from eddi_scaffold.mros.model import Dialect, RosModel, System
+from eddi_scaffold.mros import brace_format, indent_format
+from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError, Text, decoded
+
+T = TypeVar("T")
 
 _NOTHING = re.compile(r"(?:\s+|//[^\n]*|\#[^\n]*|/\*[\s\S]*?\*/)*")
 _BRACE = re.compile(r"(?:RosSystem|PackageSet|ComponentInterface)\b")
@@ -32,12 +31,7 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
         MrosSyntaxError: it cannot be read (``SYNTAX``), holds nothing (``EMPTY_FILE``), or is in
             a format of the family that is not read (``FOREIGN_FORMAT``: XMI, rossdl).
     """
-    text = _text(source, file)
-    dialect = _dialect(text)
-    with _in(dialect):
-        if dialect == "brace":
-            return brace_system.read_system(text)
-        return indent_system.read_system(text)
+    return _read(source, file, brace_format.read_system, indent_format.read_system)
 
 
 def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
@@ -50,34 +44,26 @@ def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
     Raises:
         MrosSyntaxError: as :func:`read_rossystem`.
     """
-    text = _text(source, file)
-    dialect = _dialect(text)
-    with _in(dialect):
-        if dialect == "brace":
-            return brace_models.read_model(text)
-        return indent_models.read_model(text)
+    return _read(source, file, brace_format.read_model, indent_format.read_model)
 
 
-def _text(source: str | bytes, file: str) -> Text:
-    return decoded(source, file) if isinstance(source, bytes) else Text(source, file)
-
-
-def _dialect(text: Text) -> Dialect:
-    """Return the dialect, determined by the first word that is not a comment."""
+def _read(
+    source: str | bytes,
+    file: str,
+    read_braces: Callable[[Text], T],
+    read_indentation: Callable[[Text], T],
+) -> T:
+    """Read with the reader that fits the first word that is not a comment."""
+    text = decoded(source, file)
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
     if start == len(text.text):
         raise text.error(0, "the file contains only blanks and comments", EMPTY_FILE)
     if text.text.startswith("<", start):
         raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
-    return "brace" if _BRACE.match(text.text, start) else "indent"
-
-
-@contextmanager
-def _in(dialect: Dialect) -> Iterator[None]:
-    """Add the dialect to a syntax error."""
+    is_brace = _BRACE.match(text.text, start) is not None
     try:
-        yield
+        return read_braces(text) if is_brace else read_indentation(text)
     except MrosSyntaxError as failed:
-        failed.dialect = dialect
+        failed.dialect = "brace" if is_brace else "indent"
         raise

@@ -2,23 +2,166 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
-from eddi_scaffold.mros.interface_definitions import (
-    Definition,
-    Definitions,
-    InterfaceReference,
-    NodeModel,
-    SystemFile,
-    noticed,
+from eddi_scaffold.mros.model import (
+    SECTIONS,
+    Artifact,
+    Component,
+    Interface,
+    InterfaceKind,
+    RosModel,
+    System,
+    SystemInterface,
 )
-from eddi_scaffold.mros.model import Component, Dialect, InterfaceKind, SystemInterface
-from eddi_scaffold.mros.topics import type_of
 
 LOST_TOPICS = ("M007.listed_only", "M023.missing")
-"""After which a system may have topics that are not found."""
+"""After which a system may have topics that are not known."""
+
+
+@dataclass(frozen=True)
+class Models:
+    """What a directory of models holds, with POSIX paths relative to it.
+
+    Attributes:
+        files: in the order of their paths.
+        systems: for sub-systems; in the order of their paths.
+        skipped: files that could not be read.
+        problems: of the files, which may be readable all the same.
+    """
+
+    files: tuple[RosModel, ...]
+    systems: tuple[System, ...] = ()
+    skipped: tuple[str, ...] = ()
+    problems: tuple[Problem, ...] = ()
+
+    @cached_property
+    def definitions(self) -> Definitions:
+        """The interfaces of all files by name."""
+        return Definitions(self)
+
+
+@dataclass(frozen=True)
+class NodeModel:
+    """One node as a file defines it."""
+
+    file: str
+    package: str
+    artifact: Artifact
+
+    @property
+    def name(self) -> tuple[str, str]:
+        """Its package and its own name, by which systems refer to it."""
+        return self.package, self.artifact.node or ""
+
+
+@dataclass(frozen=True)
+class InterfaceReference:
+    """What a system declares about where an interface is defined.
+
+    Attributes:
+        package: empty in the form ``artifact::interface``, as is ``node``.
+    """
+
+    package: str
+    artifact: str
+    node: str
+    interface: str
+
+    @classmethod
+    def parse(cls, text: str) -> InterfaceReference | None:
+        """Parse ``artifact::interface`` or ``package.artifact.node.interface``."""
+        artifact, colons, interface = text.partition("::")
+        if colons and artifact and interface:
+            return cls("", artifact, "", interface)
+        parts = text.split(".", 3)
+        return cls(*parts) if len(parts) == 4 and all(parts) else None
+
+
+class Definitions:
+    """All nodes and interfaces of a directory, by name."""
+
+    def __init__(self, models: Models) -> None:
+        self._nodes: list[NodeModel] = []
+        self._by_name: dict[tuple[str, str], list[NodeModel]] = defaultdict(list)
+        self._by_artifact: dict[str, list[NodeModel]] = defaultdict(list)
+        self._skipped = ", ".join(models.skipped)
+        for model in models.files:
+            for package in model.packages:
+                for artifact in package.artifacts:
+                    if artifact.node is not None:
+                        node = NodeModel(model.file, package.name, artifact)
+                        self._nodes.append(node)
+                        self._by_name[node.name].append(node)
+                        self._by_artifact[artifact.name].append(node)
+
+    def nodes(self, package: str, node: str) -> Sequence[NodeModel]:
+        """Return the models of a node, in reading order."""
+        return self._by_name.get((package, node), ())
+
+    def _nodes_of(self, reference: InterfaceReference) -> list[NodeModel]:
+        return [
+            model
+            for model in self._by_artifact.get(reference.artifact, ())
+            if not reference.package or (reference.package, reference.node) == model.name
+        ]
+
+    def find(
+        self, reference: InterfaceReference, kind: InterfaceKind
+    ) -> list[tuple[NodeModel, Interface]]:
+        """Return the definitions that a reference can mean, in reading order."""
+        return [
+            (model, interface)
+            for model in self._nodes_of(reference)
+            for interface in model.artifact.interfaces
+            if interface.kind == kind and interface.name == reference.interface
+        ]
+
+    def undefined(
+        self, reference: InterfaceReference, kind: InterfaceKind, place: Place
+    ) -> Problem:
+        """Explain why a reference leads nowhere."""
+        models = self._nodes_of(reference)
+        if not models:
+            what, name, known = "artifact", reference.artifact, {*self._by_artifact}
+            if reference.package:
+                name = f"{reference.package}.{reference.artifact}.{reference.node}"
+                what, known = "node", {_dotted(model) for model in self._nodes}
+            reason, hint = f"no model defines the {what} {name!r}", self._hint(name, known)
+            return problem("M009.undefined", place, hint=hint, reason=reason)
+        interfaces = [interface for model in models for interface in model.artifact.interfaces]
+        others = sorted({i.kind for i in interfaces if i.name == reference.interface})
+        where, title = f"{models[0].artifact.name} ({models[0].file})", SECTIONS[kind].title
+        if others:
+            actual = " and ".join(SECTIONS[other].title for other in others)
+            reason = f"{reference.interface!r} of {where} is {actual}, not {title}"
+            return problem("M009.undefined", place, reason=reason)
+        names = sorted({interface.name for interface in interfaces if interface.kind == kind})
+        there = f"there are: {', '.join(names)}" if names else "there is none at all"
+        hint = did_you_mean(reference.interface, names) or there
+        reason = f"{where} has no {title.partition(' ')[2]} {reference.interface!r}"
+        return problem("M009.undefined", place, hint=hint, reason=reason)
+
+    def hint_for_node(self, name: str) -> str | None:
+        """Return what helps who named a node in ``from:`` that no file defines."""
+        if name.count(".") > 1:
+            return self._hint(name, {_dotted(model) for model in self._nodes})
+        return self._hint(name, {f"{package}.{node}" for package, node in self._by_name})
+
+    def _hint(self, name: str, known: Collection[str]) -> str | None:
+        similar = did_you_mean(name, known)
+        if not self._skipped:
+            return similar
+        skipped = f"could not be read: {self._skipped}"
+        return f"{similar} ({skipped})" if similar else skipped
+
+
+def _dotted(model: NodeModel) -> str:
+    return f"{model.package}.{model.artifact.name}.{model.artifact.node}"
 
 
 @dataclass(frozen=True)
@@ -26,236 +169,169 @@ class ResolvedInterface:
     """One interface of one running node, with its definition.
 
     Attributes:
-        label: its name in the system; ``None`` where only the model names it.
-        package: of its type.
-        type: without package.
-        place: of the interface in the system; of its component where it is not listed.
-        dialect: of the system; it decides how connections name an interface.
+        listed: as the system names it; ``None`` where only the model does.
+        model: of its node.
+        interface: as the model names it.
     """
 
-    kind: InterfaceKind
+    system: System
     component: Component
-    label: str | None
-    ns: str | None
-    definition: Definition
-    package: str
-    type: str
-    place: Place
-    dialect: Dialect
+    listed: SystemInterface | None
+    model: NodeModel
+    interface: Interface
 
     @property
     def end(self) -> str:
         """How connections name it: its label, or ``component.interface``; empty for not at all."""
-        if self.label is None:
+        if self.listed is None:
             return ""
-        return self.label if self.dialect == "indent" else f"{self.component.name}.{self.label}"
+        is_label = self.system.dialect == "indent"
+        return self.listed.name if is_label else f"{self.component.name}.{self.listed.name}"
 
     @property
     def name(self) -> str:
         """The name in the system, else in the model."""
-        return self.label if self.label is not None else self.model_name
-
-    @property
-    def model_name(self) -> str:
-        """The name in the model."""
-        return self.definition.interface.name
+        return self.listed.name if self.listed is not None else self.interface.name
 
     @property
     def namespace(self) -> str | None:
         """The namespace that holds for this interface."""
-        return self.ns if self.ns is not None else self.component.namespace
+        ns = self.listed.ns if self.listed is not None else None
+        return ns if ns is not None else self.component.namespace
+
+    @property
+    def place(self) -> Place:
+        """Where the system names it, else its component."""
+        named = self.listed or self.component
+        return Place(self.system.file, named.line, named.col)
 
 
-def resolve(
-    component: Component,
-    dialect: Dialect,
-    file: str,
-    definitions: Definitions,
-    kinds: Collection[InterfaceKind],
-) -> tuple[list[ResolvedInterface], list[Problem]]:
-    """Find the definitions of a component's interfaces.
+class Resolver:
+    """Finds the definitions of the interfaces of components.
 
     In the brace dialect exactly the listed interfaces run. In the indentation dialect all
     interfaces of the node model run that ``from:`` names; a listed one is renamed.
 
-    Args:
-        component: one node of the system.
-        dialect: of the system.
-        file: of the system, for places.
-        definitions: what the node models define.
-        kinds: what is asked for; interfaces of other kinds are not looked at.
+    Attributes:
+        interfaces: in the order of the system.
+        problems: what does not resolve; the rest does all the same.
     """
-    join = _Join(component, dialect, file, definitions, kinds)
-    if dialect == "indent":
-        join.every_interface()
-    else:
-        join.listed(())
-    return join.found, join.problems
 
-
-class _Join:
-    def __init__(
-        self,
-        component: Component,
-        dialect: Dialect,
-        file: str,
-        definitions: Definitions,
-        kinds: Collection[InterfaceKind],
-    ) -> None:
-        self.component, self.dialect, self.file = component, dialect, file
-        self.definitions, self.kinds = definitions, kinds
-        self.found: list[ResolvedInterface] = []
+    def __init__(self, definitions: Definitions, kinds: Collection[InterfaceKind]) -> None:
+        self.interfaces: list[ResolvedInterface] = []
         self.problems: list[Problem] = []
-        self.here = Place(file, component.line, component.col)
+        self._definitions, self._kinds = definitions, kinds
 
-    def every_interface(self) -> None:
-        models = self._models()
-        renamed = self.listed(models)
-        if not models:
-            return
-        model = models[0]
-        if any(_interfaces(other) != _interfaces(model) for other in models[1:]):
-            files = ", ".join(dict.fromkeys(other.file for other in models))
-            self.problems.append(
-                problem(
-                    "M007.several_models", self.here, node=self.component.from_node, files=files
-                )
-            )
-        for interface in model.node.interfaces:
-            if (interface.kind, interface.name) not in renamed and interface.kind in self.kinds:
-                self._take(None, None, [Definition(model, interface)], self.here)
+    def add(self, system: System) -> None:
+        """Resolve the interfaces of some kinds of a system."""
+        for component in system.components:
+            models: Sequence[NodeModel] = ()
+            if system.dialect == "indent":
+                models = self._models(component, Place(system.file, component.line, component.col))
+            renamed = {self._listed(system, component, i, models) for i in component.interfaces}
+            for interface in models[0].artifact.interfaces if models else ():
+                if (interface.kind, interface.name) not in renamed:
+                    model = models[0]
+                    self._take(ResolvedInterface(system, component, None, model, interface))
 
-    def _models(self) -> Sequence[NodeModel]:
+    def _models(self, component: Component, place: Place) -> Sequence[NodeModel]:
         """Return the models of ``from:``, which is ``package.node`` or, in 2022, three parts."""
-        named = self.component.from_node
-        parts = named.split(".") if named else []
-        models = self.definitions.nodes(parts[0], parts[-1]) if len(parts) > 1 else ()
-        if models:
-            return models
-        name = self.component.name
-        reason = f"there is no model of the node {name!r}, from: {named!r}"
-        if not named:
-            reason = f"the node {name!r} has no 'from:', so its model is not known"
-        hint = self.definitions.hint_for_node(named or "")
-        case = "M007.listed_only" if self.component.interfaces else "M007.nothing_listed"
-        self.problems.append(problem(case, self.here, hint=hint, reason=reason))
-        return ()
-
-    def listed(self, models: Sequence[NodeModel]) -> set[tuple[InterfaceKind, str]]:
-        """Resolve what the system lists; return kind and name in the model of each."""
-        renamed = set()
-        for interface in self.component.interfaces:
-            reference = InterfaceReference.parse(interface.ref)
-            if reference is not None:
-                renamed.add((interface.kind, reference.interface))
-            if interface.kind in self.kinds:
-                self._listed(interface, reference, models)
-        return renamed
+        node = component.from_node or ""
+        package, dot, name = node.partition(".")
+        models = self._definitions.nodes(package, name.rpartition(".")[2]) if dot else ()
+        if not models:
+            reason = f"there is no model of the node {component.name!r}, from: {node!r}"
+            if not node:
+                reason = f"the node {component.name!r} has no 'from:', so its model is not known"
+            case = "M007.listed_only" if component.interfaces else "M007.nothing_listed"
+            hint = self._definitions.hint_for_node(node)
+            self.problems.append(problem(case, place, hint=hint, reason=reason))
+        elif len({_interfaces(model) for model in models}) > 1:
+            files = ", ".join(dict.fromkeys(model.file for model in models))
+            self.problems.append(problem("M007.several_models", place, node=node, files=files))
+        return models
 
     def _listed(
         self,
-        interface: SystemInterface,
-        reference: InterfaceReference | None,
+        system: System,
+        component: Component,
+        listed: SystemInterface,
         models: Sequence[NodeModel],
-    ) -> None:
-        place = Place(self.file, interface.line, interface.col)
-        if "?" in interface.name or "?" in interface.ref:
-            self._unresolved_name(interface.name, place)
-            return
+    ) -> tuple[InterfaceKind, str]:
+        """Resolve what a system lists; return kind and name in the model."""
+        reference = InterfaceReference.parse(listed.ref)
+        name = (listed.kind, reference.interface if reference is not None else "")
+        if listed.kind not in self._kinds:
+            return name
+        place = Place(system.file, listed.line, listed.col)
+        if "?" in listed.name or "?" in listed.ref:
+            self.problems.append(problem("M009.question_mark", place, name=listed.name))
+            return name
         if reference is None:
-            self.problems.append(problem("M009.short", place, ref=interface.ref))
+            self.problems.append(problem("M009.short", place, ref=listed.ref))
+            return name
+        every = self._definitions.find(reference, listed.kind)
+        own = {model.name for model in models}
+        definitions = [pair for pair in every if pair[0].name in own] or every
+        if not definitions:
+            self.problems.append(self._definitions.undefined(reference, listed.kind, place))
+            return name
+        interfaces = [interface for _, interface in definitions]
+        if len({interface.ros_type or interface.type for interface in interfaces}) > 1:
+            types = ", ".join(dict.fromkeys(interface.type for interface in interfaces))
+            fields = {"reference": listed.ref, "types": types}
+            self.problems.append(problem("M012.several_types", place, **fields))
+        self._take(ResolvedInterface(system, component, listed, *definitions[0]))
+        return name
+
+    def _take(self, resolved: ResolvedInterface) -> None:
+        interface = resolved.interface
+        if interface.kind not in self._kinds:
             return
-        found = self.definitions.find(reference, interface.kind)
-        own = {(model.package, model.node.name) for model in models}
-        nearer = [one for one in found if (one.of.package, one.of.node.name) in own]
-        found = nearer or found
-        if not found:
-            reason, hint = self.definitions.reason(reference, interface.kind)
-            self.problems.append(problem("M009.undefined", place, hint=hint, reason=reason))
-            return
-        if self._are_different(found):
-            types = ", ".join(dict.fromkeys(one.interface.type for one in found))
-            self.problems.append(
-                problem("M012.several_types", place, reference=interface.ref, types=types)
-            )
-        self._take(interface.name, interface.ns, found, place)
-
-    @staticmethod
-    def _are_different(found: Iterable[Definition]) -> bool:
-        types = {type_of(one.interface.type) or one.interface.type for one in found}
-        return len(types) > 1
-
-    def _unresolved_name(self, name: str, place: Place) -> None:
-        self.problems.append(problem("M009.question_mark", place, name=name))
-
-    def _take(
-        self, label: str | None, ns: str | None, found: Sequence[Definition], place: Place
-    ) -> None:
-        first = found[0]
-        interface = first.interface
         if "?" in interface.name:
-            self._unresolved_name(interface.name, place)
-            return
-        of = type_of(interface.type)
-        if of is None:
-            there = Place(first.of.file, interface.type_line, interface.type_col)
-            self.problems.append(
-                problem("M012.type", there, type=interface.type, interface=interface.name)
-            )
-            return
-        self.found.append(
-            ResolvedInterface(
-                interface.kind,
-                self.component,
-                label,
-                ns,
-                first,
-                *of,
-                place=place,
-                dialect=self.dialect,
-            )
-        )
+            place = resolved.place
+            self.problems.append(problem("M009.question_mark", place, name=interface.name))
+        elif interface.ros_type is None:
+            place = Place(resolved.model.file, interface.type_line, interface.type_col)
+            fields = {"type": interface.type, "interface": interface.name}
+            self.problems.append(problem("M012.type", place, **fields))
+        else:
+            self.interfaces.append(resolved)
 
 
-def _interfaces(model: NodeModel) -> set[tuple[str, str, str]]:
-    return {(interface.kind, interface.name, interface.type) for interface in model.node.interfaces}
+def _interfaces(model: NodeModel) -> frozenset[tuple[str, str, str]]:
+    return frozenset((i.kind, i.name, i.type) for i in model.artifact.interfaces)
 
 
-@dataclass
-class Flat:
-    """Systems in the order in which their components come: parts first."""
-
-    systems: list[SystemFile] = field(default_factory=list)
-    problems: list[Problem] = field(default_factory=list)
-
-
-def flattened(system: SystemFile, known: Sequence[SystemFile]) -> Flat:
-    """Return a system behind its sub-systems, each once.
+def flattened(system: System, known: Sequence[System]) -> tuple[list[System], list[Problem]]:
+    """Return a system behind its sub-systems, each once, and problems in the files of these.
 
     A sub-system is found by the name inside its file. One that is not there is a warning, a
-    system that is part of itself an error. Problems in the files of parts are reported as well.
+    system that is part of itself an error.
     """
-    by_name: dict[str, SystemFile] = {}
-    for one in known:
-        by_name.setdefault(one.system.name, one)
-    flat = Flat()
-    _add(system, by_name, (system.system.name,), flat)
-    return flat
+    by_name = {other.name: other for other in reversed(known)}
+    systems: list[System] = []
+    problems: list[Problem] = []
+
+    def add(system: System, path: tuple[str, ...]) -> None:
+        for part in system.subsystems:
+            place, name = Place(system.file, part.line, part.col), part.name
+            if name in path:
+                circle = " -> ".join((*path[path.index(name) :], name))
+                problems.append(problem("M023.part_of_itself", place, system=name, circle=circle))
+            elif name not in by_name:
+                hint = did_you_mean(name, by_name)
+                problems.append(problem("M023.missing", place, hint=hint, system=name))
+            elif by_name[name] not in systems:
+                problems.extend(noticed(by_name[name]))
+                add(by_name[name], (*path, name))
+        systems.append(system)
+
+    add(system, (system.name,))
+    return systems, problems
 
 
-def _add(system: SystemFile, known: dict[str, SystemFile], path: tuple[str, ...], to: Flat) -> None:
-    for part in system.system.subsystems:
-        place = Place(system.file, part.line, part.col)
-        if part.name in path:
-            circle = " -> ".join((*path[path.index(part.name) :], part.name))
-            to.problems.append(
-                problem("M023.part_of_itself", place, system=part.name, circle=circle)
-            )
-        elif part.name not in known:
-            hint = did_you_mean(part.name, known)
-            to.problems.append(problem("M023.missing", place, hint=hint, system=part.name))
-        elif known[part.name] not in to.systems:
-            found = known[part.name]
-            to.problems += noticed(found.system.notices, found.file)
-            _add(found, known, (*path, part.name), to)
-    to.systems.append(system)
+def noticed(model: System | RosModel) -> Iterator[Problem]:
+    """Return the notices of a readable file as problems."""
+    for notice in model.notices:
+        yield problem(notice.case, Place(model.file, notice.line, notice.col), **notice.fields)

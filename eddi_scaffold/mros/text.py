@@ -1,18 +1,26 @@
-"""A text and its places: decoding, lines, and the errors that point into it."""
+"""A text, its places and tokens, and the errors that point into it."""
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
-from collections.abc import Iterable
-from functools import cached_property
-from typing import Final, Literal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NoReturn
+
+from eddi_scaffold.common.problems import most_similar
+from eddi_scaffold.mros.model import Field
 
 Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
 SYNTAX: Final = "M001.syntax"
 EMPTY_FILE: Final = "M001.empty"
 FOREIGN_FORMAT: Final = "M001.foreign"
+STRING = r"""(?P<string>"(?:[^"\\]|\\[\s\S])*"|'(?:[^'\\]|\\[\s\S])*')"""
+SPEC_PARTS = ("message", "request", "response", "goal", "result", "feedback")
+_ESCAPE = re.compile(r"\\([\s\S])")
 
 
+@dataclass(eq=False)
 class MrosSyntaxError(ValueError):
     """A file cannot be read.
 
@@ -27,90 +35,162 @@ class MrosSyntaxError(ValueError):
         dialect: ``brace`` or ``indent`` where that was known already.
     """
 
-    def __init__(
-        self,
-        file: str,
-        line: int,
-        col: int,
-        message: str,
-        source_line: str = "",
-        case: Case = SYNTAX,
-        format: str = "",  # noqa: A002 - the word of the field
-    ) -> None:
-        super().__init__(f"{file}:{line}:{col}: {message}")
-        self.file = file
-        self.line = line
-        self.col = col
-        self.message = message
-        self.source_line = source_line
-        self.case = case
-        self.format = format
-        self.dialect: str | None = None
+    file: str
+    line: int
+    col: int
+    message: str
+    source_line: str = ""
+    case: Case = SYNTAX
+    format: str = ""
+    dialect: str | None = None
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.col}: {self.message}"
 
 
 class Text:
     """The text of one file.
 
     Attributes:
-        file: name for messages.
         text: without byte order mark, with line ends as they are.
+        file: name for messages.
     """
 
     def __init__(self, text: str, file: str) -> None:
-        self.file = file
         self.text = text.removeprefix("\ufeff")
-
-    @cached_property
-    def _starts(self) -> list[int]:
-        starts = [0]
-        find = self.text.find
-        position = find("\n")
-        while position >= 0:
-            starts.append(position + 1)
-            position = find("\n", position + 1)
-        return starts
+        self.file = file
+        self._starts = [0, *(found.end() for found in re.finditer("\n", self.text))]
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of a character, both counted from 1."""
         line = bisect_right(self._starts, offset)
         return line, offset - self._starts[line - 1] + 1
 
-    def line(self, number: int) -> str:
-        """Return the text of a line."""
-        start = self._starts[number - 1]
-        end = self._starts[number] if number < len(self._starts) else len(self.text)
-        return self.text[start:end].rstrip("\r\n")
-
     def error(
         self,
         offset: int,
         message: str,
         case: Case = SYNTAX,
-        format: str = "",  # noqa: A002 - the word of the field
+        format: str = "",  # noqa: A002 - the name of the field
     ) -> MrosSyntaxError:
         """Return the error at a character."""
         line, col = self.place(offset)
-        return MrosSyntaxError(self.file, line, col, message, self.line(line), case, format)
+        quoted_line = self.text[offset - col + 1 :].partition("\n")[0].rstrip("\r")
+        return MrosSyntaxError(self.file, line, col, message, quoted_line, case, format)
 
 
-def decoded(data: bytes, file: str) -> Text:
-    """Decode a file.
-
-    Raises:
-        MrosSyntaxError: it is not UTF-8.
-    """
+def decoded(source: str | bytes, file: str) -> Text:
+    """Decode a file, which must be UTF-8."""
+    if isinstance(source, str):
+        return Text(source, file)
     try:
-        return Text(data.decode("utf-8"), file)
-    except UnicodeDecodeError as problem:
-        before = Text(data[: problem.start].decode("utf-8"), file)
-        message = f"the file is not UTF-8 text: byte {problem.start} cannot be decoded"
+        return Text(source.decode("utf-8"), file)
+    except UnicodeDecodeError as broken:
+        before = Text(source[: broken.start].decode("utf-8"), file)
+        message = f"the file is not UTF-8 text: byte {broken.start} cannot be decoded"
         raise before.error(len(before.text), message) from None
 
 
-def alternatives(words: Iterable[str]) -> str:
+Token = tuple[str, str, int]
+"""Kind (``word``, ``string``, ``punct``, ``end``, or ``bad``: never closed), text, offset."""
+
+
+def never_closed(mark: str, offset: int) -> Token:
+    """Return the token of a quote, comment or bracket that is open to the end of the file."""
+    what = {"/*": "comment", "[": "'['"}.get(mark, "quote")
+    return "bad", f"this {what} is never closed", offset
+
+
+class Cursor:
+    """A position among tokens, whose last one is an ``end`` and says of what.
+
+    What does not fit raises :class:`MrosSyntaxError`.
+    """
+
+    def __init__(self, text: Text, tokens: Sequence[Token]) -> None:
+        self.text = text
+        self._tokens = tokens
+        self._index = 0
+
+    @property
+    def token(self) -> Token:
+        """The token that comes next."""
+        return self._tokens[self._index]
+
+    def place(self) -> tuple[int, int]:
+        """Return line and column of what comes next."""
+        return self.text.place(self.token[2])
+
+    def at_end(self) -> bool:
+        """Return whether nothing comes any more."""
+        return self.token[0] == "end"
+
+    def is_next(self, *texts: str) -> bool:
+        """Return whether one of these words or marks comes next; texts in quotes are neither."""
+        return self._tokens[self._index][1] in texts
+
+    def accept(self, *texts: str) -> str | None:
+        """Take one of these words or marks, if it comes next."""
+        value = self._tokens[self._index][1]
+        if value not in texts:
+            return None
+        self._index += 1
+        return value
+
+    def expect(self, *texts: str) -> str:
+        """Take one of these words or marks, which must come next."""
+        return self.accept(*texts) or self.fail(*map(repr, texts))
+
+    def fail(self, *expected: str) -> NoReturn:
+        """Raise the error that something else than what comes next was expected."""
+        kind, value, offset = self.token
+        if kind == "bad":
+            raise self.text.error(offset, value)
+        found = value if kind == "end" else quoted(value)
+        words = [word.strip("'") for word in expected]
+        similar = most_similar(value, words) if kind == "word" and len(words) > 2 else None
+        hint = f"; did you mean '{similar}'?" if similar else ""
+        raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
+
+    def name(self, what: str) -> str:
+        r"""Take a word or a quoted text on one line, in which ``\x`` means x."""
+        kind, value, offset = self._tokens[self._index]
+        if kind not in {"word", "string"}:
+            self.fail(what)
+        if kind == "string":
+            if "\n" in value:
+                raise self.text.error(offset, f"{what} ends on its line: this quote is not closed")
+            value = _ESCAPE.sub(r"\1", value[1:-1]) if "\\" in value else value[1:-1]
+        self._index += 1
+        return value
+
+    def field(self) -> Field:
+        """Read ``type name``, ``type NAME=value``, or ``name: type`` of May 2023."""
+        first = self.name("the type of a field")
+        if self.accept(":"):
+            if not self.accept("["):  # which marks fields that are no arrays as well
+                return Field(self._array_of(self.name("the type of the field")), first)
+            of = self.name("the type of the field")
+            self.expect("]")
+            return Field(f"[{of}]", first)
+        of = self._array_of(first)
+        name, equals, value = self.name("the name of the field").partition("=")
+        if equals and not value:
+            value = self.name(f"the value of {name}")
+        return Field(of, name, value if equals else None)
+
+    def _array_of(self, of: str) -> str:
+        if not self.accept("["):
+            return of
+        if not self.is_next("]"):
+            self.name("a length")
+        self.expect("]")
+        return f"{of}[]"
+
+
+def alternatives(words: Sequence[str]) -> str:
     """Return ``a, b or c``."""
-    *most, last = words
-    return f"{', '.join(most)} or {last}" if most else last
+    return " or ".join(filter(None, (", ".join(words[:-1]), words[-1])))
 
 
 def quoted(text: str) -> str:

@@ -1,18 +1,39 @@
-"""From the name of an interface and its namespace to the topic that a running system has.
-
-Rules of graph resource names in ROS 1, with what real models need in addition.
-"""
+"""From a system and its node models to the topics that a monitor can listen to."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from typing import Literal
 
-_ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
-
+from eddi_scaffold.common.identifiers import RESERVED, free_name, is_identifier
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, in_order, problem
+from eddi_scaffold.mros.model import InterfaceKind, System
+from eddi_scaffold.mros.resolving import (
+    LOST_TOPICS,
+    Models,
+    ResolvedInterface,
+    Resolver,
+    flattened,
+    noticed,
+)
 
 TopicKind = Literal["published", "action", "subscribed"]
+Include = Literal["subscribed", "actions"]
+Criterion = Literal["topics", "components", "infrastructure"]
+OPTIONS: dict[Criterion, str] = {
+    "topics": "--only",
+    "components": "--component",
+    "infrastructure": "--exclude-infrastructure",
+}
+"""How the command line calls them."""
+_SHOWN = 12
+_INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
+_SOURCES = ("publisher", "serviceserver", "actionserver")
+_ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
 
 @dataclass(frozen=True)
@@ -40,60 +61,354 @@ class Topic:
 
 
 @dataclass(frozen=True)
-class TopicName:
-    """A topic.
+class Filters:
+    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``.
 
     Attributes:
-        text: absolute name; ``/`` when nothing is left of it.
-        glued: the relative name began with the namespace without a ``/`` between.
+        topics: any match keeps; empty keeps all.
+        components: the same for a component that provides the topic.
+        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
+            and ``lifecycle_msgs``.
     """
 
-    text: str
-    glued: bool = False
+    topics: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()
+    no_infrastructure: bool = False
 
-    @property
-    def is_empty(self) -> bool:
-        """Whether nothing but ``/`` is left."""
-        return self.text == "/"
+    def leaves_out(self, topic: Topic) -> Criterion | None:
+        """Return what keeps a topic out; ``None`` when it is kept."""
+        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
+            return "infrastructure"
+        if not self.keeps(topic.topic):
+            return "topics"
+        if self.components and not any(_matches(topic.components, c) for c in self.components):
+            return "components"
+        return None
 
-    @property
-    def illegal(self) -> str:
-        """The characters that no ROS name may have."""
-        return "".join(sorted(set(_ILLEGAL.findall(self.text))))
+    def keeps(self, name: str) -> bool:
+        """Return whether a topic of this name is kept."""
+        return not self.topics or any(_matches([name], glob) for glob in self.topics)
+
+    def unmatched(self, topics: Collection[str], components: Collection[str]) -> Iterator[Problem]:
+        """Return an error for each glob that matches none of the names that there are."""
+        for option, globs, kind, names in (
+            (OPTIONS["topics"], self.topics, "topic", {*topics}),
+            (OPTIONS["components"], self.components, "component", {*components}),
+        ):
+            more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+            there = f"there are: {', '.join(sorted(names)[:_SHOWN])}{more}" if names else None
+            for glob in globs:
+                if not _matches(names, glob):
+                    hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
+                    yield problem(
+                        "M022.no_match", hint=hint, kind=kind, option=option, pattern=glob
+                    )
+
+    def __str__(self) -> str:
+        """Return the filters as they are given on the command line."""
+        options = [f"{OPTIONS['topics']} {glob!r}" for glob in self.topics]
+        options += [f"{OPTIONS['components']} {glob!r}" for glob in self.components]
+        return " ".join([*options, *[OPTIONS["infrastructure"]] * self.no_infrastructure])
 
 
-def topic_name(name: str, namespace: str | None, component: str) -> TopicName:
-    """Resolve a name as ROS does.
+def _matches(names: Iterable[str], glob: str) -> bool:
+    return any(fnmatchcase(name, glob) for name in names)
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What a system gives to listen to.
+
+    Attributes:
+        topics: in the order of the system.
+        left_out: topics that the filters keep out, and which of them does.
+        problems: errors and warnings of the system, not of the files it is made of.
+        components: number of nodes of the system itself.
+        publishers: number of publishers whose topic and type are known.
+        services: number of services, which cannot be listened to.
+        actions: number of actions; their topics come with ``include``.
+        is_complete: nothing was in the way of a topic; else the system may have more of them.
+    """
+
+    topics: tuple[Topic, ...]
+    left_out: Mapping[str, Criterion]
+    problems: tuple[Problem, ...]
+    components: int
+    publishers: int
+    services: int
+    actions: int
+    is_complete: bool
+
+
+@dataclass(frozen=True)
+class Existing:
+    """An entry that a configuration already has."""
+
+    id: str
+    topic: str
+    place: Place
+
+
+def simulator_outputs(
+    system: System,
+    models: Models,
+    *,
+    include: Collection[Include] = (),
+    existing: Sequence[Existing] = (),
+    filters: Filters | None = None,
+    names: Literal["label", "model"] = "label",
+) -> Outputs:
+    """Join a system with its node models.
+
+    Args:
+        system: what runs.
+        models: what the nodes are.
+        include: topics in addition to the published ones: those that the system only subscribes,
+            those of its action servers.
+        existing: entries of a configuration, whose ids stay.
+        filters: which topics to keep; they never change an id.
+        names: the names of the system, or of the node models where the system's are not used.
+
+    References that do not resolve are problems, and the rest is returned all the same. The id of an
+    existing entry that may be among what did not resolve is given to nothing else.
+    """
+    systems, problems = flattened(system, models.systems)
+    kinds: list[InterfaceKind] = ["publisher"]
+    kinds += ["actionserver"] if "actions" in include else []
+    kinds += ["subscriber"] if "subscribed" in include else []
+    resolver = Resolver(models.definitions, kinds)
+    for part in systems:
+        resolver.add(part)
+    problems += resolver.problems
+    known = (*models.problems, *noticed(system), *problems)
+    is_complete = not any(p.level == "error" or p.case in LOST_TOPICS for p in known)
+    collector = _Collector(systems if names == "label" else (), resolver.interfaces)
+    for kind in kinds:
+        for resolved in resolver.interfaces:
+            if resolved.interface.kind == kind:
+                collector.add(resolved)
+    topics = collector.topics
+    published = {t: name for t, name in collector.names.items() if topics[t].kind == "published"}
+    reserved = () if is_complete else [old.id for old in existing if old.topic not in topics]
+    ids, about_ids = give_ids(published, collector.names, existing, reserved)
+    every = [replace(topic, id=ids[name]) for name, topic in topics.items()]
+    criteria = {topic.topic: filters.leaves_out(topic) for topic in every} if filters else {}
+    left_out = {name: criterion for name, criterion in criteria.items() if criterion is not None}
+    listed = Counter(
+        interface.kind
+        for part in systems
+        for component in part.components
+        for interface in component.interfaces
+    )
+    return Outputs(
+        tuple(topic for topic in every if topic.topic not in left_out),
+        left_out,
+        tuple(in_order([*problems, *collector.problems, *about_ids])),
+        len(system.components),
+        collector.publishers,
+        listed["serviceserver"],
+        listed["actionserver"],
+        is_complete,
+    )
+
+
+def silent_problems(system: System, models: Models) -> list[Problem]:
+    """Return what is wrong with the services and actions of a system, which give no topics."""
+    resolver = Resolver(models.definitions, ("serviceserver", "serviceclient", "actionclient"))
+    for part in flattened(system, models.systems)[0]:
+        resolver.add(part)
+    return resolver.problems
+
+
+class _Collector:
+    """Topics of interfaces, by connections, labels and namespaces.
+
+    Attributes:
+        topics: by their names, without ids.
+        names: topic -> name in the node model.
+        publishers: how many have a topic.
+    """
+
+    def __init__(self, named: Sequence[System], resolved: Sequence[ResolvedInterface]) -> None:
+        """Read the connections of systems whose names count; none where the models' do."""
+        self.topics: dict[str, Topic] = {}
+        self.names: dict[str, str] = {}
+        self.publishers = 0
+        self.problems: list[Problem] = []
+        self._uses_labels = bool(named)
+        self._connection_names: dict[str, str] = {}  # of each end
+        self._sources: dict[str, ResolvedInterface] = {}  # who gives what an end takes
+        publishers: dict[str, ResolvedInterface] = {}
+        for publisher in resolved:
+            if publisher.interface.kind == "publisher":
+                publishers.setdefault(publisher.end, publisher)
+        used = Counter(
+            (interface.kind in _SOURCES, interface.name)
+            for part in named
+            if part.dialect == "indent"
+            for component in part.components
+            for interface in component.interfaces
+        )
+        for part in named:
+            for connection in part.connections:
+                if connection.kind not in ("topic", ""):
+                    continue
+                place = Place(part.file, connection.line, connection.col)
+                for is_source, ends in ((True, connection.sources), (False, connection.targets)):
+                    for end in ends:
+                        if (count := used[is_source, end]) > 1:
+                            self.problems.append(problem("M018", place, label=end, count=count))
+                        if connection.name:
+                            self._connection_names.setdefault(end, connection.name)
+                sources = [publishers[end] for end in connection.sources if end in publishers]
+                for end in connection.targets if sources else ():
+                    self._sources.setdefault(end, sources[0])
+
+    def add(self, resolved: ResolvedInterface) -> None:
+        """Add the topic of an interface; those of an action server of ROS 1 (actionlib)."""
+        kind, name = resolved.interface.kind, resolved.interface.name
+        type_ = str(resolved.interface.ros_type)
+        if kind == "actionserver" and resolved.model.file.endswith(".ros2"):
+            self.problems.append(problem("M019", resolved.place, name=resolved.name))
+            return
+        topic = self._topic(resolved)
+        if topic is None:
+            return
+        if kind == "actionserver":
+            for part, part_type in (
+                ("feedback", f"{type_}ActionFeedback"),
+                ("status", "actionlib_msgs.GoalStatusArray"),
+                ("result", f"{type_}ActionResult"),
+            ):
+                self._add(f"{topic}/{part}", resolved, f"{name}/{part}", part_type, "action")
+        elif kind == "publisher":
+            self.publishers += 1
+            self._add(topic, resolved, name, type_, "published")
+        else:
+            self._add(topic, resolved, name, type_, "subscribed")
+
+    def _topic(self, resolved: ResolvedInterface) -> str | None:
+        """Return the topic of an interface; ``None``, and a problem, where it has none."""
+        is_subscriber = resolved.interface.kind == "subscriber"
+        source = self._sources.get(resolved.end) if is_subscriber else None
+        named = source or resolved
+        written = named.interface.name
+        if self._uses_labels:
+            connection = named.interface.kind != "actionserver" and self._connection_names.get(
+                named.end
+            )
+            written = connection or named.name
+        topic, is_glued = topic_name(written, named.namespace, named.component.name)
+        illegal = "".join(sorted({*_ILLEGAL.findall(topic)}))
+        faults = [
+            ("M015.empty", topic == "/", {"name": written}),
+            ("M015.namespace", is_glued, {"name": written, "corrected": topic}),
+            ("M015.illegal", illegal, {"name": topic, "illegal": illegal}),
+        ]
+        if source is None:  # else its problems are those of the source
+            self.problems += [problem(case, named.place, **f) for case, is_so, f in faults if is_so]
+        return topic if topic != "/" else None
+
+    def _add(
+        self, topic: str, resolved: ResolvedInterface, name: str, type_: str, kind: TopicKind
+    ) -> None:
+        component, deadline = resolved.component.name, resolved.interface.deadline
+        known = self.topics.get(topic)
+        if known is None:
+            place = resolved.place
+            self.names[topic] = name
+            self.topics[topic] = Topic(
+                "", type_, topic, kind, (component,), place.file, place.line or 0, (deadline,)
+            )
+            return
+        if known.type != type_:
+            case = "M012.subscribed_types" if kind == "subscribed" else "M012.two_types"
+            fields = {"topic": topic, "type": known.type, "component": known.components[0]}
+            more = {"other": type_, "other_component": component}
+            self.problems.append(problem(case, resolved.place, **fields, **more))
+        if known.kind == kind and component not in known.components:
+            components = (*known.components, component)
+            deadlines = (*known.deadlines, deadline)
+            self.topics[topic] = replace(known, components=components, deadlines=deadlines)
+
+
+def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:
+    """Resolve a name as ROS 1 does, with what real models need in addition.
+
+    A relative name that already begins with the namespace and a ``/`` is not given it twice.
 
     Args:
         name: absolute (``/x``), private (``~x``) or relative.
         namespace: of the interface, else of its component.
         component: name of the component; its last segment is the name of the node.
 
-    A relative name that already begins with the namespace and a ``/`` is not given it twice.
+    Returns:
+        The absolute topic, ``/`` when nothing is left of it; whether the relative name began with
+        the namespace without a ``/`` between.
     """
     space = (namespace or "").strip("/")
+    glued = False
+    parts = [name]
     if name.startswith("~"):
-        node = component.rstrip("/").rpartition("/")[2]
-        return TopicName(_joined(space, node, name[1:]))
-    if name.startswith("/"):
-        return TopicName(_joined(name))
-    carries = bool(space) and (name == space or name.startswith(f"{space}/"))
-    if carries:
-        return TopicName(_joined(name))
-    glued = bool(space) and name.startswith(space)
-    return TopicName(_joined(space, name), glued)
+        parts = [space, component.rstrip("/").rpartition("/")[2], name[1:]]
+    elif space and not name.startswith("/") and not f"{name}/".startswith(f"{space}/"):
+        parts, glued = [space, name], name.startswith(space)
+    return "/" + "/".join(filter(None, "/".join(parts).split("/"))), glued
 
 
-def _joined(*parts: str) -> str:
-    return "/" + "/".join(part for part in "/".join(parts).split("/") if part)
+def slug(name: str) -> str:
+    """Return a Python name for a name of ROS."""
+    text = re.sub(r"[^A-Za-z0-9_]+", "_", name).strip("_") or "topic"
+    if text[0].isdigit():
+        text = f"_{text}"
+    return f"{text}_" if text in RESERVED else text
 
 
-_NAME = r"[A-Za-z][A-Za-z0-9_]*"
-_TYPE = re.compile(rf"({_NAME})(?:\.|/(?:(?:msg|srv|action)/)?)({_NAME})")
+def give_ids(
+    published: Mapping[str, str],
+    names: Mapping[str, str],
+    existing: Sequence[Existing],
+    reserved: Collection[str] = (),
+) -> tuple[dict[str, str], list[Problem]]:
+    """Give each topic an id, the published ones first.
 
+    A topic that has an id already keeps it. Otherwise it is the name in the model if no other
+    topic has the same one, else the topic; and a number behind what is taken or reserved.
 
-def type_of(written: str) -> tuple[str, str] | None:
-    """Return package and name of a type; ``None`` when it is none."""
-    match = _TYPE.fullmatch(written)
-    return (match[1], match[2]) if match else None
+    Args:
+        published: topic -> name in the model.
+        names: the same of these and all others.
+        existing: entries of the configuration.
+        reserved: ids for none of them.
+    """
+    counts = Counter(entry.id for entry in existing)
+    ids: dict[str, str] = {}
+    for entry in existing:
+        if entry.topic in names and counts[entry.id] == 1 and is_identifier(entry.id):
+            ids.setdefault(entry.topic, entry.id)
+    taken = {*ids.values(), *reserved}
+    others = {topic: name for topic, name in names.items() if topic not in published}
+    new: dict[str, str] = {}
+    for group in (published, others):
+        slugs = {topic: slug(name) for topic, name in group.items()}
+        common = Counter(slugs.values())
+        unnamed = [topic for topic in group if topic not in ids]
+        new |= {t: slugs[t] for t in unnamed if common[slugs[t]] == 1 and slugs[t] not in taken}
+        taken |= {*new.values()}
+        for topic in unnamed:
+            if topic not in new:
+                new[topic] = free_name(slug(topic), taken)
+                taken.add(new[topic])
+    problems = []
+    by_id = {entry.id: entry for entry in existing}
+    for topic, name in new.items():
+        former = by_id.get(name)
+        if former is not None and former.topic != topic and former.topic not in names:
+            fields = {"name": name, "former": former.topic, "topic": topic}
+            problems.append(problem("M020.used_before", former.place, **fields))
+    problems += [
+        problem("M020.changed", entry.place, id=entry.id, topic=entry.topic, new=new[entry.topic])
+        for entry in existing
+        if entry.topic in new and new[entry.topic] != entry.id
+    ]
+    return {**ids, **new}, problems

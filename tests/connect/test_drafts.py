@@ -157,19 +157,6 @@ def test_an_age_that_becomes_known_is_written() -> None:
     ) == (after.replace("max_age: 0.36  # a bag", ""))
 
 
-def test_an_age_in_braces_is_written_without_its_reason() -> None:
-    mine = (
-        "Model: {id: Rover, type: ConSert}\n"
-        "EDDIInputs:\n"
-        "  - {id: WayIsClear, requires: [clear], field: data, max_age: TODO}  # mine\n"
-        "  - {id: Charge, expression: TODO, max_age: TODO}\n"
-        "EDDIOutputs: []\n"
-    )
-    ages = {"/front/clear": age_of(0.1, 0.3, "a bag"), "/power/charge": age_of(1.0, 1.0, "a bag")}
-    after = written(mine, draft([WAY, POWER], [CLEAR, CHARGE], ages))
-    assert after == mine.replace("max_age: TODO}  # mine", "max_age: 0.36}  # mine")
-
-
 @pytest.mark.parametrize(
     ("median", "longest", "seconds"), [(0.1, 0.1, 0.25), (0.02, 0.2, 0.24), (0.0333, 0.04, 0.084)]
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.connect.matching import Decision, Offer, decide
+from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
 
@@ -28,7 +28,7 @@ ROBOT = {
 TOPICS = [RobotTopic(name, *rest) for name, rest in ROBOT.items()]
 
 
-def decided(need: InputNeed, offers: list[Offer] | None = None) -> Decision:
+def decided(need: InputNeed, offers: list[Fulfilment] | None = None) -> Decision:
     given = {need.id: offers} if offers is not None else {}
     (decision,) = decide([need], TOPICS, known_messages().get, given)
     return decision
@@ -120,14 +120,17 @@ def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
 
 def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:
     demand = InputNeed("Demand", "bool", is_demand=True)
-    offer = Offer(TOPICS[-2], "guarantees[G].active", "G fulfils it")
+    offer = Fulfilment(TOPICS[-2], "guarantees[G].active", "G fulfils it")
     assert decided(demand, [offer]).state == "taken"
-    assert decided(demand, [offer, Offer(TOPICS[-2], "guarantees[H].active", "")]).state == "listed"
+    assert (
+        decided(demand, [offer, Fulfilment(TOPICS[-2], "guarantees[H].active", "")]).state
+        == "listed"
+    )
 
 
 def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:
     offers = [
-        Offer(TOPICS[-2], f"evidence[{key}].active", "", key, is_sure=False)
+        Fulfilment(TOPICS[-2], f"evidence[{key}].active", "", key, is_sure=False)
         for key in ("PoseIsGood", "LastsTheShift")
     ]
     for name, keys in {"PoseKnown": ["PoseIsGood"], "Zzz": ["PoseIsGood", "LastsTheShift"]}.items():

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.connect.matching import Decision, Offer, decide
+from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
 from tests.data_files import data_file
@@ -40,7 +40,9 @@ def decided(pair: Mapping[str, Any]) -> Decision:
     )
     found = [RobotTopic(one["id"], one["type"].replace(".", "/"), one["topic"]) for one in topics]
     offers = [
-        Offer(next(one for one in found if one.id == id_), f"guarantees[{guarantee}].active", "")
+        Fulfilment(
+            next(one for one in found if one.id == id_), f"guarantees[{guarantee}].active", ""
+        )
         for id_, guarantee in provided.items()
     ]
     (decision,) = decide([need], found, types.get, {need.id: offers})

@@ -13,17 +13,24 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.identifiers import is_identifier
 from eddi_scaffold.common.problems import Place, Problem, has_errors
 from eddi_scaffold.mros.directory import load_models, load_system
-from eddi_scaffold.mros.filters import Existing, Filters, Wish, give_ids, slug
-from eddi_scaffold.mros.interface_definitions import InterfaceReference
-from eddi_scaffold.mros.outputs import Outputs, simulator_outputs
-from eddi_scaffold.mros.topics import Topic, topic_name
+from eddi_scaffold.mros.resolving import InterfaceReference
+from eddi_scaffold.mros.topics import (
+    Existing,
+    Filters,
+    Outputs,
+    Topic,
+    give_ids,
+    simulator_outputs,
+    slug,
+    topic_name,
+)
 from tests.data_files import data_file
 from tests.mros.words import as_word
 
 
 def outputs_of(system: Path, folder: Path, **options: Any) -> tuple[Outputs, list[Problem]]:
     one, problems = load_system(system, folder)
-    models = load_models(folder, systems=bool(one.system.subsystems))
+    models = load_models(folder, systems=bool(one.subsystems))
     outputs = simulator_outputs(one, models, **options)
     return outputs, [*problems, *models.problems, *outputs.problems]
 
@@ -55,7 +62,7 @@ def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
     system, _ = load_system(case / "cob4_ros_tool_test.rossystem", case)
     models = load_models(case).definitions
     found = []
-    for component in system.system.components:
+    for component in system.components:
         for interface in component.interfaces:
             if interface.kind == "publisher":
                 reference = InterfaceReference.parse(interface.ref)
@@ -65,7 +72,7 @@ def test_the_list_of_the_figure_by_the_verbatim_rule() -> None:
                     {
                         "id": reference.interface,
                         "topic": interface.name,
-                        "type": definitions[0].interface.type if definitions else None,
+                        "type": definitions[0][1].type if definitions else None,
                     }
                 )
     wanted = yaml.safe_load((case.parent / "cob4_ros_tool_test.figure33.yml").read_text("utf-8"))
@@ -280,10 +287,7 @@ def test_a_misspelt_model_is_told_with_the_nearest(
     ],
 )
 def test_names_of_ros(name: str, namespace: str | None, component: str, topic: str) -> None:
-    found = topic_name(name, namespace, component)
-    assert found.text == topic
-    assert found.glued == (name == "lasersscan")
-    assert found.is_empty == (topic == "/")
+    assert topic_name(name, namespace, component) == (topic, name == "lasersscan")
 
 
 def test_ids() -> None:
@@ -293,12 +297,9 @@ def test_ids() -> None:
 
 
 def ids(wishes: dict[str, str], *existing: tuple[str, str]) -> tuple[list[str], list[str]]:
-    given, problems = give_ids(
-        [Wish(name, topic) for topic, name in wishes.items()],
-        [],
-        [Existing(name, topic, Place("c.yml", 1)) for name, topic in existing],
-    )
-    return given, [problem.code for problem in problems]
+    entries = [Existing(name, topic, Place("c.yml", 1)) for name, topic in existing]
+    given, problems = give_ids(wishes, wishes, entries)
+    return [given[topic] for topic in wishes], [problem.code for problem in problems]
 
 
 def test_ids_that_are_there_stay() -> None:

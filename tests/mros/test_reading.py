@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.interface_definitions import noticed
+from eddi_scaffold.mros.resolving import noticed
 from eddi_scaffold.mros.show import failure_json, model_json, system_json
 from tests.data_files import data_file
 from tests.mros.words import as_word
@@ -46,8 +46,7 @@ def test_the_errors_of_damaged_texts() -> None:
         case = json.loads(line)
         read = read_rossystem if case["file"] == "rossystem" else read_ros_models
         try:
-            notices = read(case["text"], "damaged").notices
-            problem = next(noticed(notices, "damaged"))
+            problem = next(noticed(read(case["text"], "damaged")))
             place, message = (problem.place.line, problem.place.col), problem.message
         except MrosSyntaxError as failed:
             place, message = (failed.line, failed.col), failed.message
@@ -175,16 +174,15 @@ def test_brace_model() -> None:
     (package,) = model.packages
     (spec,) = package.specs
     ((part, fields),) = spec.sections
-    assert (package.kind, spec.kind, part) == ("CatkinPackage", "topic", "message")
+    assert (package.name, spec.kind, part) == ("p", "topic", "message")
     assert [(one.type, one.name, one.value) for one in fields] == [
         ("uint8", "A", "1"),
         ("uint8", "B", "x"),
         ("geometry_msgs.Pose[]", "poses", None),
         ("float32[]", "v", None),
     ]
-    node = package.artifacts[0].node
-    assert node is not None
-    assert [(one.kind, one.name, one.type) for one in node.interfaces] == [
+    (artifact,) = package.artifacts
+    assert [(one.kind, one.name, one.type) for one in artifact.interfaces] == [
         ("publisher", "message", "p.T"),
         ("actionserver", "action", "p.Go"),
     ]

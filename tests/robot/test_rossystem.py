@@ -10,7 +10,7 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.connect.rossystem import Parsed, parse, read_robot
-from eddi_scaffold.mros.filters import Filters
+from eddi_scaffold.mros.topics import Filters
 
 SYSTEM = """robot:
   subSystems:

@@ -1,1 +1,0 @@
-"""Readers of the brace dialects of MROS."""

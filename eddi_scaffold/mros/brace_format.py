@@ -1,0 +1,339 @@
+"""Readers of ``.rossystem`` and ``.ros`` with braces (2018 to 2022).
+
+White space separates, line ends mean nothing. No word is reserved: whether one is a keyword follows
+from its place. What is not a token becomes an error only when a reader gets there, so that the
+first error of a file is the one that is reported.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import TypeVar
+
+from eddi_scaffold.mros.model import (
+    SECTIONS,
+    Artifact,
+    Component,
+    Connection,
+    Interface,
+    Notice,
+    Package,
+    RosModel,
+    Section,
+    Spec,
+    System,
+    SystemInterface,
+)
+from eddi_scaffold.mros.text import SPEC_PARTS, STRING, Cursor, Text, Token, never_closed
+
+T = TypeVar("T")
+
+_TOKEN = re.compile(
+    rf"""(?:\s+|//[^\n]*|/\*[\s\S]*?\*/)*
+        (?:(?P<word>(?!/\*)[^\s"'{{}}()\[\],:]+)
+          |{STRING}
+          |(?P<punct>[{{}}()\[\],:])
+          |(?P<bad>["']|/\*)
+          |(?P<end>\Z))""",
+    re.VERBOSE,
+)
+_CLOSING = {"{": "}", "(": ")", "[": "]"}
+_LIST = "({"
+"""Lists of systems open with either bracket."""
+_CONNECTIONS = ("TopicConnections", "ServiceConnections", "ActionConnections")
+_SYSTEM_SECTIONS = {section.system_section: section for section in SECTIONS.values()}
+_SECTIONS_OF_2018 = {f"{one.system_entries[-1]}s": one for one in SECTIONS.values()}
+_PACKAGES = ("Package", "CatkinPackage", "AmentPackage")
+_MODEL_SECTIONS = {f"{section.entry}s": section for section in SECTIONS.values()}
+_SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"}
+
+
+def read_system(text: Text) -> System:
+    """Read a system."""
+    return _SystemReader(text).system()
+
+
+def read_model(text: Text) -> RosModel:
+    """Read the packages of a file."""
+    return _ModelReader(text).model()
+
+
+def _tokens_of(text: str) -> list[Token]:
+    """Return all tokens; after ``bad`` nothing follows but the end."""
+    tokens: list[Token] = []
+    for match in _TOKEN.finditer(text):
+        kind = match.lastgroup or "end"
+        if kind == "end":
+            break
+        tokens.append((kind, match[kind], match.start(kind)))
+        if kind == "bad":
+            tokens[-1:] = [never_closed(match[kind], match.start(kind))]
+            break
+    return [*tokens, ("end", "end of file", len(text))]
+
+
+class _Reader(Cursor):
+    """What both readers do with brackets."""
+
+    def __init__(self, text: Text) -> None:
+        super().__init__(text, _tokens_of(text.text))
+
+    def open(self, brackets: str = "{") -> int:
+        """Take one of some opening brackets and return its offset."""
+        offset = self.token[2]
+        self.expect(*brackets)
+        return offset
+
+    def close(self, opened: int, *others: str) -> None:
+        """Take the bracket that closes one; the error names its place."""
+        bracket = self.text.text[opened]
+        if not self.accept(_CLOSING[bracket]):
+            line, col = self.text.place(opened)
+            closes = f"it closes the '{bracket}' of line {line}, column {col}"
+            self.fail(*map(repr, others), f"'{_CLOSING[bracket]}' ({closes})")
+
+    def block(self, read: Callable[[], T], brackets: str = "{") -> list[T]:
+        """Read ``{ element ,? ... }``: a comma may be missing, and one may follow the last."""
+        opened = self.open(brackets)
+        elements: list[T] = []
+        while not self.is_next("}", ")", "]") and not self.at_end():
+            elements.append(read())
+            self.accept(",")
+        self.close(opened)
+        return elements
+
+    def keys(self, opened: int, known: Sequence[str], *aliases: str) -> Iterator[str]:
+        """Take each key up to the closing bracket; what follows it is for the caller."""
+        words = (*known, *aliases)
+        while key := self.accept(*words):
+            yield key
+        self.close(opened, *known)
+
+    def entry(self, *words: str) -> None:
+        """Take the word with which the elements of a list begin."""
+        if not self.accept(*words):
+            self.fail(repr(words[0]), "'}'")
+
+    def named(self, of: str) -> str:
+        """Take ``name`` and what follows it."""
+        self.expect("name")
+        return self.name(f"the name of {of}")
+
+    def behind(self, word: str, what: str) -> str | None:
+        """Take a word and what follows it, if it is there."""
+        return self.name(what) if self.accept(word) else None
+
+    def skip_group(self, *opened: int) -> None:
+        """Take a balanced group of brackets, or what remains of one."""
+        stack = [*opened] or [self.open("{([")]
+        while stack:
+            kind, value, offset = self.token
+            if kind in ("end", "bad") or value in ("}", ")", "]"):
+                self.close(stack.pop())
+                continue
+            if value in _CLOSING:
+                stack.append(offset)
+            self._index += 1
+
+    def skip_parameter(self, word: str) -> None:
+        """Take a parameter, of which only the number counts."""
+        self.entry(word)
+        if not self.is_next("{"):
+            self.name("the name of the parameter")
+        opened = self.open()
+        self.behind("name", "the name of the parameter")
+        self.skip_group(opened)
+
+    def expect_end(self, of: str) -> None:
+        if not self.at_end():
+            self.fail(f"end of file (the {of} ends before)")
+
+
+class _SystemReader(_Reader):
+    def system(self) -> System:
+        self.components: list[Component] = []
+        self.references_only = False
+        connections: list[Connection] = []
+        self.expect("RosSystem")
+        opened = self.open()
+        name = self.behind("Name", "the name of the system") or ""
+        known = ("RosComponents", "RosComponentStacks", *_CONNECTIONS, "Parameters")
+        for key in self.keys(opened, known, "RosComponent"):
+            if key == "RosComponentStacks":
+                self.block(self._stack, _LIST)
+            elif key == "Parameters":
+                self.block(partial(self.skip_parameter, "Parameter"))
+            elif key in _CONNECTIONS:
+                connections += self.block(partial(self._connection, key[:-1]))
+            else:
+                self.components += self.block(self._component, _LIST)
+            self.accept(",")
+        self.expect_end("system")
+        return System(
+            self.text.file,
+            "brace",
+            name,
+            tuple(self.components),
+            tuple(connections),
+            references_only=self.references_only,
+        )
+
+    def _stack(self) -> None:
+        self.expect("ComponentStack")
+        opened = self.open()
+        self.named("the stack")
+        for key in self.keys(opened, ("SafetyLevel", "RosComponents", "QualityAttributes")):
+            if key == "SafetyLevel":
+                self.name("a safety level")
+            elif key == "RosComponents":
+                self.components += self.block(self._component, _LIST)
+            else:
+                self.skip_group(self.open())
+
+    def _component(self) -> Component:
+        line, col = self.place()
+        name = self.name("'ComponentInterface' or the name of a component")
+        if name != "ComponentInterface" or not self.is_next("{"):
+            self.references_only = True
+            return Component(name, None, None, (), 0, line, col)
+        opened = self.open()
+        name = self.behind("name", "the name of the component") or ""
+        namespace = from_node = None
+        interfaces: list[SystemInterface] = []
+        parameters = 0
+        known = ("NameSpace", "FromRosNode", *_SYSTEM_SECTIONS, "RosParameters")
+        for key in self.keys(opened, known, *_SECTIONS_OF_2018):
+            if key == "NameSpace":
+                namespace = self.name("a namespace")
+            elif key == "FromRosNode":
+                from_node = self.name("a reference to a node")
+            elif key == "RosParameters":
+                parameters += len(self.block(partial(self.skip_parameter, "RosParameter")))
+            else:
+                section = _SYSTEM_SECTIONS.get(key) or _SECTIONS_OF_2018[key]
+                interfaces += self.block(partial(self._interface, section))
+        return Component(name, namespace, from_node, tuple(interfaces), parameters, line, col)
+
+    def _interface(self, section: Section) -> SystemInterface:
+        line, col = self.place()
+        self.entry(*section.system_entries)
+        name = None if self.is_next("{") else self.name("the name of the interface")
+        opened = self.open()
+        ns = self.behind("ns", "a namespace")
+        self.expect(section.reference)
+        ref = self.name("a reference")
+        self.close(opened)
+        if name is None:  # the interface of package.artifact.node.interface may hold dots itself
+            name = ref.split(".", 3)[-1]
+        return SystemInterface(section.kind, name, ref, ns, line, col)
+
+    def _connection(self, entry: str) -> Connection:
+        line, col = self.place()
+        self.entry(entry)
+        name = None if self.is_next("{") else self.name("the name of the connection")
+        opened = self.open()
+        self.expect("From", "FromTopic", "FromSrv")
+        sources = self._ends()
+        self.expect("To", "ToTopic", "ToSrv")
+        targets = self._ends()
+        self.close(opened)
+        kind = entry.removesuffix("Connection").lower()
+        return Connection(kind, name, sources, targets, line, col)
+
+    def _ends(self) -> tuple[str, ...]:
+        end = partial(self.name, "component.interface")
+        return tuple(self.block(end, "(")) if self.is_next("(") else (end(),)
+
+
+class _ModelReader(_Reader):
+    def model(self) -> RosModel:
+        self.expect("PackageSet")
+        opened = self.open()
+        packages: list[Package] = []
+        if self.accept("package"):
+            packages = self.block(self._package)
+        while self.is_next(*_PACKAGES):
+            packages.append(self._package())
+            self.accept(",")
+        self.close(opened, *_PACKAGES)
+        notices = []
+        while self.is_next("}"):
+            notices.append(Notice("M004.brace", *self.place(), {}))
+            self.expect("}")
+        self.expect_end("package set")
+        return RosModel(self.text.file, "brace", tuple(packages), tuple(notices))
+
+    def _package(self) -> Package:
+        self.expect(*_PACKAGES)
+        name = self.name("the name of the package")
+        opened = self.open()
+        artifacts: list[Artifact] = []
+        specs: list[Spec] = []
+        known = ("FromGitRepo", "Specs", "Artifact", "Dependencies")
+        for key in self.keys(opened, known, "spec", "artifact", "dependency"):
+            if key == "FromGitRepo":
+                self.name("the address of a repository")
+            elif key in ("Specs", "spec"):
+                specs += self.block(self._spec)
+            elif key == "artifact":
+                artifacts += self.block(self._artifact)
+            elif key == "Artifact":
+                artifacts.append(self._named_artifact())
+                self.accept(",")
+            else:
+                self.skip_group()
+        return Package(name, tuple(artifacts), tuple(specs))
+
+    def _artifact(self) -> Artifact:
+        self.expect("Artifact")
+        return self._named_artifact()
+
+    def _named_artifact(self) -> Artifact:
+        name = self.name("the name of the artifact")
+        opened = self.open()
+        self.accept("node")
+        has_node = self.accept("Node") is not None
+        artifact = self._node(name) if has_node else Artifact(name)
+        self.close(opened, *(() if has_node else ("Node",)))
+        return artifact
+
+    def _node(self, artifact: str) -> Artifact:
+        opened = self.open()
+        node = self.named("the node")
+        interfaces: list[Interface] = []
+        parameters = 0
+        of_one = ("parameter", *SECTIONS)
+        for key in self.keys(opened, (*_MODEL_SECTIONS, "Parameters"), *of_one):
+            if key in ("Parameters", "parameter"):
+                parameters += len(self.block(partial(self.skip_parameter, "Parameter")))
+            else:
+                section = _MODEL_SECTIONS.get(key) or SECTIONS[key]
+                interfaces += self.block(partial(self._interface, section))
+            self.accept(",")
+        return Artifact(artifact, node, tuple(interfaces), parameters)
+
+    def _interface(self, section: Section) -> Interface:
+        place = self.place()
+        self.entry(section.entry)
+        opened = self.open()
+        name = self.named("the interface")
+        self.expect(section.type_word)
+        type_place = self.place()
+        of = self.name("a type")
+        ns = self.behind("namespace", "a namespace")
+        if ns and self.is_next("{", "("):
+            self.skip_group()
+        self.close(opened)
+        return Interface(section.kind, name, of, ns, *place, *type_place)
+
+    def _spec(self) -> Spec:
+        kind = _SPECS[self.expect(*_SPECS)]
+        name = self.name("the name of the specification")
+        opened = self.open()
+        sections = [
+            (part, () if self.accept("MessageDefinition") else tuple(self.block(self.field)))
+            for part in self.keys(opened, SPEC_PARTS)
+        ]
+        return Spec(kind, name, tuple(sections))

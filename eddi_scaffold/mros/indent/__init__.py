@@ -1,1 +1,0 @@
-"""Readers of the indentation dialects of MROS."""

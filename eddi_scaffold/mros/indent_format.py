@@ -1,0 +1,279 @@
+"""Readers of ``.rossystem``, ``.ros``, ``.ros1`` and ``.ros2`` with indentation (2022 to today).
+
+Keys may be in any case. An unknown one is a warning, so that a future one does not block reading;
+one that is nearly known is an error, because what is below it would be lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+
+from eddi_scaffold.mros.indent_lines import Line, LineCursor, blocks_of, skip_block
+from eddi_scaffold.mros.model import (
+    SECTIONS,
+    Artifact,
+    Component,
+    Connection,
+    Field,
+    Interface,
+    InterfaceKind,
+    Notice,
+    Package,
+    RosModel,
+    Spec,
+    SubSystem,
+    System,
+    SystemInterface,
+)
+from eddi_scaffold.mros.text import (
+    EMPTY_FILE,
+    FOREIGN_FORMAT,
+    SPEC_PARTS,
+    Text,
+    alternatives,
+    quoted,
+)
+
+_ARROWS = {section.arrow: section.kind for section in SECTIONS.values()}
+_FROM = {f"from{arrow.removesuffix('->')}": kind for arrow, kind in _ARROWS.items()}
+_SYSTEM = ("fromfile", "subsystems", "processes", "nodes", "parameters", "connections")
+_NODE = ("from", "namespace", "interfaces", "parameters")
+_PACKAGE = ("fromgitrepo", "artifacts", "msgs", "srvs", "actions", "specs", "dependencies")
+_SECTIONS = {f"{kind}{s}": section.kind for kind, section in SECTIONS.items() for s in ("", "s")}
+_ARTIFACT = ("node", "parameters", "parameter", *_SECTIONS)
+_SPEC_KINDS = {"msgs": "topic", "srvs": "service", "actions": "action", "specs": ""}
+_SPEC_WORDS = {"msg": "topic", "srv": "service", "action": "action"}
+
+
+def read_system(text: Text) -> System:
+    """Read a system; the YAML of rossdl is refused as ``FOREIGN_FORMAT``."""
+    return _Reader(text).system()
+
+
+def read_model(text: Text) -> RosModel:
+    """Read the packages of a file."""
+    reader = _Reader(text)
+    packages = tuple(reader.package(line) for line in blocks_of(text))
+    return RosModel(text.file, "indent", packages, tuple(reader.notices))
+
+
+class _Reader:
+    def __init__(self, text: Text) -> None:
+        self.text = text
+        self.notices: list[Notice] = []
+
+    # what systems and models have in common
+
+    def known(self, line: Line, keys: Sequence[str]) -> Iterator[tuple[str, LineCursor, Line]]:
+        """Yield known keys below a line, in lower case, each with the rest of its line, and it."""
+        for inner in line.below:
+            rest = LineCursor(self.text, inner)
+            place = rest.place()
+            key = rest.key("a key")
+            if key.lower() in keys:
+                yield key.lower(), rest, inner
+                continue
+            for meant in get_close_matches(key.lower(), keys, n=1, cutoff=0.8):
+                self.notices.append(Notice("M006.misspelt", *place, {"key": key, "meant": meant}))
+                break
+            else:
+                self.notices.append(Notice("M005.unknown_key", *place, {"key": key}))
+
+    def heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
+        """Read a line that is ``name:``; return the name and its place."""
+        words = LineCursor(self.text, line)
+        place, name = words.place(), words.key(what)
+        words.end()
+        return name, place
+
+    # systems
+
+    def system(self) -> System:
+        lines = blocks_of(self.text)
+        if not lines:
+            raise self.text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
+        first = lines[0]
+        words = LineCursor(self.text, first)
+        name = words.key("the system name")
+        if any(line.tokens[0][1].lower() == "systems" for line in first.below):
+            message = "this is a system in the YAML of rossdl, not a .rossystem"
+            raise self.text.error(0, message, FOREIGN_FORMAT, "rossdl")
+        words.end()
+        components: list[Component] = []
+        connections: list[Connection] = []
+        subsystems: list[SubSystem] = []
+        from_file = None
+        processes = 0
+        for key, rest, line in self.known(first, _SYSTEM):
+            if key == "fromfile":
+                from_file = rest.name("a file name")
+            elif key == "subsystems":
+                subsystems += map(self._subsystem, line.below)
+            elif key == "processes":
+                processes += len(line.below)
+            elif key == "nodes":
+                components += map(self._component, line.below)
+            elif key == "connections":
+                connections += map(self._connection, line.below)
+            rest.end()
+        if len(lines) > 1:
+            message = "one file holds one system: expected end of file"
+            raise self.text.error(lines[1].offset, message)
+        return System(
+            self.text.file,
+            "indent",
+            name,
+            tuple(components),
+            tuple(connections),
+            tuple(subsystems),
+            from_file,
+            processes,
+            notices=tuple(self.notices),
+        )
+
+    def _subsystem(self, line: Line) -> SubSystem:
+        words = LineCursor(self.text, line)
+        place, name = words.place(), words.name("the name of a system")
+        words.accept(":")
+        words.end()
+        return SubSystem(name, *place)
+
+    def _component(self, line: Line) -> Component:
+        name, place = self.heading(line, "the name of a node")
+        from_node = namespace = None
+        interfaces: list[SystemInterface] = []
+        parameters = 0
+        for key, rest, inner in self.known(line, _NODE):
+            if key == "from":
+                from_node = rest.name("package.node")
+            elif key == "namespace":
+                namespace = rest.name("a namespace")
+            elif key == "interfaces":
+                interfaces += map(self._system_interface, inner.below)
+            else:
+                parameters += len(inner.below)
+                skip_block(self.text, inner)
+            rest.end()
+        return Component(name, namespace, from_node, tuple(interfaces), parameters, *place)
+
+    def _system_interface(self, line: Line) -> SystemInterface:
+        words = LineCursor(self.text, line)
+        place, label = words.place(), words.key("the label of an interface")
+        expected = alternatives([*map(repr, _ARROWS)])
+        if words.at_end():  # in 2022 `fromPub: "package.artifact.node.interface"` is below it
+            for key, words, _ in self.known(line, [*_FROM]):
+                ref = words.name("a reference")
+                words.end()
+                return SystemInterface(_FROM[key], label, ref, None, *place)
+            words.fail(f"{expected} and a reference behind '{label}:'")
+        offset = words.token[2]
+        arrow = words.name(f"an arrow ({', '.join(_ARROWS)})")
+        kind = _ARROWS.get(arrow.lower())
+        if kind is None:
+            raise self.text.error(offset, f"expected {expected}, found '{arrow}'")
+        if words.at_end():
+            raise self.text.error(offset, f"expected a reference behind '{arrow}'")
+        ref = words.name("a reference")
+        words.end()
+        return SystemInterface(kind, label, ref, None, *place)
+
+    def _connection(self, line: Line) -> Connection:
+        words = LineCursor(self.text, line)
+        place, offset = words.place(), words.token[2]
+        if not words.is_next("["):
+            words.fail("'['")
+        labels = words.names()
+        words.end()
+        if len(labels) != 2:
+            message = f"a connection has two labels, [from, to], this one has {len(labels)}"
+            raise self.text.error(offset, message)
+        return Connection("", None, labels[:1], labels[1:], *place)
+
+    # node models
+
+    def package(self, line: Line) -> Package:
+        name, _ = self.heading(line, "a package name")
+        artifacts: list[Artifact] = []
+        specs: list[Spec] = []
+        for key, rest, inner in self.known(line, _PACKAGE):
+            if key == "artifacts":
+                artifacts += map(self._artifact, inner.below)
+                rest.end()
+            elif key in _SPEC_KINDS:
+                specs += [self._spec(spec, _SPEC_KINDS[key]) for spec in inner.below]
+            else:
+                skip_block(self.text, inner)
+            rest.skip()  # a real file has `specs:Vector3`
+        return Package(name, tuple(artifacts), tuple(specs))
+
+    def _artifact(self, line: Line) -> Artifact:
+        name, _ = self.heading(line, "the name of an artifact")
+        node = None
+        interfaces: list[Interface] = []
+        parameters = 0
+        blocks = [line]
+        for block in blocks:
+            for key, rest, inner in self.known(block, _ARTIFACT):
+                if key == "node":
+                    node = rest.name("the name of the node")
+                    blocks.append(inner)  # its sections may be indented deeper than itself
+                elif key in _SECTIONS:
+                    interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
+                else:
+                    parameters += len(inner.below)
+                    skip_block(self.text, inner)
+                rest.end()
+        if node is None:
+            return Artifact(name)
+        return Artifact(name, node, tuple(interfaces), parameters)
+
+    def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
+        name, place = self.heading(line, "the name of an interface")
+        of = ns = None
+        type_place, deadline = place, ""
+        for key, rest, inner in self.known(line, ("type", "ns", "qos")):
+            if key == "type":
+                type_place = rest.place()
+                of = rest.name(f"the type of '{name}' behind 'type:'")
+                rest.end()
+            elif key == "ns":
+                ns = None if rest.at_end() else rest.name("a namespace")
+            else:
+                skip_block(self.text, inner)
+                deadline = _deadline(inner)
+            rest.skip()
+        if of is None:
+            raise self.text.error(line.offset, f"the interface {quoted(name)} has no 'type:'")
+        return Interface(kind, name, of, ns, *place, *type_place, deadline)
+
+    def _spec(self, line: Line, kind: str) -> Spec:
+        words = LineCursor(self.text, line)
+        name = words.name("the name of a specification")
+        if words.accept(":") and not words.at_end():
+            kind = _SPEC_WORDS.get(name.lower(), kind)
+            name = words.name("the name of a specification")
+        words.end()
+        return Spec(kind, name, tuple(map(self._section, line.below)))
+
+    def _section(self, line: Line) -> tuple[str, tuple[Field, ...]]:
+        words = LineCursor(self.text, line)
+        offset, expected = words.token[2], alternatives(SPEC_PARTS)
+        part = words.name(expected)
+        if part.lower() not in SPEC_PARTS:
+            raise self.text.error(offset, f"expected {expected}, found {quoted(part)}")
+        words.accept(":")
+        fields: list[Field] = []
+        for cursor in (words, *(LineCursor(self.text, inner) for inner in line.below)):
+            while not cursor.at_end():
+                fields.append(cursor.field())
+        return part.lower(), tuple(fields)
+
+
+def _deadline(qos: Line) -> str:
+    """Return what stands behind ``deadline:`` in a quality of service."""
+    for line in qos.below:
+        key, *rest = [text for _, text, _ in line.tokens[:-1]] or [""]
+        if key.casefold() == "deadline" and rest[:1] == [":"]:
+            return " ".join(rest[1:]).strip("\"'")
+    return ""
