@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeGuard
@@ -107,9 +107,9 @@ class Declaration:
         special = [(value, number[state]) for value, state in data.get("map", [])]
         for value, state in data.get("sentinel", []):
             # A raw -1 may come as a whole number or as -1.0, but True is not 1.
-            twins = [value] if isinstance(value, bool | str) else _twins(value)
-            known = len(states) if state == UNOBSERVED else number[state]
-            special += [(twin, known) for twin in twins]
+            kinds = [type(value)] if isinstance(value, bool | str) else [int, float]
+            twins = [twin for twin in (kind(value) for kind in kinds) if twin == value]
+            special += [(twin, number.get(state, len(states))) for twin in twins]
         arguments = {
             "missing": len(states),
             "edges": tuple(data["bins"]) if "bins" in data else None,
@@ -126,17 +126,6 @@ class Declaration:
             "special": tuple(special),
         }
         return {key: value for key, value in arguments.items() if value != _USUAL.get(key)}
-
-
-def _twins(value: float) -> Iterator[int | float]:
-    """Yield a number as a whole number and as a double, where that is exact."""
-    for kind in (int, float):
-        try:
-            twin = kind(value)
-        except OverflowError:
-            continue
-        if twin == value:
-            yield twin
 
 
 def read_discretisation(
@@ -181,20 +170,23 @@ class _DeclarationReader(EntryReader):
             if key in entry and not is_meant(entry[key]):
                 self.report("B404.value", key, key=key, expected=expected)
         type_, order = self._type(), self._order()
-        data = {key: value for key, value in entry.items() if key in _EXPECTED}
+        data: dict[str, Any] = {"input": entry.get("input")}  # its order decides the digest
         if "bins" in entry:
             data |= {"bins": self._bins(order), "order": order}
         if "map" in entry:
             data["map"] = self._map(type_)
-        data["sentinel"] = self._sentinel()
+        sentinel = self._sentinel()
+        data |= {"sentinel": sentinel} if sentinel else {}
         if has_errors(self.problems):
             return []
+        for key in ("closed", "out_of_range", "allow_inf", "missing"):
+            data |= {key: entry[key]} if key in entry else {}
         for key in ("scale", "offset", "hysteresis"):
-            data |= {key: float(data[key])} if key in data else {}
-        if "range" in data:
-            data["range"] = [float(limit) for limit in data["range"]]
+            data |= {key: float(entry[key])} if key in entry else {}
+        if "range" in entry:
+            data["range"] = [float(limit) for limit in entry["range"]]
         self._warn(data)
-        return [Declaration(self._node.id, entry["input"], type_, data)]
+        return [Declaration(self._node.id, data["input"], type_, data)]
 
     def _type(self) -> InputType:
         """Return the declared type of the input, or the one that fits."""
@@ -286,7 +278,7 @@ class _DeclarationReader(EntryReader):
         if 0 < width <= band:
             self.report("B404.wide_hysteresis", "hysteresis", hysteresis=band, width=width)
         reachable = [*data.get("order", ()), *(state for _, state in data.get("map", ()))]
-        reachable += [state for _, state in data["sentinel"]]
+        reachable += [state for _, state in data.get("sentinel", ())]
         lacking = [state for state in self._node.states if state not in reachable]
         if lacking:
             place = self.options.place(*self.path)
