@@ -38,19 +38,9 @@ FILTERS = {
 LOOPS = {"item": "messages", "module": "modules", "alias": "aliases"}
 """Name -> the list of which a file name takes one after the other."""
 LOGIC = (
-    nodes.Assign,
-    nodes.AssignBlock,
-    nodes.BinExpr,
-    nodes.Call,
-    nodes.CallBlock,
-    nodes.Concat,
-    nodes.CondExpr,
-    nodes.Dict,
-    nodes.FilterBlock,
-    nodes.List,
-    nodes.Macro,
-    nodes.Test,
-)
+    nodes.Assign, nodes.AssignBlock, nodes.BinExpr, nodes.Call, nodes.CallBlock, nodes.Concat,
+    nodes.CondExpr, nodes.Dict, nodes.FilterBlock, nodes.List, nodes.Macro, nodes.Test,
+)  # fmt: skip
 PER_FILE = {"alias_module.py.jinja": "alias", "editable_module.py.jinja": "module"}
 """Included by files that a loop names, which give it that variable."""
 ANSWERS_FILE = "{{_copier_conf.answers_file}}.jinja"
@@ -84,25 +74,28 @@ def tags_of(text: str) -> Iterator[str]:
 
 
 @ids
-def test_tags_and_filters(path: Path) -> None:
-    text = path.read_text("utf-8")
-    of_answers = path.name == ANSWERS_FILE
-    assert set(tags_of(text)) <= TAGS | ({"import"} if of_answers else set())
+def test_a_template_sees_answers_and_holds_no_logic(path: Path) -> None:
+    text, is_answers = path.read_text("utf-8"), path.name == ANSWERS_FILE
     parsed = environment().parse(text)
-    allowed = FILTERS | ({"to_nice_yaml"} if of_answers else set())
+    assert set(tags_of(text)) <= TAGS | ({"import"} if is_answers else set())
+    allowed = FILTERS | ({"to_nice_yaml"} if is_answers else set())
     assert {node.name for node in parsed.find_all(nodes.Filter)} <= allowed
-    logic = [type(node).__name__ for node in parsed.find_all(LOGIC) if not of_answers]
+    logic = [type(node).__name__ for node in parsed.find_all(LOGIC) if not is_answers]
     assert not logic, "derive it in Python: an answer is text that is ready to be put in place"
-
-
-@ids
-def test_only_answers_are_seen(path: Path) -> None:
-    parsed = environment().parse(path.read_text("utf-8"))
+    for node in parsed.find_all(nodes.If):  # a condition is a flag, or the end of a loop
+        test = node.test.node if isinstance(node.test, nodes.Not) else node.test
+        is_end = test == nodes.Getattr(nodes.Name("loop", "load"), "last", "load")
+        assert is_end or isinstance(test, nodes.Name)
     of_the_name = {name for name in LOOPS if f"yield {name} from" in path.name}
     of_the_name |= {PER_FILE[path.name]} if path.name in PER_FILE else set()
-    assert meta.find_undeclared_variables(parsed) <= questions() | of_the_name
-    if path.name != ANSWERS_FILE:
-        assert "_copier_answers" not in meta.find_undeclared_variables(parsed)
+    seen = meta.find_undeclared_variables(parsed)
+    assert seen <= questions() | of_the_name
+    assert is_answers or "_copier_answers" not in seen
+    for name in meta.find_referenced_templates(parsed):
+        assert name is not None, "a constant"
+        assert (HERE / name).is_file(), name
+    # Quoting for every language but XML is done in Python, where it is tested.
+    assert "| e " not in text or path.name == "package.xml.jinja"
 
 
 def test_what_a_file_shows_is_checked() -> None:
@@ -156,44 +149,13 @@ def test_a_template_asks_groups_that_there_are() -> None:
     assert groups == {group for about in asked.values() for group in about.asks}
 
 
-@ids
-def test_a_condition_is_a_flag(path: Path) -> None:
-    """A name, or the end of a loop."""
-    for node in environment().parse(path.read_text("utf-8")).find_all(nodes.If):
-        test = node.test.node if isinstance(node.test, nodes.Not) else node.test
-        if isinstance(test, nodes.Getattr):
-            assert test == nodes.Getattr(nodes.Name("loop", "load"), "last", "load")
-        else:
-            assert isinstance(test, nodes.Name)
-
-
-@ids
-def test_what_is_included_is_there(path: Path) -> None:
-    for name in meta.find_referenced_templates(environment().parse(path.read_text("utf-8"))):
-        assert name is not None, "a constant"
-        assert (HERE / name).is_file(), name
-
-
-@ids
-def test_only_xml_needs_the_filter_e(path: Path) -> None:
-    """Quoting for every other language is done in Python, where it is tested."""
-    text = path.read_text("utf-8")
-    if "| e " in text:
-        assert path.name == "package.xml.jinja"
-
-
 def test_names_of_files() -> None:
+    loops = {f"yield {name} from {list_}" for name, list_ in LOOPS.items()}
+    variables = {"_copier_conf.answers_file", "package", "stage", *(f"{n}.name" for n in LOOPS)}
     for name in NAMES:
-        parts = re.findall(r"{{.*?}}|{%.*?%}", name)
-        for part in parts:
-            variable = re.fullmatch(
-                r"{{ ?(?:_copier_conf\.answers_file|package|stage|(?:item|module|alias)\.name) ?}}",
-                part,
-            )
-            loop = re.fullmatch(r"{% (?:yield (\w+) from (\w+)|endyield) %}", part)
-            if loop and loop[1]:
-                assert LOOPS[loop[1]] == loop[2]
-            assert variable or loop, part
+        parts = re.findall(r"{{(.*?)}}|{%(.*?)%}", name)
+        assert {part[0].strip() for part in parts if part[0]} <= variables, name
+        assert {part[1].strip() for part in parts if part[1]} <= {*loops, "endyield"}, name
 
 
 def test_copier_writes_over_nothing_of_a_person() -> None:

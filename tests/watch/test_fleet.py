@@ -57,11 +57,7 @@ def test_states_reasons_and_since_when() -> None:
 
 def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
     from eddi_runtime import event as events
-    from eddi_runtime.bayesian_network import claims
 
-    from eddi_scaffold.kinds.bayesian_network import messages
-
-    assert messages.WORDS == claims.REASONS
     for verdict, reasons in ((FALSE, events._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
         ((said,), *_) = vars(heard()["eddi_messages/EventOutput"].listen(event)).values()

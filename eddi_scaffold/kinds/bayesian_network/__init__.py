@@ -1,20 +1,24 @@
-"""The kind ``bayesian_network``: exact posteriors, from sensor values (D7.2 3.2)."""
+"""The kind ``bayesian_network``: exact posteriors, from sensor values (D7.2 3.2).
+
+``BayesianNetworkOutput``, ``NodeOutput`` and ``OutcomeOutput`` are frozen: packages made by the
+tools of SESAME D7.2 use them, and any change of a field changes the MD5 and cuts them off.
+"""
 
 from __future__ import annotations
 
+import math
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.eddi_xml.vocabulary import NETWORKS
 from eddi_scaffold.kinds import Alias, Kind
-from eddi_scaffold.kinds.bayesian_network.messages import MESSAGES, VERDICTS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
 _SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".xml")
 _METHODS = "bayesian_network_config.py"
-_HEAD = 65536
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
 _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
@@ -29,7 +33,83 @@ def _recognises(source: Source) -> bool:
     if not name.endswith(_SUFFIXES):
         return False
     with source.open() as stream:
-        return _ROOT.search(stream.read(_HEAD)) is not None
+        return _ROOT.search(stream.read(65536)) is not None
+
+
+_OUTPUT = "NodeOutput[] output_nodes\n"
+_NODE = "string title\nOutcomeOutput[] outcomes\n"
+_OUTCOME = "string outcome_name\nfloat32 outcome_value\n"
+_STATUS = """\
+# The facts behind a BayesianNetworkOutput.
+std_msgs/Header header
+string bayesian_network_id
+# All inputs are observed; some are not; none is; the evidence has probability zero; a hand-written
+# method failed.
+uint8 OK=0
+uint8 PARTIAL=1
+uint8 PRIOR=2
+uint8 INCONSISTENT=3
+uint8 ERROR=4
+uint8 status
+string[] unobserved
+# Every input that the network observes is known, and the state of its node as well.
+bool valid
+# Inputs without a usable value, whatever the configuration accepts in their place; a node that
+# only a hand-written method observes is listed here by its own name.
+string[] unknown_inputs
+# Nodes that may be in one of several states, because a value lies within the hysteresis after a
+# gap: `Near: Yes, No`. The posterior takes the first.
+string[] undecided
+# What the configuration accepts in this step: `human: missing: prior`.
+string[] accepted
+# How much each observed node changes the outputs (total variation), with `explain: true`.
+string[] relevance_nodes
+float32[] relevance
+"""
+_EVIDENCE = """\
+# Thresholds of posteriors: what the evidence of a ConSert can be made of.
+std_msgs/Header header
+string bayesian_network_id
+# As in BayesianNetworkStatus.
+bool valid
+string[] unknown_inputs
+BayesianNetworkThreshold[] evidence
+"""
+_THRESHOLD = """\
+# A threshold of the probability of states of one node.
+string id
+# It holds for every state that the unknown inputs may have.
+bool active
+# Bounds of the probability over these states; NaN: not computed.
+float64 low
+float64 high
+# Why it is not active: `unknown inputs`, `too many unknown inputs`, `inconsistent`, `hold`,
+# `between limits` (not known before), `no time`, `error`; empty: it is active, or known not to be.
+string reason
+"""
+
+
+def _facts(status: Any) -> StatusReading:
+    reasons = (*status.unknown_inputs, *status.undecided)
+    valid = Verdict("valid", state_of(active=status.valid, known=False), reasons)
+    return StatusReading((valid,), status.bayesian_network_id, accepted=tuple(status.accepted))
+
+
+def _thresholds(evidence: Any) -> StatusReading:
+    """Return the thresholds; one without a reason lies on the wrong side for certain."""
+    from eddi_runtime.bayesian_network.claims import REASONS  # noqa: PLC0415 - only who watches
+
+    verdicts = []
+    for entry in evidence.evidence:
+        reasons: tuple[str, ...] = (REASONS.get(entry.reason, entry.reason),)
+        if entry.active or not entry.reason:
+            reasons = ()
+        elif entry.reason == "unknown inputs" and evidence.unknown_inputs:
+            reasons = tuple(evidence.unknown_inputs)
+        bounds = "" if math.isnan(entry.low) else f"P {entry.low:.3g} to {entry.high:.3g}"
+        state = state_of(active=entry.active, known=not entry.reason)
+        verdicts.append(Verdict(entry.id, state, reasons, bounds))
+    return StatusReading(tuple(verdicts), evidence.bayesian_network_id)
 
 
 KIND = Kind(
@@ -37,9 +117,16 @@ KIND = Kind(
     title="Bayesian network",
     config_types=("BayesianNetwork", "Bayesian Network", "bayesian_network"),
     recognises=_recognises,
-    messages=MESSAGES,
+    messages={
+        "BayesianNetworkEvidence": _EVIDENCE,
+        "BayesianNetworkOutput": _OUTPUT,
+        "BayesianNetworkStatus": _STATUS,
+        "BayesianNetworkThreshold": _THRESHOLD,
+        "NodeOutput": _NODE,
+        "OutcomeOutput": _OUTCOME,
+    },
     output_message="BayesianNetworkOutput",
-    verdicts=VERDICTS,
+    verdicts={"BayesianNetworkEvidence": _thresholds, "BayesianNetworkStatus": _facts},
     model="network_model.NetworkModel",
     topic="posteriors",
     in_eddi=NETWORKS,

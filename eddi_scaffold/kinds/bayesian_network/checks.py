@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice, product
 
+from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Node, in_digits
 
+LARGEST = 1_000_000
+"""Entries of a table that a reader fills: it doubles with each parent of two states."""
 TOLERANCE = 1e-5
 """A row may be off by so much: libraries write probabilities with six digits."""
 _ROUNDING = 1e-12
@@ -28,165 +30,127 @@ def check_network(
     if not drafts:
         return None, [problem("B101.empty", place)]
     known = {draft.id: draft for draft in reversed(drafts)}
-    check = _Check(known, SimilarNames(known))
-    check.names(drafts)
+    problems = [*_check_structure(drafts, known)]
+    nodes = []
     for draft in drafts:
-        check.states(draft)
-        check.parents(draft)
-    check.cycles(drafts)
-    nodes = [check.node(draft) for draft in drafts]
-    if has_errors(check.problems):
-        return None, check.problems
-    return Network(name, tuple(node for node in nodes if node), place), check.problems
+        reader = _TableReader(draft, known)
+        nodes += reader.read()
+        problems += reader.problems
+    if has_errors(problems):
+        return None, problems
+    return Network(name, tuple(nodes), place), problems
 
 
-@dataclass
-class _Check:
-    known: dict[str, Draft]
-    near: SimilarNames
-    problems: list[Problem] = field(default_factory=list)
-
-    def names(self, drafts: Iterable[Draft]) -> None:
-        first: dict[str, Draft] = {}
-        for draft in drafts:
-            if not draft.id:
-                self._report("B101.unnamed_node", draft.place)
-            elif draft.id in first:
-                line = first[draft.id].place.line
-                self._report("B101.duplicate_node", draft.place, draft=draft.id, line=line)
-            first.setdefault(draft.id, draft)
-
-    def states(self, draft: Draft) -> None:
+def _check_structure(drafts: Sequence[Draft], known: Mapping[str, Draft]) -> Iterator[Problem]:
+    """Yield what is wrong with names, states and arcs."""
+    similar = SimilarNames(known)
+    for draft in drafts:
+        first = known[draft.id]
+        if not draft.id:
+            yield problem("B101.unnamed_node", draft.place)
+        elif draft is not first:
+            line = first.place.line
+            yield problem("B101.duplicate_node", draft.place, draft=draft.id, line=line)
+        if not draft.states:
+            yield problem("B101.no_states", draft.place, draft=draft.id)
         counts = Counter(state.text for state in draft.states)
         for state in draft.states:
+            fields = {"draft": draft.id, "state": state.text}
             if not state.text:
-                self._report("B101.unnamed_state", state.place, draft=draft.id)
+                yield problem("B101.unnamed_state", state.place, draft=draft.id)
             elif counts[state.text] > 1:
-                self._report("B101.duplicate_state", state.place, draft=draft.id, state=state.text)
+                yield problem("B101.duplicate_state", state.place, **fields)
                 counts[state.text] = 1
-        if not draft.states:
-            self._report("B101.no_states", draft.place, draft=draft.id)
-
-    def parents(self, draft: Draft) -> None:
         seen: set[str] = set()
         for parent in draft.parents:
-            if parent.text not in self.known:
-                self._report(
-                    "B105.unknown_parent",
-                    parent.place,
-                    hint=self.near.hint(parent.text),
-                    draft=draft.id,
-                    parent=parent.text,
-                )
+            fields = {"draft": draft.id, "parent": parent.text}
+            if parent.text not in known:
+                hint = similar.hint(parent.text)
+                yield problem("B105.unknown_parent", parent.place, hint=hint, **fields)
             elif parent.text in seen:
-                self._report(
-                    "B105.duplicate_parent", parent.place, parent=parent.text, draft=draft.id
-                )
+                yield problem("B105.duplicate_parent", parent.place, **fields)
             seen.add(parent.text)
+    parents = {
+        name: [parent.text for parent in draft.parents if parent.text in known]
+        for name, draft in known.items()
+    }
+    for first_id, *others in cycles({draft.id: parents[draft.id] for draft in drafts}):
+        circle = " <- ".join([first_id, *reversed(others), first_id])
+        yield problem("B106", known[first_id].place, circle=circle)
 
-    def cycles(self, drafts: Sequence[Draft]) -> None:
-        """Report one cycle for each knot of nodes."""
-        state: dict[str, int] = {}
-        for draft in drafts:
-            path: list[str] = []
-            walk = [(draft.id, iter(self._parents_of(draft)))] if draft.id not in state else []
-            if walk:
-                state[draft.id] = 1
-                path.append(draft.id)
-            while walk:
-                name, rest = walk[-1]
-                parent = next(rest, None)
-                if parent is None:
-                    state[name] = 2
-                    walk.pop()
-                    path.pop()
-                elif state.get(parent) == 1:
-                    circle = [*path[path.index(parent) :], parent]
-                    self._report("B106", self.known[parent].place, circle=" <- ".join(circle))
-                elif parent not in state:
-                    state[parent] = 1
-                    path.append(parent)
-                    walk.append((parent, iter(self._parents_of(self.known[parent]))))
 
-    def node(self, draft: Draft) -> Node | None:
-        """Check the table; ``None`` when it has an error."""
-        before = len(self.problems)
-        shapes = [self._states_of(parent) for parent in draft.parents]
-        names = [parent.text for parent in draft.parents]
-        if draft.broken or None in shapes or len(set(names)) < len(names):
-            return None  # reported before
-        own = [state.text for state in draft.states]
-        parents = [states for states in shapes if states is not None]
+class _TableReader:
+    def __init__(self, draft: Draft, known: Mapping[str, Draft]) -> None:
+        self.problems: list[Problem] = []
+        self._draft = draft
+        self._drafts_of_parents = [known.get(parent.text) for parent in draft.parents]
+
+    def read(self) -> list[Node]:
+        """Return the node; nothing when its table has an error."""
+        draft = self._draft
+        of_parents = [parent for parent in self._drafts_of_parents if parent is not None]
+        names = tuple(parent.text for parent in draft.parents)
+        if draft.broken or len({*names}) < len(names) or len(of_parents) < len(names):
+            return []  # reported before
         if draft.values is None:
             self._report("B110.no_table", draft.place, draft=draft.id)
-            return None
-        counts = [*(len(states) for states in parents), len(own)]
+            return []
+        counts = [*(len(parent.states) for parent in of_parents), len(draft.states)]
         if len(draft.values) != math.prod(counts):
-            expected = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")
             self._report(
                 "B110.table_length",
                 draft.values_place,
                 draft=draft.id,
                 actual=len(draft.values),
                 expected=in_digits(math.prod(counts)),
-                factors=expected,
+                factors=" x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else ""),
             )
-            return None
-        if not own:
-            return None
-        table = self._table(draft, parents, len(own))
-        if has_errors(self.problems[before:]):
-            return None
+            return []
+        states = [[state.text for state in parent.states] for parent in of_parents]
+        table = self._table(draft.values, dict(zip(names, states, strict=True)))
+        if not draft.states or has_errors(self.problems):
+            return []
+        own = tuple(state.text for state in draft.states)
         title = draft.title or draft.id
-        return Node(draft.id, title, tuple(own), tuple(names), table, draft.target, draft.place)
+        return [Node(draft.id, title, own, names, table, draft.target, draft.place)]
 
     def _table(
-        self, draft: Draft, parents: Sequence[Sequence[str]], width: int
+        self, texts: Sequence[str], parents: Mapping[str, Sequence[str]]
     ) -> tuple[float, ...]:
-        assert draft.values is not None
-        found: list[float] = []
-        largest, at = 0.0, draft.values_place
-        names = [parent.text for parent in draft.parents]
-        for row, states in enumerate(product(*parents)):
+        draft, width = self._draft, len(self._draft.states)
+        table: list[float] = []
+        largest, largest_place = 0.0, draft.values_place
+        for row, states in enumerate(product(*parents.values())):
             place = draft.rows[row] if row < len(draft.rows) else draft.values_place
-            texts = draft.values[row * width : (row + 1) * width]
-            where = ", ".join(f"{n}={s}" for n, s in zip(names, states, strict=True))
-            numbers = [self._number(text, draft.id, where, place) for text in texts]
-            if None in numbers:
+            own_texts = texts[row * width : (row + 1) * width]
+            case = ", ".join(f"{name}={s}" for name, s in zip(parents, states, strict=True))
+            numbers = [number for text in own_texts for number in self._number(text, case, place)]
+            if len(numbers) < width or not width:
                 continue
-            given = [number for number in numbers if number is not None]
-            values = [min(max(number, 0.0), 1.0) for number in given]
+            values = [min(max(number, 0.0), 1.0) for number in numbers]
             total = math.fsum(values)
-            off = max(abs(total - 1.0), -min(given), max(given) - 1.0)
-            if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(texts)) + _ROUNDING:
-                row_of = f"the row {where} of {draft.id!r} sums"
-                what = row_of if where else f"the probabilities of {draft.id!r} sum"
-                self._report(
-                    "B113.sum", place, subject=what, total=total, most=max(most, TOLERANCE)
-                )
+            off = max(abs(total - 1.0), -min(numbers), max(numbers) - 1.0)
+            if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(own_texts)) + _ROUNDING:
+                row_of = f"the row {case} of {draft.id!r} sums"
+                what = row_of if case else f"the probabilities of {draft.id!r} sum"
+                most = max(most, TOLERANCE)
+                self._report("B113.sum", place, subject=what, total=total, most=most)
                 continue
             if off > largest:
-                largest, at = off, place
-            found += values if total == 1.0 else [value / total for value in values]
+                largest, largest_place = off, place
+            table += values if total == 1.0 else [value / total for value in values]
         if largest > _ROUNDING:
-            self.problems.append(problem("B113.normalised", at, draft=draft.id, largest=largest))
-        return tuple(found)
+            self._report("B113.normalised", largest_place, draft=draft.id, largest=largest)
+        return tuple(table)
 
-    def _number(self, text: str, node: str, where: str, place: Place) -> float | None:
+    def _number(self, text: str, case: str, place: Place) -> list[float]:
         value = float(text) if _NUMBER.fullmatch(text) else math.nan
         if -TOLERANCE <= value <= 1.0 + TOLERANCE:
-            return value
-        row = f" in row {where}" if where else ""
+            return [value]
+        row = f" in row {case}" if case else ""
         hint = "a number from 0 to 1 with a decimal point" if "," in text else None
-        self._report("B112", place, hint=hint, text=text, node=node, row=row)
-        return None
-
-    def _parents_of(self, draft: Draft) -> list[str]:
-        return [parent.text for parent in draft.parents if parent.text in self.known]
-
-    def _states_of(self, parent: Named) -> list[str] | None:
-        draft = self.known.get(parent.text)
-        return [state.text for state in draft.states] if draft is not None else None
+        self._report("B112", place, hint=hint, text=text, node=self._draft.id, row=row)
+        return []
 
     def _report(
         self, case: str, place: Place, /, *, hint: str | None = None, **fields: object
@@ -206,38 +170,42 @@ def _by_rounding(texts: Sequence[str]) -> float:
     return min(sum(0.5 * 10.0**-n for n in places), _MOST_BY_ROUNDING)
 
 
-def unsupported(of: str, nodes: Sequence[Named], hint: str) -> Problem:
+def unsupported(type_: str, nodes: Sequence[Named], hint: str) -> Problem:
     """Return one problem for all nodes of a type that no monitor can have (B202).
 
     Args:
-        of: the type, as the file calls it.
+        type_: as the file calls it.
         nodes: at least one.
         hint: what to do.
     """
     names = ", ".join(repr(node.text) for node in nodes[:_SHOWN])
     more = f" and {len(nodes) - _SHOWN} more" if len(nodes) > _SHOWN else ""
-    what = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
-    return problem("B202.node_type", nodes[0].place, hint=hint, subject=what, type=of)
+    subject = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
+    return problem("B202.node_type", nodes[0].place, hint=hint, subject=subject, type=type_)
 
 
-def no_variable(name: str, place: Place, hint: str | None = None) -> Problem:
-    """Return the problem with a table of a variable that the file does not have (B205)."""
-    return problem("B205.unknown_variable", place, hint=hint, name=name)
+def missing_rows(
+    name: str,
+    place: Place,
+    parents: Mapping[str, Sequence[str]],
+    rows: Mapping[tuple[str, ...], object],
+) -> list[Problem]:
+    """Return the problem that not every combination of the parents' states has a row (B110).
 
-
-def defined_twice(name: str, line: int | None, place: Place) -> Problem:
-    """Return the problem with the second table of a variable; the first is in a line (B110)."""
-    return problem("B110.duplicate_definition", place, name=name, line=line)
-
-
-def first_missing(
-    parents: Sequence[str], states: Sequence[Sequence[str]], there: set[tuple[str, ...]]
-) -> tuple[int, list[str]]:
-    """Return how many combinations of the parents' states are missing, and the first three."""
-    total = math.prod(len(state) for state in states)
-    lacking = (combination for combination in product(*states) if combination not in there)
+    Args:
+        name: of the node.
+        place: of its table.
+        parents: parent -> its states.
+        rows: by the states of the parents, all of which exist.
+    """
+    number = math.prod(map(len, parents.values())) - len(rows)
+    if not number:
+        return []
+    cases = (case for case in product(*parents.values()) if case not in rows)
     shown = [
-        ", ".join(f"{n}={s}" for n, s in zip(parents, combination, strict=True))
-        for combination in islice(lacking, 3)
+        ", ".join(f"{parent}={state}" for parent, state in zip(parents, case, strict=True))
+        for case in islice(cases, 3)
     ]
-    return total - len(there), shown
+    rest = ", ..." if number > len(shown) else ""
+    fields = {"rows": "row" if number == 1 else "rows", "shown": "; ".join(shown), "rest": rest}
+    return [problem("B110.missing_rows", place, name=name, number=number, **fields)]

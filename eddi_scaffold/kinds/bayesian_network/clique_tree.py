@@ -2,26 +2,24 @@
 
 A binary tree (Shenoy 1997, "Binary join trees for computing marginals in the Shenoy-Shafer
 architecture"): leaves are the tables of the nodes, the evidence vectors and one place for each
-output; each inner node joins two. All is symbolic here: no number is touched, so a network that is
-far too wide is recognised without allocating anything.
+output; each inner node joins two. No number of a table is touched, so a network that is far too
+wide is recognised without allocating anything.
 
 The order is found greedily: the pair whose result is smallest, less what it replaces (Gray &
 Kourtis 2021, "Hyper-optimized tensor network contraction", section 4.1). Some fixed pseudo-random
-weightings and two orders of elimination are tried and the cheapest tree is kept. Costs are whole
-numbers and ties go by index: the same network gives the same tree on every machine.
-
-The orders of elimination are the two classic greedy rules (Koller & Friedman 2009, section
-9.4.3.2): the node whose elimination adds the fewest edges to the graph, or makes the smallest
-table. They see the graph as a whole and find narrower orders than the joining of pairs when tables
-are large.
+weightings are tried, and the two classic orders of elimination (Koller & Friedman 2009, section
+9.4.3.2): the node that adds the fewest edges to the graph, or makes the smallest table. These see
+the graph as a whole, and are narrower when tables are large. Costs are whole numbers and ties go
+by index: the same network gives the same tree on every machine.
 """
 
 from __future__ import annotations
 
 import heapq
 import random
-from collections.abc import Callable, Collection, Sequence
-from itertools import islice
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import cache, partial
+from itertools import combinations, islice
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, bits, mask_of, size_of
@@ -29,8 +27,8 @@ from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, bit
 TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
 _SMALL = 64
 """Entries up to which two constant tables are joined in advance in any case."""
-_TRIALS = 1_200
-"""Leaves that are tried in all; a large network gets fewer trials."""
+_LEAVES_IN_ALL_TRIALS = 1_200
+"""A large network gets fewer trials."""
 _PAIRS = 6_000
 _MOST, _LEAST = 24, 8
 """How many partners of a table are compared: a node with a thousand children is no reason for
@@ -72,21 +70,20 @@ class Tree(NamedTuple):
     top: tuple[int, int]
 
 
-def make_leaves(shape: Shape, part: Component, narrow: int = 0) -> tuple[Leaf, ...]:
+def _leaves(shape: Shape, part: Component, narrow: int) -> tuple[Leaf, ...]:
     """Return the leaves of a part.
 
     Tables with narrow nodes depend on their states, too, although they have an axis for them.
     The prior of an observable root goes with its evidence, so that it cancels exactly when the
     node is observed.
     """
-    inputs, outputs, given = set(part.inputs), set(part.outputs), mask_of(part.given)
-    leaves = []
+    given, leaves = mask_of(part.given), []
     for node in part.nodes:
-        if node in outputs or node not in inputs or shape.parents[node]:
-            family = mask_of((*shape.parents[node], node))
+        if node in part.outputs or node not in part.inputs or shape.parents[node]:
+            family = mask_of(shape.family(node))
             leaves.append(Leaf(TABLE, node, family & ~given, family & (given | narrow)))
     leaves += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
-    leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in inputs]
+    leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
     return tuple(leaves)
 
 
@@ -107,156 +104,138 @@ def find_tree(
             large parts get fewer.
         narrow: inputs that mostly have no axis.
     """
-    leaves = make_leaves(shape, part, mask_of(narrow))
+    leaves = _leaves(shape, part, mask_of(narrow))
     cards = tuple(1 if node in narrow else card for node, card in enumerate(shape.cards))
     trees = []
-    for trial in range(max(1, min(trials, _TRIALS // len(leaves)))):
-        weight = random.Random(trial).random if trial else None  # noqa: S311 - no secret
-        search = _Search(leaves, cards, weight, gain=_GAINS[trial % 2])
-        _join_while(search, constants_only=True)
+    for trial in range(max(1, min(trials, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
+        weight = random.Random(trial).random if trial else lambda: 0.5  # noqa: S311 - no secret
+        search = _Search(leaves, cards, _GAINS[trial % 2], weight)
+        search.join_pairs(constants_only=True)
         while len(search.active) > 2:  # once, unless there are more partners than are compared
-            _join_while(search, constants_only=False)
+            search.join_pairs(constants_only=False)
         trees.append(search.tree())
-    masks = [leaf.mask for leaf in leaves]
     for rule in (fewest_edges, smallest_table):
-        order = elimination_order(masks, cards, rule)
-        search = _Search(leaves, cards, None, gain=_GAINS[0])
-        trees.append(_by_elimination(search, order))
+        search = _Search(leaves, cards, _GAINS[0], lambda: 0.5)
+        search.join_pairs(constants_only=True)
+        search.eliminate(elimination_order([leaf.mask for leaf in leaves], cards, rule))
+        trees.append(search.tree())
     return min(trees, key=cost)  # the first of equals
 
 
 class _Search:
-    """The state of one greedy search."""
+    """One greedy search: numbers are joined until two are active."""
 
     def __init__(
-        self,
-        leaves: Sequence[Leaf],
-        cards: Sequence[int],
-        weight: Callable[[], float] | None,
-        *,
-        gain: int,
+        self, leaves: tuple[Leaf, ...], cards: Sequence[int], gain: int, weight: Callable[[], float]
     ) -> None:
-        self.leaves = leaves
-        self.cards = cards
-        self.gain = gain
-        self.weight = weight
-        self.most = max(_LEAST, min(_MOST, _PAIRS // len(leaves)))
-        self.masks = [leaf.mask for leaf in leaves]
-        self.constant = [leaf.kind == TABLE and not leaf.seen for leaf in leaves]
-        self.joins: list[tuple[int, int]] = []
+        self._leaves, self._gain, self._weight = leaves, gain, weight
+        self._size = cache(partial(size_of, cards=cards))
+        self._most = max(_LEAST, min(_MOST, _PAIRS // len(leaves)))
+        self._masks = [leaf.mask for leaf in leaves]
+        self._constant = [leaf.kind == TABLE and not leaf.seen for leaf in leaves]
+        self._joins: list[tuple[int, int]] = []
         self.active = dict.fromkeys(range(len(leaves)))
-        self.holders: dict[int, list[int]] = {}
-        for number, mask in enumerate(self.masks):
+        self._holders: dict[int, list[int]] = {}
+        for number, mask in enumerate(self._masks):
             for node in bits(mask):
-                self.holders.setdefault(node, []).append(number)
-        self.sizes: dict[int, int] = {}
-
-    def size(self, mask: int) -> int:
-        found = self.sizes.get(mask)
-        if found is None:
-            found = self.sizes[mask] = size_of(mask, self.cards)
-        return found
-
-    def outside(self, one: int, other: int) -> int:
-        """Return the nodes of a joined pair that something else has as well."""
-        kept = 0
-        for node in bits(self.masks[one] | self.masks[other]):
-            if any(holder not in (one, other) for holder in self.holders[node]):
-                kept |= 1 << node
-        return kept
-
-    def join(self, one: int, other: int) -> int:
-        mask, number = self.outside(one, other), len(self.masks)
-        for node in bits(self.masks[one] | self.masks[other]):
-            holders = self.holders[node]
-            holders[:] = [holder for holder in holders if holder not in (one, other)]
-            if mask >> node & 1:
-                holders.append(number)
-        del self.active[one], self.active[other]
-        self.active[number] = None
-        self.masks.append(mask)
-        self.constant.append(self.constant[one] and self.constant[other])
-        self.joins.append((one, other))
-        return number
-
-    def partners(self, number: int, *, only_later: bool) -> list[int]:
-        first = number if only_later else -1
-        found = {
-            one
-            for node in bits(self.masks[number])
-            for one in islice((h for h in self.holders[node] if h > first), self.most + 1)
-        }
-        found.discard(number)
-        return sorted(found)[: self.most]
-
-    def joint(self, one: int, other: int) -> int:
-        return self.size(self.masks[one] | self.masks[other])
-
-    def score(self, one: int, other: int) -> int:
-        gain = self.size(self.masks[one]) + self.size(self.masks[other])
-        factor = 256 if self.weight is None else 64 + int(self.weight() * 384)
-        return self.size(self.outside(one, other)) * factor - gain * self.gain
+                self._holders.setdefault(node, []).append(number)
 
     def tree(self) -> Tree:
-        left = list(self.active)
-        masks = tuple(self.masks)
-        return Tree(tuple(self.leaves), tuple(self.joins), masks, (left[0], left[-1]))
+        active = list(self.active)
+        return Tree(self._leaves, tuple(self._joins), tuple(self._masks), (active[0], active[-1]))
 
+    def join_pairs(self, *, constants_only: bool) -> None:
+        """Join the best pair, again and again."""
+        heap: list[tuple[int, int, int]] = []
 
-def _by_elimination(search: _Search, order: Sequence[int]) -> Tree:
-    _join_while(search, constants_only=True)
-    for node in order:
-        while len(search.holders[node]) > 1 and len(search.active) > 2:
-            holders = search.holders[node][: search.most]  # ascending: a new number is the largest
-            pairs = ((holder, other) for holder in holders for other in holders if holder < other)
-            search.join(*min(pairs, key=lambda pair: (search.joint(*pair), pair)))
-    return search.tree()
+        def offer(number: int, *, from_: int) -> None:
+            if constants_only and not self._constant[number]:
+                return
+            for partner in self._partners(number, from_):
+                if self._constant[partner] or not constants_only:
+                    heapq.heappush(heap, (self._score(number, partner), number, partner))
 
-
-def _join_while(search: _Search, *, constants_only: bool) -> None:
-    heap: list[tuple[int, int, int]] = []
-
-    def offer(number: int, *, all_partners: bool) -> None:
-        if constants_only and not search.constant[number]:
-            return
-        for other in search.partners(number, only_later=not all_partners):
-            if search.constant[other] or not constants_only:
-                heapq.heappush(heap, (search.score(number, other), number, other))
-
-    for number in list(search.active):
-        offer(number, all_partners=False)
-    while heap and len(search.active) > 2:
-        _, one, other = heapq.heappop(heap)
-        if one not in search.active or other not in search.active:
-            continue
-        if constants_only:
-            replaced = search.size(search.masks[one]) + search.size(search.masks[other])
-            if search.size(search.outside(one, other)) > max(_SMALL, replaced):
+        for number in list(self.active):
+            offer(number, from_=number + 1)
+        while heap and len(self.active) > 2:
+            _, *pair = heapq.heappop(heap)
+            if not self.active.keys() >= {*pair}:
                 continue
-        offer(search.join(one, other), all_partners=True)
+            if constants_only:
+                replaced = sum(self._size(self._masks[number]) for number in pair)
+                if self._size(self._outside(*pair)) > max(_SMALL, replaced):
+                    continue
+            offer(self._join(*pair), from_=0)
+
+    def eliminate(self, order: Sequence[int]) -> None:
+        """Join the tables of one node after the other, those with the smallest product first."""
+        for node in order:
+            while len(self._holders[node]) > 1 and len(self.active) > 2:
+                # The holders ascend: a new number is the largest.
+                pairs = combinations(self._holders[node][: self._most], 2)
+                self._join(*min(pairs, key=lambda pair: (self._joint_size(*pair), pair)))
+
+    def _joint_size(self, first: int, second: int) -> int:
+        return self._size(self._masks[first] | self._masks[second])
+
+    def _outside(self, *pair: int) -> int:
+        """Return the nodes of a joined pair that something else has as well."""
+        first, second = pair
+        return mask_of(
+            node
+            for node in bits(self._masks[first] | self._masks[second])
+            if any(holder not in pair for holder in self._holders[node])
+        )
+
+    def _join(self, *pair: int) -> int:
+        first, second = pair
+        mask, number = self._outside(first, second), len(self._masks)
+        for node in bits(self._masks[first] | self._masks[second]):
+            holders = self._holders[node]
+            holders[:] = [holder for holder in holders if holder not in pair]
+            if mask >> node & 1:
+                holders.append(number)
+        del self.active[first], self.active[second]
+        self.active[number] = None
+        self._masks.append(mask)
+        self._constant.append(self._constant[first] and self._constant[second])
+        self._joins.append((first, second))
+        return number
+
+    def _partners(self, number: int, from_: int) -> list[int]:
+        partners = {
+            partner
+            for node in bits(self._masks[number])
+            for partner in islice((h for h in self._holders[node] if h >= from_), self._most + 1)
+        }
+        return sorted(partners - {number})[: self._most]
+
+    def _score(self, first: int, second: int) -> int:
+        replaced = self._size(self._masks[first]) + self._size(self._masks[second])
+        factor = 64 + int(self._weight() * 384)
+        return self._size(self._outside(first, second)) * factor - replaced * self._gain
 
 
 _WIDE = 64
 """Neighbours beyond which no table over them can be made: they need not be counted one by one."""
-Rule = Callable[[int, dict[int, int], Sequence[int]], int]
+Rule = Callable[[int, Mapping[int, int], Sequence[int]], int]
 
 
-def fewest_edges(node: int, around: dict[int, int], cards: Sequence[int]) -> int:
+def fewest_edges(node: int, neighbours: Mapping[int, int], cards: Sequence[int]) -> int:
     """Return how many edges the elimination of a node adds, twice, weighted by their tables."""
-    mask = around[node]
-    count = (mask).bit_count()
-    if count > _WIDE:
-        return 1 << count
-    added = 0
-    for other in bits(mask):
-        missing = mask & ~around[other] & ~(1 << other)
-        added += cards[other] * sum(cards[bit] for bit in bits(missing))
-    return added
+    adjacent = neighbours[node]
+    if adjacent.bit_count() > _WIDE:
+        return 1 << adjacent.bit_count()
+    return sum(
+        cards[other]
+        * sum(cards[bit] for bit in bits(adjacent & ~neighbours[other] & ~(1 << other)))
+        for other in bits(adjacent)
+    )
 
 
-def smallest_table(node: int, around: dict[int, int], cards: Sequence[int]) -> int:
+def smallest_table(node: int, neighbours: Mapping[int, int], cards: Sequence[int]) -> int:
     """Return the entries of the table that the elimination of a node needs."""
-    return size_of(around[node] | 1 << node, cards)
+    return size_of(neighbours[node] | 1 << node, cards)
 
 
 def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> tuple[int, ...]:
@@ -267,11 +246,11 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
         cards: number of states of each node.
         rule: the node with the smallest value is next.
     """
-    around: dict[int, int] = {}
+    neighbours: dict[int, int] = {}
     for mask in masks:
         for node in bits(mask):
-            around[node] = around.get(node, 0) | mask & ~(1 << node)
-    price = {node: rule(node, around, cards) for node in sorted(around)}
+            neighbours[node] = neighbours.get(node, 0) | mask & ~(1 << node)
+    price = {node: rule(node, neighbours, cards) for node in sorted(neighbours)}
     cheapest = [(value, node) for node, value in price.items()]
     heapq.heapify(cheapest)
     order: list[int] = []
@@ -281,20 +260,20 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
             continue  # eliminated, or priced anew since
         order.append(node)
         del price[node]
-        for other in bits(_without(node, around)):
-            price[other] = rule(other, around, cards)
+        for other in bits(_without(node, neighbours)):
+            price[other] = rule(other, neighbours, cards)
             heapq.heappush(cheapest, (price[other], other))
     return tuple(order)
 
 
-def _without(node: int, around: dict[int, int]) -> int:
+def _without(node: int, neighbours: dict[int, int]) -> int:
     """Take a node out and connect its neighbours; return the nodes whose price may be another."""
-    near = around.pop(node)
-    changed, added = near, False
-    for other in bits(near):
-        before = around[other] & ~(1 << node)
-        around[other] = (before | near) & ~(1 << other)
-        added = added or around[other] != before
-    for other in bits(near) if added else ():
-        changed |= around[other]
+    adjacent = neighbours.pop(node)
+    changed, has_new_edge = adjacent, False
+    for other in bits(adjacent):
+        before = neighbours[other] & ~(1 << node)
+        neighbours[other] = (before | adjacent) & ~(1 << other)
+        has_new_edge = has_new_edge or neighbours[other] != before
+    for other in bits(adjacent) if has_new_edge else ():
+        changed |= neighbours[other]
     return changed

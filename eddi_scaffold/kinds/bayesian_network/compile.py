@@ -3,30 +3,24 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
+    WIDE,
     Part,
     Program,
-    cases_of,
     everything,
-    few,
     foreseen,
 )
 from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, priors_of
+from eddi_scaffold.kinds.bayesian_network.message_passing import Plan
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
-from eddi_scaffold.kinds.bayesian_network.steps import Steps, answers_of, message_rows, steps_of
-from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, numbered
-from eddi_scaffold.kinds.bayesian_network.table_text import (
-    look_up_lines,
-    sum_lines,
-    total_lines,
-)
+from eddi_scaffold.kinds.bayesian_network.steps import Steps
+from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, bits, numbered
+from eddi_scaffold.kinds.bayesian_network.table_text import look_up_lines, sum_lines, total_lines
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
-from eddi_scaffold.kinds.bayesian_network.width import WIDE, Plan
-from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,
     Declaration,
@@ -51,16 +45,9 @@ from eddi_scaffold.program.python_text import Part as Text
 
 FORMAT = 3
 MODULES = (
-    "claims",
-    "direct",
-    "explain",
-    "memory",
-    "patterns",
-    "readers",
-    "schedule",
-    "tables",
+    "claims", "direct", "explain", "memory", "patterns", "readers", "schedule", "tables",
     "threshold_monitor",
-)
+)  # fmt: skip
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
 _MANY = 2_000
@@ -68,15 +55,6 @@ _MANY = 2_000
 
 More would take Python seconds, and hundreds of megabytes, to import.
 """
-
-
-class Source(NamedTuple):
-    """An input that feeds a node; without arguments of a reader it holds the state itself."""
-
-    node: int
-    position: int
-    input: BoundInput
-    arguments: Mapping[str, Any] | None
 
 
 def compile_network(
@@ -87,132 +65,93 @@ def compile_network(
     outputs = [number_of[node] for node in options.inferred]
     observed = [number_of[node] for node in options.observable]
     program = foreseen(numbered(network), outputs, observed)
-    lines = monitor_lines(network, options, declaration, program)
-    return CompiledMonitor(FORMAT, lines, MODULES)
+    return CompiledMonitor(FORMAT, monitor_lines(network, options, declaration, program), MODULES)
 
 
 def monitor_lines(
     network: Network, options: NetworkOptions, declaration: Declaration, program: Program
 ) -> list[str]:
     """Return the lines of the class, and of what it uses, for a program."""
-    numbers_of_network = numbered(network)
-    number_of = {name: k for k, name in enumerate(network.names())}
-    module = _Module(numbers_of_network)
+    by_number = numbered(network)
+    module = _Module(by_number)
     main = module.program(program, "", loop=False)
-    further = everything(numbers_of_network, program)
-    rest = None if further is None else module.program(further, "all_", loop=True)
+    for_any_node = everything(by_number, program)
+    general = None if for_any_node is None else module.program(for_any_node, "all_", loop=True)
     bases = ["explain.Explaining"] if options.explain else []
     bases += ["threshold_monitor.ThresholdMonitor"] if options.thresholds else []
-    rows = (
-        Item(
-            call(
-                f"{_ROOM}.NodeSpec",
-                [text_literal(node.id), literal(node.states), text_literal(attribute)],
-            ),
-            above=f"{k} {comment(node.place.path or '')}".rstrip(),
-        )
-        for k, (node, attribute) in enumerate(
-            zip(network.nodes, numbers_of_network.attributes, strict=True)
-        )
-    )
-    given = tuple(sorted({number_of[node] for node in options.outputs}))
+    specs = []
+    for k, (node, attribute) in enumerate(zip(network.nodes, by_number.attributes, strict=True)):
+        fields = [text_literal(node.id), literal(node.states), text_literal(attribute)]
+        above = f"{k} {comment(node.place.path or '')}".rstrip()
+        specs.append(Item(call(f"{_ROOM}.NodeSpec", fields), above=above))
+    given = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
     lines = [
         *module.lines(),
         *head_lines(", ".join(bases) or f"{_ROOM}.BayesianNetworkMonitor", declaration, {}),
-        *assignment("nodes", tuple_of(rows), 4),
+        *assignment("nodes", tuple_of(specs), 4),
         *assignment("given", literal(given), 4),
         *assignment("foreseen", main, 4),
     ]
-    if rest is not None:
+    if general is not None:
         lines += ["    # For nodes that only a person's method observes, or makes an output."]
-        lines += assignment("everything", rest, 4)
+        lines += assignment("everything", general, 4)
     if options.thresholds:
-        thresholds = (_threshold(threshold, network) for threshold in options.thresholds)
+        thresholds = [_threshold(threshold, network) for threshold in options.thresholds]
         lines += assignment("thresholds", tuple_of(thresholds), 4)
     if not options.virtual:
         lines.append("    virtual = False")
     if options.on_inconsistent != "silent":
         lines.append(f"    on_inconsistent = {text_literal(options.on_inconsistent)}")
-    sources = _sources(network, options, declaration)
-    return [*lines, "", *_source_lines(network, options, sources)] if sources else lines
+    return [*lines, *_source_lines(network, options, declaration)]
 
 
 def _threshold(threshold: Threshold, network: Network) -> Text:
     states = network.node(threshold.node).states
     sign = -1.0 if threshold.at_least else 1.0
-    limits = [
-        text_literal(threshold.id),
-        number(sign * threshold.limit),
-        number(sign * threshold.release),
-        str(round(threshold.hold * 1e9)),
-    ]
-    return call(
-        "claims.StateThreshold",
-        [
-            str(network.names().index(threshold.node)),
-            literal(tuple(states.index(state) for state in threshold.states)),
-            str(threshold.at_least),
-            call("claims.Threshold", limits),
-        ],
-    )
-
-
-def _sources(network: Network, options: NetworkOptions, declaration: Declaration) -> list[Source]:
-    """Return the inputs that feed nodes, by node; a discretisation goes before a direct way.
-
-    If the configuration names which nodes are observed, the others are left out.
-    """
-    inputs = {input_.id: (k, input_) for k, input_ in enumerate(declaration.inputs)}
-    entries = {entry.node: entry for entry in options.declarations}
-    sources = []
-    for k, node in enumerate(network.nodes):
-        entry = entries.get(node.id)
-        name = options.direct.get(node.id) if entry is None else entry.input
-        if name is not None and node.id in options.observable:
-            arguments = None if entry is None else entry.reader_arguments(node.states)
-            sources.append(Source(k, *inputs[name], arguments))
-    return sources
+    node = str(network.names().index(threshold.node))
+    summed = literal(tuple(states.index(state) for state in threshold.states))
+    limits = [number(sign * threshold.limit), number(sign * threshold.release)]
+    hold_ns = str(round(threshold.hold * 1e9))
+    claim = call("claims.Threshold", [text_literal(threshold.id), *limits, hold_ns])
+    return call("claims.StateThreshold", [node, summed, str(threshold.at_least), claim])
 
 
 def _source_lines(
-    network: Network, options: NetworkOptions, sources: Sequence[Source]
-) -> list[str]:
-    rows = (
-        Item(
-            call(
-                f"{_ROOM}.Source",
-                [
-                    str(source.node),
-                    f"self.inputs[{source.position}]",
-                    _reader(network.nodes[source.node].states, source, virtual=options.virtual),
-                ],
-            ),
-            above=comment(f"{network.nodes[source.node].id} from {source.input.id}"),
-        )
-        for source in sources
-    )
-    reads = tuple_of(attribute_of("source", source.input.attribute) for source in sources)
-    return [
-        "    def sources(self):",
-        *returned(tuple_of(rows), 8),
-        "",
-        "    def read(self, source):",
-        "        try:",
-        *returned(reads, 12),
-        "        except Exception:",
-        "            return super().read(source)",
-    ]
+    network: Network, options: NetworkOptions, declaration: Declaration
+) -> Iterator[str]:
+    """Yield the lines on the inputs that feed nodes, by node.
 
-
-def _reader(states: Sequence[str], source: Source, *, virtual: bool) -> Text:
-    arguments = source.arguments
-    if arguments is None:
-        return call("direct.DirectReader", [literal(states)], virtual=str(virtual))
-    texts = {key: literal(value) for key, value in arguments.items()}
-    declaration = call("readers.Declaration", [texts.pop("missing")], **texts)
-    remembers = arguments.get("hysteresis", 0.0) > 0.0 or arguments.get("policy") == "hold"
-    reader = "memory.Remembering" if remembers else "readers.Discretiser"
-    return call(reader, [declaration, f"self.inputs[{source.position}]"])
+    If the configuration names which nodes are observed, the others are left out.
+    """
+    positions = {input_.id: k for k, input_ in enumerate(declaration.inputs)}
+    rows, reads = [], []
+    for k, node in enumerate(network.nodes):
+        input_id = options.input_of(node.id)
+        if input_id is None or node.id not in options.observable:
+            continue
+        place = f"self.inputs[{positions[input_id]}]"
+        entry = next((entry for entry in options.declarations if entry.node == node.id), None)
+        reader: Text
+        if entry is None:
+            reader = call(
+                "direct.DirectReader", [literal(node.states)], virtual=str(options.virtual)
+            )
+        else:
+            arguments = entry.reader_arguments(node.states)
+            texts = {key: literal(value) for key, value in arguments.items()}
+            spec = call("readers.Declaration", [texts.pop("missing")], **texts)
+            remembers = arguments.get("hysteresis", 0.0) > 0.0 or arguments.get("policy") == "hold"
+            reader = call(
+                "memory.Remembering" if remembers else "readers.Discretiser", [spec, place]
+            )
+        source = call(f"{_ROOM}.Source", [str(k), place, reader])
+        rows.append(Item(source, above=comment(f"{node.id} from {input_id}")))
+        reads.append(attribute_of("source", declaration.inputs[positions[input_id]].attribute))
+    if rows:
+        yield from ("", "    def sources(self):", *returned(tuple_of(rows), 8), "")
+        yield from ("    def read(self, source):", "        try:")
+        yield from returned(tuple_of(reads), 12)
+        yield from ("        except Exception:", "            return super().read(source)")
 
 
 class _Module:
@@ -220,6 +159,7 @@ class _Module:
 
     def __init__(self, network: NumberedNetwork) -> None:
         self._network = network
+        self._cards, self._names = network.shape.cards, network.shape.names
         self._blocks: list[list[str]] = []
         self._used: set[int] = set()
 
@@ -233,234 +173,221 @@ class _Module:
 
     def program(self, program: Program, prefix: str, *, loop: bool) -> Text:
         """Return a program; its parts are written before the class."""
-        written = not loop and few(self._network.shape.cards, program)
+        is_short = not loop and program.is_short(self._cards)
+        positions = {node: k for k, node in enumerate(program.observable)}
         names: dict[int, str] = {}
         for part in (*program.parts, *program.when_observed):
             if id(part) not in names:
-                names[id(part)] = f"{prefix}part_{len(names)}"
-                self._part(part, program, names[id(part)], few=written, loop=loop)
-        named: dict[str, Text] = {}
+                name = names[id(part)] = f"{prefix}part_{len(names)}"
+                self._part(part, name, positions, is_short=is_short, loop=loop)
+        further: dict[str, Text] = {}
         if program.when_observed != program.parts:
-            named["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
-        if written:
+            further["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
+        if is_short:
             self._blocks.append(self._cases(program, f"{prefix}cases"))
-            named["cases"] = f"{prefix}cases"
+            further["cases"] = f"{prefix}cases"
         return call(
             f"{_ROOM}.Program",
             [],
             outputs=literal(program.outputs),
             observable=literal(program.observable),
             parts=tuple_of(names[id(part)] for part in program.parts),
-            **named,
+            **further,
         )
 
+    def _comment(self, nodes: Iterable[int]) -> str:
+        return comment(", ".join(self._names[node] for node in nodes))
+
+    def _case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
+        names = ([*self._network.states[node], "not known"] for node in nodes)
+        return comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
+
     def _node(self, node: int) -> Item:
-        network = self._network
-        names, parents = network.shape.names, network.shape.parents[node]
-        card, table = network.shape.cards[node], network.tables[node]
-        cases = itertools.product(*(network.states[parent] for parent in parents))
+        card, table = self._cards[node], self._network.tables[node]
+        parents = self._network.shape.parents[node]
         rows: Text
         if len(table) > _MANY:
             texts = [*map(number, table)]
             lines = (" ".join(texts[k : k + card]) for k in range(0, len(table), card))
             rows = call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
         else:
+            cases = itertools.product(*(range(self._cards[parent]) for parent in parents))
             rows = tuple_of(
-                Item(numbers(table[k * card : (k + 1) * card]), behind=comment(", ".join(case)))
+                Item(
+                    numbers(table[k * card : (k + 1) * card]),
+                    behind=self._case_comment(parents, case),
+                )
                 for k, case in enumerate(cases)
             )
-        given = f" given {', '.join(names[parent] for parent in parents)}" if parents else ""
-        about = comment(f"{names[node]}{given}")
-        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=about)
+        given = f" given {', '.join(self._names[parent] for parent in parents)}" if parents else ""
+        above = comment(f"{self._names[node]}{given}")
+        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=above)
 
     def _cases(self, program: Program, name: str) -> list[str]:
-        about = [self._state_names(node) for node in program.observable]
-        rows = []
-        for case, posterior in cases_of(self._network.shape.cards, program):
-            part = literal(posterior)
-            shown = ", ".join(names[state] for names, state in zip(about, case, strict=True))
-            rows.append(
-                Item(
-                    part,
-                    prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
-                    behind=comment(shown),
-                )
+        rows = [
+            Item(
+                literal(posterior),
+                prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
+                behind=self._case_comment(program.observable, case),
             )
-        head = [f"# Posteriors of {comment(', '.join(self._names(program.outputs)) or 'no node')}"]
-        return [*head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
+            for case, posterior in program.cases(self._cards)
+        ]
+        head = f"# Posteriors of {self._comment(program.outputs) or 'no node'}"
+        return [head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
 
-    def _names(self, nodes: Iterable[int]) -> list[str]:
-        return [self._network.shape.names[node] for node in nodes]
-
-    def _state_names(self, node: int) -> list[str]:
-        return [*self._network.states[node], "not known"]
-
-    def _part(self, part: Part, program: Program, name: str, *, few: bool, loop: bool) -> None:
-        positions = {node: k for k, node in enumerate(program.observable)}
+    def _part(
+        self, part: Part, name: str, positions: Mapping[int, int], *, is_short: bool, loop: bool
+    ) -> None:
         component = part.plan.part
         if part.tables is None:
-            made = self._schedule(part, name, positions, loop=loop)
+            inference = self._schedule(part, name, positions, loop=loop)
             if part.adapted is not None:
-                made = self._adapted(part.adapted, made, f"{name}_adapted", positions)
+                inference = self._adapted(part.adapted, inference, f"{name}_adapted", positions)
         else:
-            made = self._tables(part, part.tables, name, positions, few=few or loop)
-        inputs = tuple(positions[node] for node in component.inputs)
-        named: dict[str, Text] = {
-            "inputs": literal(inputs),
+            is_short = is_short or loop
+            inference = self._tables(part.plan, part.tables, name, positions, is_short=is_short)
+        fields: dict[str, Text] = {
+            "inputs": literal(tuple(positions[node] for node in component.inputs)),
             "outputs": literal(component.outputs),
             "least": str(part.least),
         }
-        about = [f"# {comment(', '.join(self._names(component.outputs)) or 'evidence alone')}"]
-        self._blocks.append([*about, *assignment(name, call(f"{_ROOM}.Part", [made], **named), 0)])
+        head = f"# {self._comment(component.outputs) or 'evidence alone'}"
+        text = assignment(name, call(f"{_ROOM}.Part", [inference], **fields), 0)
+        self._blocks.append([head, *text])
 
     def _tables(
         self,
-        part: Part,
+        plan: Plan,
         tables: Sequence[JointTable],
         name: str,
         positions: Mapping[int, int],
         *,
-        few: bool,
+        is_short: bool,
     ) -> Text:
-        found = []
-        strides_of: list[list[tuple[int, int]]] = []
+        texts, strides_of, above = [], [], []
         for k, table in enumerate(tables):
-            strides = table.strides()
+            own, strides = f"{name}_{k}", table.strides()
             pairs = [(positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
-            named: dict[str, Text] = {}
-            own = f"{name}_{k}"
+            output = "evidence alone" if table.output < 0 else self._names[table.output]
+            inputs = [self._names[node] for node in table.inputs]
             strides_of.append(pairs)
-            if not (few and table.few()):
-                self._blocks.append(self._rows(table, f"{own}_rows"))
-                named["rows"] = f"{own}_rows"
+            above.append(comment(f"{output} by {', '.join(inputs)}" if inputs else output))
+            fields: dict[str, Text] = {}
+            if not (is_short and table.few()):
+                self._blocks.append(self._rows(table, output, f"{own}_rows"))
+                fields["rows"] = f"{own}_rows"
             if table.few():
-                counts = [count - 1 for count in table.counts]
-                axes = [comment(one) for one in self._names(table.inputs)]
-                states = self._shown_states(table.output)
-                self._blocks.append(
-                    total_lines(f"{own}_total", table.rows, counts, strides, axes, states)
-                )
-                named["total"] = f"{own}_total"
-            found.append(call("tables.Table", [literal(tuple(pairs))], **named))
-        priors = priors_of(self._network, part.plan)
-        rows = (
-            Item(numbers(prior), prefix=f"{positions[node]}: ") for node, prior in priors.items()
+                counts, states = [count - 1 for count in table.counts], [output]
+                if table.output >= 0:
+                    of_output = self._network.states[table.output]
+                    states = [comment(f"{output} = {state}") for state in of_output]
+                axes = [*map(comment, inputs)]
+                total = total_lines(f"{own}_total", table.rows, counts, strides, axes, states)
+                self._blocks.append(total)
+                fields["total"] = f"{own}_total"
+            texts.append(call("tables.Table", [literal(tuple(pairs))], **fields))
+        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, above))
+        priors = tuple(
+            Item(numbers(prior), prefix=f"{positions[node]}: ")
+            for node, prior in priors_of(self._network, plan).items()
         )
-        about = [comment(self._shown(table)) for table in tables]
-        self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, about))
-        prior_of = Group("{", tuple(rows), "}")
-        return call("tables.Tables", [tuple_of(found), prior_of, f"{name}_look_up"])
+        prior_of = Group("{", priors, "}")
+        return call("tables.Tables", [tuple_of(texts), prior_of, f"{name}_look_up"])
 
-    def _shown(self, table: JointTable) -> str:
-        given = ", ".join(self._names(table.inputs))
-        what = self._network.shape.names[table.output] if table.output >= 0 else "evidence alone"
-        return f"{what} by {given}" if given else what
-
-    def _shown_states(self, output: int) -> list[str]:
-        if output < 0:
-            return ["evidence alone"]
-        name = self._network.shape.names[output]
-        return [comment(f"{name} = {state}") for state in self._network.states[output]]
-
-    def _rows(self, table: JointTable, name: str) -> list[str]:
-        about = [self._state_names(node) for node in table.inputs]
+    def _rows(self, table: JointTable, output: str, name: str) -> list[str]:
         cases = itertools.product(*map(range, table.counts))
         rows = (
-            Item(
-                numbers(row),
-                behind=comment(", ".join(of[k] for of, k in zip(about, case, strict=True))),
-            )
+            Item(numbers(row), behind=self._case_comment(table.inputs, case))
             for row, case in zip(table.rows, cases, strict=True)
         )
-        what = self._network.shape.names[table.output] if table.output >= 0 else "evidence alone"
-        given = f"# P({comment(what)}, evidence)"
-        return [given, *assignment(name, tuple_of(rows), 0)]
-
-    def _messages(self, plan: Plan, name: str) -> None:
-        for node in plan.part.nodes:
-            self._used.update((node, *self._network.shape.parents[node]))
-        rows = message_rows(plan)
-        messages = (
-            Item(
-                literal(tuple(row)),
-                behind=f"{k} {comment(', '.join(self._names(row.nodes)))}".rstrip(),
-            )
-            for k, row in enumerate(rows)
-        )
-        self._blocks.append(
-            [
-                "# Kind, parts, nodes, inputs, known.",
-                *assignment(f"{name}_messages", tuple_of(messages), 0),
-            ]
-        )
+        return [f"# P({comment(output)}, evidence)", *assignment(name, tuple_of(rows), 0)]
 
     def _schedule(self, part: Part, name: str, positions: Mapping[int, int], *, loop: bool) -> Text:
-        plan, cards = part.plan, self._network.shape.cards
+        plan, program = part.plan, part.plan.program
         self._messages(plan, name)
         hard: Text = "None"
         if not loop and part.adapted is None:
-            steps = steps_of(plan.program, cards, positions, look_up=True)
+            steps = Steps(program, self._cards, positions, look_up=True)
             hard = self._steps(steps, f"{name}_hard")
         full: Text = "None"
         if not plan.part.given:
-            steps = steps_of(plan.program, cards, positions)
+            steps = Steps(program, self._cards, positions)
             full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
-        fields = [literal(answers_of(plan)), hard, full]
+        edges = [*program.messages]
+        answers = [program.answers[node] for node in plan.part.outputs] or program.evidence
+        fields = [literal(tuple(map(edges.index, answers))), hard, full]
         return call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
 
     def _adapted(
         self, plan: Plan, otherwise: Text, name: str, positions: Mapping[int, int]
     ) -> Text:
         self._messages(plan, name)
-        steps = steps_of(plan.program, self._network.shape.cards, positions, adapting=True)
+        steps = Steps(plan.program, self._cards, positions, adapting=True)
         inputs = tuple(node for node in plan.part.inputs if node not in plan.part.outputs)
         fields = [f"{name}_messages", self._loop(steps, name), literal(inputs), str(WIDE)]
         return call("patterns.Adapted", [otherwise, *fields])
 
+    def _messages(self, plan: Plan, name: str) -> None:
+        """Write the messages of a plan, for which the runtime makes arrays."""
+        for node in plan.part.nodes:
+            self._used.update(self._network.shape.family(node))
+        program, number_of = plan.program, {}
+        in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
+        rows = []
+        for k, (edge, message) in enumerate(program.messages.items()):
+            number_of[edge] = k
+            parts = tuple(number_of[part] for part in message.parts)
+            kind = message.kind or "product"
+            if kind in (TABLE, EVIDENCE):
+                leaf = plan.tree.leaves[message.leaf]
+                if kind == TABLE:
+                    parts = (leaf.node,)
+                elif leaf.node not in in_tables:
+                    kind = "prior"
+            is_known = not message.inputs or edge in program.tabulated or not message.parts
+            seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
+            nodes, inputs = tuple(bits(message.mask)), tuple(bits(seen)) if is_known else ()
+            row = literal((kind, parts, nodes, inputs, is_known))
+            rows.append(Item(row, behind=f"{k} {self._comment(nodes)}".rstrip()))
+        text = assignment(f"{name}_messages", tuple_of(rows), 0)
+        self._blocks.append(["# Kind, parts, nodes, inputs, known.", *text])
+
     def _slots(self, steps: Steps, name: str) -> None:
-        rows = (
-            Item(literal(row), behind=of) for row, of in zip(steps.slots, steps.names, strict=True)
-        )
-        self._blocks.append(assignment(f"{name}_slots", tuple_of(rows), 0))
+        pairs = zip(steps.slots, steps.names, strict=True)
+        rows = tuple_of(Item(literal(row), behind=slot) for row, slot in pairs)
+        self._blocks.append(assignment(f"{name}_slots", rows, 0))
 
     def _steps(self, steps: Steps, name: str) -> Text:
         self._slots(steps, name)
-        lines = [f"def {name}(numpy, slots):"]
-        used = dict.fromkeys(operation.function for operation in steps.operations)
+        functions = dict.fromkeys(operation.function for operation in steps.operations)
         if any("dot(" in row for row in steps.rows):
-            used["dot"] = None
-        lines += [f"    {function} = numpy.{function}" for function in used]
+            functions["dot"] = None
+        lines = [f"    {function} = numpy.{function}" for function in functions]
         lines += unpacked(steps.names, "slots", 4)
-        if len(lines) > 1:
-            lines.append("")
+        lines = [f"def {name}(numpy, slots):", *lines, *([""] if lines else [])]
         lines.append("    def step(s):")
         for case, terms in steps.cases.items():
             lines += sum_lines(case, [f"s[{position}] * {by}" for position, by in terms], 8)
         for operation in steps.operations:
             line = f"        {operation.function}({', '.join(operation.operands)})"
-            lines.append(
-                f"{line}  # {comment(', '.join(self._names(operation.nodes)))}".rstrip(" #")
-            )
+            lines.append(f"{line}  # {self._comment(operation.nodes)}".rstrip(" #"))
         lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
         self._blocks.append([*lines, "", "    return step"])
         return call("schedule.Steps", [f"{name}_slots", name])
 
     def _loop(self, steps: Steps, name: str) -> Text:
+        """Write the operations of a step as a table, which the runtime runs through."""
         self._slots(steps, name)
-        rows = (
-            Item(
-                literal(
-                    (
-                        operation.message,
-                        operation.function,
-                        *(int(text[1:]) for text in operation.operands),
-                    )
-                ),
-                behind=comment(", ".join(self._names(operation.nodes))),
-            )
-            for operation in steps.operations
-        )
+        rows = []
+        for operation in steps.operations:
+            operands = (int(text[1:]) for text in operation.operands)
+            row = literal((operation.message, operation.function, *operands))
+            rows.append(Item(row, behind=self._comment(operation.nodes)))
         self._blocks.append(assignment(f"{name}_operations", tuple_of(rows), 0))
         answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)
-        named = {"operations": f"{name}_operations", "answers": literal(answers)}
-        return call("schedule.Steps", [f"{name}_slots"], **named)
+        return call(
+            "schedule.Steps",
+            [f"{name}_slots"],
+            operations=f"{name}_operations",
+            answers=literal(answers),
+        )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import logging
 import math
 import random
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
@@ -35,14 +36,17 @@ def cross_check(
             import pgmpy.inference  # noqa: F401, PLC0415 - an extra of 500 MB
     except ImportError:
         place = Place(network.place.file)  # no line of the model is to blame
-        found = problem("B306.not_run", place)
-        return CrossCheck("", (found,))
-    monitor = running()
-    cases = list(cases_of(network, settings.observed))
-    peer = PgmpyNetwork(network)
-    largest = 0.0
+        return CrossCheck("", (problem("B306.not_run", place),))
+    monitor, peer = running(), _PgmpyNetwork(network)
+    cases, largest = list(_cases(network, settings.observed)), 0.0
     for case in cases:
-        largest = max(largest, _difference(monitor, peer, settings.inferred, case))
+        try:
+            ours = posteriors(monitor, case)
+        except InconsistentEvidenceError:
+            continue  # pgmpy reports it only where the contradiction affects the query
+        for output in settings.inferred:
+            for p, q in zip(ours[output], peer.posterior(output, case), strict=True):
+                largest = max(largest, 1.0 if math.isnan(q) else abs(p - q))
     if largest > TOLERANCE:
         return CrossCheck("", (problem("B306.differs", network.place, largest=largest),))
     # Digits below that differ between machines; what is written must not.
@@ -51,100 +55,74 @@ def cross_check(
     return CrossCheck(f"Cross-checked with pgmpy: {tried}, largest difference below {bound:g}.")
 
 
-def cases_of(network: Network, observed: Sequence[str], seed: int = 1) -> Iterator[Case]:
+def _cases(network: Network, observed: Sequence[str]) -> Iterator[Case]:
     """Yield evidence: all hard sets of a small network, else random ones, then soft ones."""
-    states = {name: network.node(name).states for name in observed}
-    count = math.prod(len(of) + 1 for of in states.values())
-    rng = random.Random(seed)  # noqa: S311 - repeatable on purpose
-    if count <= EVERY_CASE:
-        for chosen in itertools.product(*((None, *of) for of in states.values())):
-            yield {n: state for n, state in zip(states, chosen, strict=True) if state is not None}
+    states_of = {name: network.node(name).states for name in observed}
+    rng = random.Random(1)  # noqa: S311 - repeatable on purpose
+    if math.prod(len(states) + 1 for states in states_of.values()) <= EVERY_CASE:
+        for chosen in itertools.product(*((None, *states) for states in states_of.values())):
+            pairs = zip(states_of, chosen, strict=True)
+            yield {name: state for name, state in pairs if state is not None}
     else:
         for _ in range(CASES):
             yield {
-                name: of[int(rng.random() * len(of))]
-                for name, of in states.items()
+                name: states[int(rng.random() * len(states))]
+                for name, states in states_of.items()
                 if rng.random() < 0.7
             }
-    for _ in range(SOFT_CASES if states else 0):
+    for _ in range(SOFT_CASES if states_of else 0):
         yield {
-            name: [0.05 + rng.random() for _ in of]
+            name: [0.05 + rng.random() for _ in states]
             if rng.random() < 0.5
-            else of[int(rng.random() * len(of))]
-            for name, of in states.items()
+            else states[int(rng.random() * len(states))]
+            for name, states in states_of.items()
             if rng.random() < 0.8
         }
 
 
-class PgmpyNetwork:
+class _PgmpyNetwork:
     """The network in pgmpy, passed in memory: its readers and writers change names."""
 
     def __init__(self, network: Network) -> None:
-        import logging  # noqa: PLC0415 - only here
-
         from pgmpy.factors.discrete import TabularCPD  # noqa: PLC0415 - an extra
         from pgmpy.inference import VariableElimination  # noqa: PLC0415 - an extra
         from pgmpy.models import DiscreteBayesianNetwork  # noqa: PLC0415 - an extra
 
         logging.getLogger("pgmpy").setLevel(logging.ERROR)
-        self.network = network
+        self._states = {node.id: list(node.states) for node in network.nodes}
         self._cpd = TabularCPD
-        model = DiscreteBayesianNetwork()
-        model.add_nodes_from(network.names())
+        self._model = DiscreteBayesianNetwork()
+        self._model.add_nodes_from(network.names())
+        self._model.add_edges_from((p, node.id) for node in network.nodes for p in node.parents)
         for node in network.nodes:
-            for parent in node.parents:
-                model.add_edge(parent, node.id)
-        for node in network.nodes:
-            model.add_cpds(self._table(node.id))
-        self._inference = VariableElimination(model)
+            width, parents = len(node.states), list(node.parents)
+            rows = [list(node.table[k::width]) for k in range(width)]
+            cards = [len(self._states[parent]) for parent in parents]
+            names = {name: self._states[name] for name in (node.id, *parents)}
+            cpd = TabularCPD(node.id, width, rows, parents, cards, state_names=names)
+            self._model.add_cpds(cpd)
         self._elimination = VariableElimination
-        self._model = model
-
-    def _table(self, name: str) -> Any:
-        node = self.network.node(name)
-        width = len(node.states)
-        rows = [list(node.table[k::width]) for k in range(width)]
-        cards = [len(self.network.node(parent).states) for parent in node.parents]
-        names = {one: list(self.network.node(one).states) for one in (name, *node.parents)}
-        return self._cpd(name, width, rows, list(node.parents), cards, state_names=names)
+        self._inference = VariableElimination(self._model)
 
     def posterior(self, output: str, case: Case) -> list[float]:
         """Return the posterior of one output; NaN for evidence of probability zero."""
         hard = {name: value for name, value in case.items() if isinstance(value, str)}
-        soft = [
-            self._soft(name, value) for name, value in case.items() if not isinstance(value, str)
-        ]
+        soft: list[Any] = []
+        for name, value in case.items():
+            if not isinstance(value, str):
+                column = [[likelihood / max(value)] for likelihood in value]
+                names = {name: self._states[name]}
+                soft.append(self._cpd(name, len(value), column, state_names=names))
         if output in hard:
-            states = self.network.node(output).states
-            return [float(state == hard[output]) for state in states]
+            return [float(state == hard[output]) for state in self._states[output]]
+        # Virtual evidence changes the model: each query has its own.
         inference = self._elimination(self._model) if soft else self._inference
-        found = inference.query(
+        factor = inference.query(
             [output],
             evidence=hard or None,
             virtual_evidence=soft or None,
             elimination_order="greedy",
             show_progress=False,
         )
-        index = found.state_names[output]
-        return [float(found.values[index.index(s)]) for s in self.network.node(output).states]
-
-    def _soft(self, name: str, likelihoods: Iterable[float]) -> Any:
-        values = list(likelihoods)
-        top = max(values)
-        states = {name: list(self.network.node(name).states)}
-        return self._cpd(name, len(values), [[v / top] for v in values], state_names=states)
-
-
-def _difference(
-    monitor: BayesianNetworkMonitor, peer: PgmpyNetwork, outputs: Sequence[str], case: Case
-) -> float:
-    try:
-        ours = posteriors(monitor, case)
-    except InconsistentEvidenceError:
-        return 0.0  # pgmpy reports it only where the contradiction affects the query
-    largest = 0.0
-    for output in outputs:
-        theirs = peer.posterior(output, case)
-        pairs = zip(ours[output], theirs, strict=True)
-        largest = max(largest, *(1.0 if math.isnan(b) else abs(a - b) for a, b in pairs))
-    return largest
+        states = factor.state_names[output]
+        return [float(factor.values[states.index(state)]) for state in self._states[output]]

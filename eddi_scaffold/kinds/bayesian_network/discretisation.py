@@ -4,17 +4,51 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeGuard
 
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
-from eddi_scaffold.kinds import DeclaredInput, InputType, JsonValue, Options
+from eddi_runtime.bayesian_network import readers
+
+from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.kinds import InputType, Options
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
-TRUTH = {"true": True, "false": False}
+UNOBSERVED = "unobserved"
+_TRUTH = {"true": True, "false": False}
 """Keys of maps are texts; those that mean a bool."""
+_OF_BINS = ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf")
+_KEYS = ("input", "bins", *_OF_BINS, "map", "sentinel", "out_of_range", "missing")
+_USUAL: Mapping[str, Any] = readers.Declaration._field_defaults
+
+
+class EntryReader:
+    """Reads keys of a configuration, and collects what is wrong with them.
+
+    Args:
+        options: the configuration.
+        path: of the entry, below ``Model:``.
+        subject: what each message begins with, if anything.
+    """
+
+    def __init__(self, options: Options, *path: str | int, subject: str = "") -> None:
+        self.options, self.path, self.subject = options, path, subject
+        self.problems: list[Problem] = []
+
+    def report(
+        self, case: str, /, *path: str | int, hint: str | None = None, **fields: object
+    ) -> None:
+        """Report a problem with a key of the entry, or with the entry itself."""
+        fault = problem(case, self.options.place(*self.path, *path), hint=hint, **fields)
+        self.problems.append(fault.about(self.subject) if self.subject else fault)
+
+    def check_keys(self, entry: Mapping[str, Any], known: Sequence[str]) -> None:
+        """Report keys that do not exist."""
+        for key in entry:
+            if key not in known:
+                hint = did_you_mean(key, known) or f"known keys: {', '.join(known)}"
+                self.report("B404.unknown_key", key, hint=hint, key=key)
 
 
 def is_number(value: object) -> TypeGuard[int | float]:
@@ -24,45 +58,31 @@ def is_number(value: object) -> TypeGuard[int | float]:
     return isinstance(value, float) or abs(value) <= sys.float_info.max
 
 
-def is_raw(value: object) -> bool:
-    """Return whether an input can have this value and JSON can hold it."""
-    if isinstance(value, bool | str):
-        return True
-    return isinstance(value, int | float) and is_number(value) and math.isfinite(value)
+def _is_finite(value: object) -> TypeGuard[int | float]:
+    return is_number(value) and math.isfinite(value)
 
 
-def as_integer(text: str) -> int | None:
-    """Return the integer that a key of a map is, ``None`` for others."""
-    try:
-        return int(text)
-    except ValueError:
-        return None
+def _is_range(value: object) -> bool:
+    match value:
+        case [low, high] if is_number(low) and is_number(high):
+            return low < high
+    return False
 
 
-def value_of(key: str, of: InputType) -> JsonValue:
-    """Return the value that a key of a map means, by the type of the input."""
-    if of == "bool":
-        return TRUTH.get(key)
-    if of == "int":
-        return as_integer(key)
-    if of == "float":
-        try:
-            return float(key)
-        except ValueError:
-            return None
-    return key
-
-
-UNOBSERVED = "unobserved"
-_KEYS = (
-    "input", "bins", "closed", "order", "scale", "offset", "map", "sentinel", "range",
-    "out_of_range", "allow_inf", "hysteresis", "missing",
-)  # fmt: skip
-_CHOICES = {
-    "closed": ("right", "left"),
-    "out_of_range": (UNOBSERVED, "clamp"),
-    "missing": (UNOBSERVED, "prior", "default", "hold"),
+_EXPECTED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
+    "closed": (lambda value: value in ("right", "left"), "right or left"),
+    "scale": (lambda value: _is_finite(value) and value != 0, "a finite number, and not 0"),
+    "offset": (_is_finite, "a finite number"),
+    "range": (_is_range, "two ascending numbers"),
+    "out_of_range": (lambda value: value in (UNOBSERVED, "clamp"), "unobserved or clamp"),
+    "allow_inf": (lambda value: isinstance(value, bool), "true or false"),
+    "hysteresis": (lambda value: _is_finite(value) and value >= 0, "a finite number, 0 or more"),
+    "missing": (
+        lambda value: value in (UNOBSERVED, "prior", "default", "hold"),
+        "unobserved, prior, default or hold",
+    ),
 }
+"""Key -> whether a value can be meant, and what is expected."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +93,7 @@ class Declaration:
         node: id of the node.
         input: id of the input.
         type: of the input's values.
-        data: as the runtime reads it; maps and sentinels are lists of pairs.
+        data: its keys; maps and sentinels are lists of pairs.
     """
 
     node: str
@@ -87,9 +107,9 @@ class Declaration:
         special = [(value, number[state]) for value, state in data.get("map", [])]
         for value, state in data.get("sentinel", []):
             # A raw -1 may come as a whole number or as -1.0, but True is not 1.
-            twins = [value] if isinstance(value, bool | str) else _twins(value)
-            known = len(states) if state == UNOBSERVED else number[state]
-            special += [(twin, known) for twin in twins]
+            kinds = [type(value)] if isinstance(value, bool | str) else [int, float]
+            twins = [twin for twin in (kind(value) for kind in kinds) if twin == value]
+            special += [(twin, number.get(state, len(states))) for twin in twins]
         arguments = {
             "missing": len(states),
             "edges": tuple(data["bins"]) if "bins" in data else None,
@@ -108,276 +128,175 @@ class Declaration:
         return {key: value for key, value in arguments.items() if value != _USUAL.get(key)}
 
 
-_USUAL: Mapping[str, Any] = {
-    "edges": None,
-    "order": (),
-    "closed_right": True,
-    "scaled": False,
-    "scale": 1.0,
-    "offset": 0.0,
-    "limits": (-math.inf, math.inf),
-    "clamp": False,
-    "allow_inf": False,
-    "hysteresis": 0.0,
-    "policy": UNOBSERVED,
-    "special": (),
-}
-"""What the runtime's ``Declaration`` holds where nothing is given."""
-
-
-def _twins(value: float) -> Iterator[int | float]:
-    """Yield a number as a whole number and as a double, where that is exact."""
-    for kind in (int, float):
-        try:
-            twin = kind(value)
-        except OverflowError:
-            continue
-        if twin == value:
-            yield twin
-
-
 def read_discretisation(
     network: Network, options: Options
 ) -> tuple[list[Declaration], list[Problem]]:
-    """Check the section ``discretisation`` (B401 to B405)."""
-    given = options.values.get("discretisation")
-    if given is None:
-        return [], []
-    place = options.place("discretisation")
-    if not isinstance(given, Mapping):
-        return [], [problem("B404.declarations", place)]
-    found: list[Declaration] = []
-    problems: list[Problem] = []
-    names = network.names()
-    for name, entry in given.items():
-        at = _at(options, name)
+    """Check the section ``discretisation`` (B303, B401 to B405)."""
+    section, names = options.values.get("discretisation"), network.names()
+    reader = EntryReader(options, "discretisation")
+    declarations: list[Declaration] = []
+    if not isinstance(section, Mapping):
+        if section is not None:
+            reader.report("B404.declarations")
+        return [], reader.problems
+    for name, entry in section.items():
         if name not in names:
-            problems.append(
-                problem("B303.discretised_node", at(), hint=did_you_mean(name, names), name=name)
-            )
+            reader.report("B303.discretised_node", name, hint=did_you_mean(name, names), name=name)
         elif not isinstance(entry, Mapping):
-            problems.append(problem("B404.declaration", at(), name=name))
+            reader.report("B404.declaration", name, name=name)
         else:
-            reader = _Entry(network.node(name), entry, options.inputs, at)
-            declaration = reader.read()
-            problems += reader.problems
-            found += [declaration] if declaration is not None else []
-    return found, problems
+            of_node = _DeclarationReader(network.node(name), entry, options)
+            declarations += of_node.read()
+            reader.problems += of_node.problems
+    return declarations, reader.problems
 
 
-def _at(options: Options, name: str) -> Callable[..., Place]:
-    return lambda *path: options.place("discretisation", name, *path)
+class _DeclarationReader(EntryReader):
+    def __init__(self, node: Node, entry: Mapping[str, Any], options: Options) -> None:
+        subject = f"discretisation of {node.id!r}"
+        super().__init__(options, "discretisation", node.id, subject=subject)
+        self._node, self._entry = node, entry
 
-
-@dataclass
-class _Entry:
-    node: Node
-    given: Mapping[str, JsonValue]
-    inputs: Sequence[DeclaredInput]
-    at: Callable[..., Place]
-    problems: list[Problem] = field(default_factory=list)
-
-    def read(self) -> Declaration | None:
-        self._keys()
-        source = self._input()
-        order = self._order()
-        bins = self._bins(order)
-        numbers = self._numbers()
-        self._hysteresis(bins, numbers)
-        self._choices()
-        self._default(source)
-        of = self._type(source)
-        mapping = self._map(of)
+    def read(self) -> list[Declaration]:
+        """Return the declaration; nothing after an error."""
+        entry = self._entry
+        self.check_keys(entry, _KEYS)
+        if ("bins" in entry) == ("map" in entry):
+            self.report("B404.bins_or_map")
+        for key in _OF_BINS if "map" in entry else ():
+            if key in entry:
+                self.report("B404.useless_with_map", key, key=key)
+        for key, (is_meant, expected) in _EXPECTED.items():
+            if key in entry and not is_meant(entry[key]):
+                self.report("B404.value", key, key=key, expected=expected)
+        type_, order = self._type(), self._order()
+        data: dict[str, Any] = {"input": entry.get("input")}  # its order decides the digest
+        if "bins" in entry:
+            data |= {"bins": self._bins(order), "order": order}
+        if "map" in entry:
+            data["map"] = self._map(type_)
         sentinel = self._sentinel()
-        self._reachable(order, mapping, sentinel)
-        if any(problem.level == "error" for problem in self.problems) or source is None:
-            return None
-        data: dict[str, JsonValue] = {"input": source}
-        given = self.given
-        if bins is not None:
-            data |= {"bins": bins, "order": list(order)}
-        if mapping is not None:
-            data["map"] = mapping
-        if sentinel:
-            data["sentinel"] = sentinel
+        data |= {"sentinel": sentinel} if sentinel else {}
+        if has_errors(self.problems):
+            return []
         for key in ("closed", "out_of_range", "allow_inf", "missing"):
-            if key in given:
-                data[key] = given[key]
-        return Declaration(self.node.id, source, of, data | numbers)
-
-    def _report(
-        self, case: str, /, *path: str | int, hint: str | None = None, **fields: object
-    ) -> None:
-        fault = problem(case, self.at(*path), hint=hint, **fields)
-        self.problems.append(fault.about(f"discretisation of {self.node.id!r}"))
-
-    def _keys(self) -> None:
-        for key in self.given:
-            if key not in _KEYS:
-                hint = did_you_mean(key, _KEYS) or f"known keys: {', '.join(_KEYS)}"
-                self._report("B404.unknown_key", key, hint=hint, key=key)
-        if ("bins" in self.given) == ("map" in self.given):
-            self._report("B404.bins_or_map")
-        if "map" in self.given:
-            for key in ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf"):
-                if key in self.given:
-                    self._report("B404.useless_with_map", key, key=key)
-
-    def _input(self) -> str | None:
-        name = self.given.get("input")
-        if not isinstance(name, str):
-            self._report("B404.input")
-            return None
-        names = [input_.id for input_ in self.inputs]
-        if name not in names:
-            hint = did_you_mean(name, names) or "add it to EDDIInputs"
-            self._report("B404.unknown_input", "input", hint=hint, name=name)
-            return None
-        return name
-
-    def _order(self) -> tuple[str, ...]:
-        given = self.given.get("order")
-        if given is None:
-            return self.node.states
-        if not isinstance(given, list) or not all(isinstance(one, str) for one in given):
-            self._report("B404.order", "order")
-            return self.node.states
-        for number, state in enumerate(given):
-            self._known_state(state, "order", number)
-        if len(set(given)) < len(given):
-            self._report("B404.order_twice", "order")
-        return tuple(given)
-
-    def _known_state(self, state: object, *path: str | int) -> None:
-        if isinstance(state, bool) or not isinstance(state, str):
-            self._report("B404.state_name", *path, state=state)
-        elif state not in self.node.states:
-            hint = did_you_mean(state, self.node.states)
-            hint = hint or f"its states: {', '.join(self.node.states)}"
-            self._report("B303.bin_state", *path, hint=hint, state=state)
-
-    def _bins(self, order: Sequence[str]) -> list[float] | None:
-        given = self.given.get("bins")
-        if "bins" not in self.given:
-            return None
-        if not isinstance(given, list) or not all(is_number(one) for one in given):
-            self._report("B404.bins", "bins")
-            return None
-        if len(given) != len(order) - 1:
-            self._report(
-                "B401.edge_count", "bins", edges=len(given), bins=len(given) + 1, states=len(order)
-            )
-        edges = [float(one) for one in given]
-        for number, edge in enumerate(edges):
-            rising = number == 0 or edges[number - 1] < edge
-            if not math.isfinite(edge) or not rising:
-                self._report("B401.edge_order", "bins", number)
-                break
-        return edges
-
-    def _numbers(self) -> dict[str, JsonValue]:
-        """Return the numbers that are given, and report what is not one."""
-        found: dict[str, JsonValue] = {}
+            data |= {key: entry[key]} if key in entry else {}
         for key in ("scale", "offset", "hysteresis"):
-            if key not in self.given:
-                continue
-            value = self.given[key]
-            if not is_number(value) or not math.isfinite(value):
-                self._report("B404.number", key, key=key)
-            elif key == "hysteresis" and value < 0:
-                self._report("B404.hysteresis", key)
-            elif key == "scale" and value == 0:
-                self._report("B404.scale", key)
-            else:
-                found[key] = float(value)
-        if "range" in self.given:
-            match self.given["range"]:
-                case [low, high] if is_number(low) and is_number(high) and low < high:
-                    found["range"] = [float(low), float(high)]
-                case _:
-                    self._report("B404.range", "range")
-        return found
+            data |= {key: float(entry[key])} if key in entry else {}
+        if "range" in entry:
+            data["range"] = [float(limit) for limit in entry["range"]]
+        self._warn(data)
+        return [Declaration(self._node.id, data["input"], type_, data)]
 
-    def _hysteresis(self, bins: Sequence[float] | None, numbers: Mapping[str, Any]) -> None:
-        """Report a hysteresis with which a bin would be passed over, or never left."""
-        band, edges = numbers.get("hysteresis", 0.0), list(bins or ())
-        if "range" in numbers:
-            scale, offset = numbers.get("scale", 1.0), numbers.get("offset", 0.0)
-            low, high = sorted(one * scale + offset for one in numbers["range"])
+    def _type(self) -> InputType:
+        """Return the declared type of the input, or the one that fits."""
+        entry, inputs = self._entry, {declared.id: declared for declared in self.options.inputs}
+        name, keys = entry.get("input"), entry.get("map")
+        if not isinstance(name, str):
+            self.report("B404.input")
+        elif name not in inputs:
+            hint = did_you_mean(name, inputs) or "add it to EDDIInputs"
+            self.report("B404.unknown_input", "input", hint=hint, name=name)
+        elif entry.get("missing") == "default" and inputs[name].default is None:
+            self.report("B404.no_default", "missing", input=name)
+        type_ = inputs[name].type if isinstance(name, str) and name in inputs else None
+        if type_ == "bool" and "bins" in entry:
+            self.report("B404.bool_bins", "bins")
+        if type_ is not None or not isinstance(keys, Mapping):
+            return type_ or "float"
+        fitting: list[InputType] = ["bool", "int", "str"]
+        return next(of for of in fitting if None not in [_value_of(key, of) for key in keys])
+
+    def _check_state(self, state: object, *path: str | int) -> None:
+        states = self._node.states
+        if not isinstance(state, str):
+            self.report("B404.state_name", *path, state=state)
+        elif state not in states:
+            hint = did_you_mean(state, states) or f"its states: {', '.join(states)}"
+            self.report("B303.bin_state", *path, hint=hint, state=state)
+
+    def _order(self) -> list[str]:
+        order = self._entry.get("order")
+        if order is None:
+            return list(self._node.states)
+        if not isinstance(order, list) or not all(isinstance(state, str) for state in order):
+            self.report("B404.order", "order")
+            return list(self._node.states)
+        for number, state in enumerate(order):
+            self._check_state(state, "order", number)
+        if len({*order}) < len(order):
+            self.report("B404.order_twice", "order")
+        return order
+
+    def _bins(self, order: Sequence[str]) -> list[float]:
+        edges = self._entry["bins"]
+        if not isinstance(edges, list) or not all(map(is_number, edges)):
+            self.report("B404.bins", "bins")
+            return []
+        if len(edges) != len(order) - 1:
+            count, states = len(edges), len(order)
+            self.report("B401.edge_count", "bins", edges=count, bins=count + 1, states=states)
+        for number, edge in enumerate(edges):
+            if not math.isfinite(edge) or (number and edge <= edges[number - 1]):
+                self.report("B401.edge_order", "bins", number)
+                break
+        return [float(edge) for edge in edges]
+
+    def _map(self, type_: InputType) -> list[list[Any]]:
+        states = self._entry["map"]
+        if not isinstance(states, Mapping) or not states:
+            self.report("B404.map", "map")
+            return []
+        for key, state in states.items():
+            self._check_state(state, "map", key)
+            if _value_of(key, type_) is None:
+                self.report("B404.map_type", "map", key, key=key, type=type_)
+        return [[_value_of(key, type_), state] for key, state in states.items()]
+
+    def _sentinel(self) -> list[Any]:
+        pairs = self._entry.get("sentinel")
+        if pairs is not None and not isinstance(pairs, list):
+            self.report("B404.sentinel", "sentinel")
+            return []
+        for number, pair in enumerate(pairs or ()):
+            match pair:
+                case [value, state] if isinstance(value, bool | str) or _is_finite(value):
+                    if state != UNOBSERVED:
+                        self._check_state(state, "sentinel", number)
+                case _:
+                    self.report("B404.sentinel", "sentinel", number)
+        return pairs or []
+
+    def _warn(self, data: Mapping[str, Any]) -> None:
+        """Warn of a bin that is passed over or never left, and of states that no value gives."""
+        edges, band = list(data.get("bins", ())), data.get("hysteresis", 0.0)
+        if "range" in data:
+            scale, offset = data.get("scale", 1.0), data.get("offset", 0.0)
+            low, high = sorted(limit * scale + offset for limit in data["range"])
             edges = [low, *(edge for edge in edges if low < edge < high), high]
         width = min((b - a for a, b in pairwise(edges)), default=math.inf)
         if 0 < width <= band:
-            self._report("B404.wide_hysteresis", "hysteresis", hysteresis=band, width=width)
-
-    def _choices(self) -> None:
-        for key, known in _CHOICES.items():
-            if key in self.given and self.given[key] not in known:
-                self._report("B404.choice", key, key=key, allowed=" or ".join(known))
-        if "allow_inf" in self.given and not isinstance(self.given["allow_inf"], bool):
-            self._report("B404.allow_inf", "allow_inf")
-
-    def _default(self, source: str | None) -> None:
-        declared = next((input_ for input_ in self.inputs if input_.id == source), None)
-        if self.given.get("missing") == "default" and declared and declared.default is None:
-            self._report("B404.no_default", "missing", input=source)
-
-    def _type(self, source: str | None) -> InputType:
-        """Return the declared type of the input, or the one that fits."""
-        declared = next((input_.type for input_ in self.inputs if input_.id == source), None)
-        keys = self.given.get("map")
-        if declared is not None:
-            if declared == "bool" and "bins" in self.given:
-                self._report("B404.bool_bins", "bins")
-            return declared
-        if not isinstance(keys, Mapping):
-            return "float"
-        if all(key in TRUTH for key in keys):
-            return "bool"
-        return "int" if all(as_integer(key) is not None for key in keys) else "str"
-
-    def _map(self, of: InputType) -> list[list[JsonValue]] | None:
-        given = self.given.get("map")
-        if "map" not in self.given:
-            return None
-        if not isinstance(given, Mapping) or not given:
-            self._report("B404.map", "map")
-            return None
-        pairs: list[list[JsonValue]] = []
-        for key, state in given.items():
-            self._known_state(state, "map", key)
-            value = value_of(key, of)
-            if value is None:
-                self._report("B404.map_type", "map", key, key=key, type=of)
-            pairs.append([value, state])
-        return pairs
-
-    def _sentinel(self) -> list[list[JsonValue]]:
-        given = self.given.get("sentinel")
-        if given is None:
-            return []
-        if not isinstance(given, list):
-            self._report("B404.sentinel", "sentinel")
-            return []
-        for number, pair in enumerate(given):
-            if not isinstance(pair, list) or len(pair) != 2 or not is_raw(pair[0]):
-                self._report("B404.sentinel", "sentinel", number)
-            elif pair[1] != UNOBSERVED:
-                self._known_state(pair[1], "sentinel", number)
-        return list(given)
-
-    def _reachable(
-        self,
-        order: Sequence[str],
-        mapping: list[list[JsonValue]] | None,
-        sentinel: list[list[JsonValue]],
-    ) -> None:
-        """Warn of states that no value gives (B405)."""
-        if self.problems:
-            return
-        given = set(order) if mapping is None else {state for _, state in mapping}
-        given |= {pair[1] for pair in sentinel}
-        lacking = [state for state in self.node.states if state not in given]
+            self.report("B404.wide_hysteresis", "hysteresis", hysteresis=band, width=width)
+        reachable = [*data.get("order", ()), *(state for _, state in data.get("map", ()))]
+        reachable += [state for _, state in data.get("sentinel", ())]
+        lacking = [state for state in self._node.states if state not in reachable]
         if lacking:
+            place = self.options.place(*self.path)
             self.problems.append(
-                problem("B405", self.at(), node=self.node.id, states=", ".join(lacking))
+                problem("B405", place, node=self._node.id, states=", ".join(lacking))
             )
+
+
+def _value_of(key: str, type_: InputType) -> bool | float | str | None:
+    """Return the value that a key of a map means, by the type of the input."""
+    try:
+        match type_:
+            case "bool":
+                return _TRUTH.get(key)
+            case "int":
+                return int(key)
+            case "float":
+                return float(key)
+    except ValueError:
+        return None
+    return key

@@ -1,30 +1,102 @@
-"""What is inferred how: tables for small parts of a network, operations of numpy for the others."""
+"""What is inferred how, and what it costs, before a number is computed.
+
+Small parts of a network become tables, the others operations of numpy.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+import random
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.joint_tables import JointTable, added, fits, joint_tables
-from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork
-from eddi_scaffold.kinds.bayesian_network.width import (
-    LARGE,
-    Plan,
-    adapted_plan,
-    make_plans,
-    plans_when_observed,
-    untabulated,
-    width,
+from eddi_scaffold.kinds.bayesian_network.clique_tree import Tree, find_tree
+from eddi_scaffold.kinds.bayesian_network.joint_tables import (
+    JointTable,
+    added,
+    fits,
+    joint_tables,
+)
+from eddi_scaffold.kinds.bayesian_network.message_passing import Plan, make_program, plan_of
+from eddi_scaffold.kinds.bayesian_network.structure import (
+    NumberedNetwork,
+    Shape,
+    bits,
+    components,
+    mask_of,
+    size_of,
+    with_all_observed,
 )
 
+LARGE = 100_000
+"""Entries of the largest table from which a step takes about a millisecond (B301)."""
+TOO_LARGE = 10_000_000
+"""Entries above which a network is refused (B301)."""
+WIDE = 200_000
+"""Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
+_PATTERNS = 24
 MAX_CASES = 1024
 """Cases whose posteriors are written out."""
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 
 Posterior = tuple[tuple[float, ...], ...]
+
+
+class Width(NamedTuple):
+    """The cost of inference.
+
+    Attributes:
+        largest: entries of the largest table, the product of the states of ``nodes``.
+        nodes: names of the nodes of that table.
+        operations: numpy operations of a step when nothing can be looked up.
+        nanoseconds: rough time of these on a desk computer.
+    """
+
+    largest: int
+    nodes: tuple[str, ...]
+    operations: int
+    nanoseconds: int
+
+    @property
+    def too_large(self) -> bool:
+        """Whether such a network is refused."""
+        return self.largest > TOO_LARGE
+
+
+def width_of(shape: Shape, outputs: Sequence[int], observable: Sequence[int]) -> Width:
+    """Return what inference costs for nodes with these numbers; no array is made."""
+    return _width(shape, _plans(shape, outputs, observable))
+
+
+def _width(shape: Shape, plans: Sequence[Plan]) -> Width:
+    widest, largest, operations, nanoseconds = 0, 0, 0, 0
+    for plan in plans:
+        masks = [plan.program.joint_mask(message) for message in plan.program.messages.values()]
+        for mask in (*masks, *(mask_of(shape.family(node)) for node in plan.part.nodes)):
+            size = size_of(mask, shape.cards)
+            if size > largest:
+                widest, largest = mask, size
+        _, full, count = plan.program.costs(shape.cards)
+        operations += count
+        nanoseconds += full
+    return Width(largest, tuple(shape.names[bit] for bit in bits(widest)), operations, nanoseconds)
+
+
+def _plans(
+    shape: Shape, outputs: Iterable[int], observable: Iterable[int], trials: int = 8
+) -> tuple[Plan, ...]:
+    return _plans_once(shape, tuple(sorted({*outputs})), tuple(sorted({*observable})), trials)
+
+
+@lru_cache(maxsize=16)
+def _plans_once(
+    shape: Shape, outputs: tuple[int, ...], observable: tuple[int, ...], trials: int
+) -> tuple[Plan, ...]:
+    """Search once for a command that configures and compiles: it takes longer than all else."""
+    return tuple(plan_of(shape, part, trials) for part in components(shape, outputs, observable))
 
 
 class Part(NamedTuple):
@@ -58,6 +130,33 @@ class Program(NamedTuple):
     parts: tuple[Part, ...]
     when_observed: tuple[Part, ...]
 
+    def is_short(self, cards: Sequence[int]) -> bool:
+        """Return whether the cases are few, and likelihoods short sums: all is written out."""
+        tables = [part.tables for part in self.parts]
+        if not all(of is not None and all(table.few() for table in of) for of in tables):
+            return False
+        return math.prod(cards[node] + 1 for node in self.observable) <= MAX_CASES
+
+    def cases(self, cards: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Posterior | None]]:
+        """Yield the posteriors for each case of states; None where it is impossible."""
+        for case in itertools.product(*(range(cards[node] + 1) for node in self.observable)):
+            yield case, self._posterior(case)
+
+    def _posterior(self, case: Sequence[int]) -> Posterior | None:
+        states = dict(zip(self.observable, case, strict=True))
+        posteriors: dict[int, tuple[float, ...]] = {}
+        for table in itertools.chain.from_iterable(part.tables or () for part in self.parts):
+            pairs = zip(table.inputs, table.strides(), strict=True)
+            row: Sequence[float] = table.rows[sum(states[node] * by for node, by in pairs)]
+            state = states.get(table.output, table.card)
+            if state != table.card:
+                row = [p if k == state else 0.0 for k, p in enumerate(row)]
+            total = added(row)
+            if not total:
+                return None
+            posteriors[table.output] = tuple(p / total for p in row)
+        return tuple(posteriors[node] for node in self.outputs)
+
 
 def foreseen(
     network: NumberedNetwork,
@@ -71,25 +170,25 @@ def foreseen(
 
     Args:
         network: the network.
-        outputs: numbers of the nodes whose posterior is wanted.
+        outputs: numbers of the nodes whose posterior is asked for.
         observable: numbers of the nodes that may be observed.
         tables: use joint tables where they are small; False is for tests.
         trials: of the search for a good order.
     """
-    shape = network.shape
-    wanted, seen = tuple(sorted({*outputs})), tuple(sorted({*observable}))
-    plans = make_plans(shape, wanted, seen, trials)
-    parts: list[Part] = []
-    when_observed: list[Part] = []
-    for plan in plans:
+    shape, parts, when_observed = network.shape, [], []
+    for plan in _plans(shape, outputs, observable, trials):
         own = _parts(network, [plan], tables=tables)
-        faster: Sequence[Plan] = ()
+        faster = own
         if own and own[0].tables is None:
-            faster = plans_when_observed(shape, plan, trials)
-            own = [own[0]._replace(adapted=adapted_plan(shape, plan, trials))]
+            own = [own[0]._replace(adapted=_adapted_plan(shape, plan, trials))]
+            split = [plan_of(shape, part, trials) for part in with_all_observed(shape, plan.part)]
+            costs = [other.program.costs(shape.cards)[0] for other in split]
+            is_cheaper = sum(costs) < plan.program.costs(shape.cards)[0]
+            faster = _parts(network, split, tables=tables) if is_cheaper and split else own
         parts += own
-        when_observed += _parts(network, faster, tables=tables) if faster else own
-    return Program(wanted, seen, tuple(parts), tuple(when_observed))
+        when_observed += faster
+    asked_for, observed = (tuple(sorted({*nodes})) for nodes in (outputs, observable))
+    return Program(asked_for, observed, tuple(parts), tuple(when_observed))
 
 
 def everything(network: NumberedNetwork, instead_of: Program) -> Program | None:
@@ -97,72 +196,51 @@ def everything(network: NumberedNetwork, instead_of: Program) -> Program | None:
     nodes = tuple(range(len(network.shape.cards)))
     if instead_of.outputs == instead_of.observable == nodes:
         return None
-    plans = make_plans(network.shape, nodes, nodes, trials=2)
-    if width(network.shape, plans).largest > LARGE:
+    plans = _plans(network.shape, nodes, nodes, trials=2)
+    if _width(network.shape, plans).largest > LARGE:
         return None
-    plans = tuple(plan._replace(program=untabulated(plan.program)) for plan in plans)
+    plans = tuple(plan._replace(program=plan.program.untabulated()) for plan in plans)
     parts = tuple(_parts(network, plans, tables=True))
     return Program(nodes, nodes, parts, parts)
 
 
-def few(cards: Sequence[int], program: Program) -> bool:
-    """Return whether the cases are few, and likelihoods short sums: all is written out."""
-    short = all(
-        part.tables is not None and all(table.few() for table in part.tables)
-        for part in program.parts
-    )
-    return short and math.prod(cards[node] + 1 for node in program.observable) <= MAX_CASES
+def _adapted_plan(shape: Shape, plan: Plan, trials: int) -> Plan | None:
+    """Return the plan for arrays without the axes of observed nodes, None for a narrow part.
 
-
-def cases_of(
-    cards: Sequence[int], program: Program
-) -> list[tuple[tuple[int, ...], Posterior | None]]:
-    """Return the posteriors for each case of states; None where it is impossible.
-
-    Args:
-        cards: number of states of each node.
-        program: of few cases.
+    Its order of sums is the cheapest on average when one of four inputs is not observed.
     """
-    counts = (range(cards[node] + 1) for node in program.observable)
-    return [(case, _posterior(program, case)) for case in itertools.product(*counts)]
+    part, cards = plan.part, shape.cards
+    inputs = [node for node in part.inputs if node not in part.outputs]
+    if plan.program.costs(cards)[0] < WIDE or len(inputs) < 2 or not part.outputs:
+        return None
+    patterns = []
+    for seed in range(_PATTERNS):
+        rng = random.Random(seed)  # noqa: S311 - no secret
+        observed = {node for node in inputs if rng.random() < 0.75}
+        patterns.append(tuple(1 if n in observed else card for n, card in enumerate(cards)))
 
+    def price(tree: Tree) -> int:
+        program = make_program(tree, part, cards).untabulated()
+        return sum(min(program.costs(pattern)[1], WIDE) for pattern in patterns)
 
-def _posterior(program: Program, case: Sequence[int]) -> Posterior | None:
-    states = dict(zip(program.observable, case, strict=True))
-    found: dict[int, tuple[float, ...]] = {}
-    for part in program.parts:
-        for table in part.tables or ():
-            pairs = zip(table.inputs, table.strides(), strict=True)
-            row: Sequence[float] = table.rows[sum(states[node] * by for node, by in pairs)]
-            state = states.get(table.output, table.card)
-            if state != table.card:
-                row = [one if k == state else 0.0 for k, one in enumerate(row)]
-            total = added(row)
-            if not total:
-                return None
-            found[table.output] = tuple(one / total for one in row)
-    return tuple(found[node] for node in program.outputs)
+    tree = find_tree(shape, part, price, trials, inputs)
+    return Plan(part, tree, make_program(tree, part, cards).untabulated())
 
 
 def _parts(network: NumberedNetwork, plans: Sequence[Plan], *, tables: bool) -> list[Part]:
     """Return the parts that can matter: others have no outputs and are always possible."""
-    found = []
+    parts = []
     for plan in plans:
-        alone = not plan.part.outputs
-        if alone and all(min(network.tables[node]) > 0.0 for node in plan.part.nodes):
+        numbers = [network.tables[node] for node in plan.part.nodes]
+        is_evidence_alone = not plan.part.outputs
+        if is_evidence_alone and all(min(table) > 0.0 for table in numbers):
             continue
-        least = math.floor(_least_exponent(network, plan))
-        made = None
+        smallest = [min((p for p in table if p > 0.0), default=1.0) for table in numbers]
+        least = math.floor(math.fsum(map(math.log2, smallest)))
+        joint = None
         if tables and least > _LEAST_EXPONENT and fits(plan.program, network, plan.part):
-            made = joint_tables(network, plan)
-            if alone and all(one.positive for one in made):
+            joint = joint_tables(network, plan)
+            if is_evidence_alone and all(min(row) > 0.0 for table in joint for row in table.rows):
                 continue
-        found.append(Part(plan, made, least))
-    return found
-
-
-def _least_exponent(network: NumberedNetwork, plan: Plan) -> float:
-    return math.fsum(
-        math.log2(min((one for one in network.tables[node] if one > 0.0), default=1.0))
-        for node in plan.part.nodes
-    )
+        parts.append(Part(plan, joint, least))
+    return parts

@@ -7,12 +7,16 @@ be, "not observed" as one more state. The robot needs no numpy for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
-from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, Program
-from eddi_scaffold.kinds.bayesian_network.message_passing import work as work_of
+from eddi_scaffold.kinds.bayesian_network.message_passing import (
+    Edge,
+    Message,
+    MessageProgram,
+    Plan,
+)
 from eddi_scaffold.kinds.bayesian_network.structure import (
     Component,
     NumberedNetwork,
@@ -20,7 +24,6 @@ from eddi_scaffold.kinds.bayesian_network.structure import (
     mask_of,
     size_of,
 )
-from eddi_scaffold.kinds.bayesian_network.width import Plan
 
 MAX_NUMBERS = 16_384
 """Numbers in the table of one output: half a megabyte."""
@@ -28,13 +31,6 @@ MAX_SUMMED = 128
 """Numbers of a table up to which a sum that is written out is the faster way."""
 _MAX_WORK = 100_000
 """Multiplications for one message: 30 ms."""
-
-
-class _Factor(NamedTuple):
-    """A table as a flat list, last axis fastest; axes are nodes, or nodes + count for cases."""
-
-    axes: tuple[int, ...]
-    values: list[float]
 
 
 class JointTable(NamedTuple):
@@ -66,22 +62,16 @@ class JointTable(NamedTuple):
         states = math.prod(count - 1 for count in self.counts)
         return self.summed and self.card * states <= MAX_SUMMED
 
-    @property
-    def positive(self) -> bool:
-        """Return whether no case has probability zero."""
-        return all(min(row) > 0.0 for row in self.rows)
 
-
-def fits(program: Program, network: NumberedNetwork, part: Component) -> bool:
+def fits(program: MessageProgram, network: NumberedNetwork, part: Component) -> bool:
     """Return whether the tables of a part are small."""
-    cards = network.shape.cards
-    for message in program.messages.values():
+    cards, messages = network.shape.cards, program.messages
+    for message in messages.values():
         cases = size_of(message.inputs, program.cases)
-        if message.parts and cases * work_of(program.messages, message, cards) > _MAX_WORK:
+        if message.parts and cases * program.work(message, cards) > _MAX_WORK:
             return False
-    for edge in program.answers.values():
-        (node,) = bits(program.messages[edge].mask)
-        if size_of(program.messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
+    for node, edge in program.answers.items():
+        if size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
             return False
     inputs = mask_of((*part.inputs, *part.given))
     return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
@@ -95,59 +85,60 @@ def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ..
 
 def joint_tables(network: NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
     """Return the table of each output of a part; that of the evidence if there is none."""
-    return _Making(network, plan).tables()
+    return _Tables(network, plan).tables()
 
 
-class _Making:
+class _Factor(NamedTuple):
+    """A table as a flat list, last axis fastest; axes are nodes, or nodes + count for cases."""
+
+    axes: tuple[int, ...]
+    values: list[float]
+
+
+class _Tables:
     def __init__(self, network: NumberedNetwork, plan: Plan) -> None:
-        self._network, self._part, self._tree, self._program = network, *plan
-        self._cards = network.shape.cards
-        self._cases: Mapping[int, int] = self._program.cases
+        self._network, self._plan = network, plan
+        self._cards, self._cases = network.shape.cards, plan.program.cases
         self._count = len(self._cards)
         self._priors = priors_of(network, plan)
 
     def tables(self) -> tuple[JointTable, ...]:
         factors: dict[Edge, _Factor] = {}
-        program, part = self._program, self._part
+        part, _, program = self._plan
         for edge, message in program.messages.items():
             if message.parts:
-                one, other = (factors[of] for of in message.parts)
-                factors[edge] = self._product(one, other, message.mask, message.inputs)
+                first, second = (factors[source] for source in message.parts)
+                factors[edge] = self._product(first, second, message.mask, message.inputs)
             else:
                 factors[edge] = self._leaf(message)
         if not program.evidence:
             return tuple(self._table(factors[program.answers[node]], node) for node in part.outputs)
-        one, other = (factors[edge] for edge in (*program.evidence, *program.evidence)[:2])
-        if len(program.evidence) == 1:
-            other = _Factor((), [1.0])
+        first, *others = (factors[edge] for edge in program.evidence)
+        second = others[0] if others else _Factor((), [1.0])
         inputs = mask_of((*part.inputs, *part.given))
-        return (self._table(self._product(one, other, 0, inputs), -1),)
+        return (self._table(self._product(first, second, 0, inputs), -1),)
 
     def _leaf(self, message: Message) -> _Factor:
-        leaf = self._tree.leaves[message.leaf]
+        leaf = self._plan.tree.leaves[message.leaf]
         node, card = leaf.node, self._cards[leaf.node]
         if leaf.kind == TABLE:
-            family = (*self._network.shape.parents[node], node)
-            axes = tuple(one + self._count if leaf.seen >> one & 1 else one for one in family)
+            family = self._network.shape.family(node)
+            axes = tuple(n + self._count if leaf.seen >> n & 1 else n for n in family)
             return _Factor(axes, list(self._network.tables[node]))
         if leaf.kind != EVIDENCE:
             return _Factor((node,), [1.0] * card)
-        known = self._priors.get(node, (1.0,) * card)
-        rows = [
-            [float(one == state and p > 0.0) for one, p in enumerate(known)]
-            for state in range(card)
+        prior = self._priors.get(node, (1.0,) * card)
+        observed = [
+            float(k == state and p > 0.0) for state in range(card) for k, p in enumerate(prior)
         ]
-        return _Factor(
-            (node + self._count, node), [value for row in (*rows, known) for value in row]
-        )
+        return _Factor((node + self._count, node), [*observed, *prior])
 
-    def _product(self, one: _Factor, other: _Factor, mask: int, inputs: int) -> _Factor:
+    def _product(self, first: _Factor, second: _Factor, mask: int, inputs: int) -> _Factor:
         """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
         kept = (*(node + self._count for node in bits(inputs)), *bits(mask))
-        summed = tuple(sorted({*one.axes, *other.axes}.difference(kept)))
-        first, second = (self._offsets(factor, (*kept, *summed)) for factor in (one, other))
-        left, right = one.values, other.values
-        terms = [left[i] * right[j] for i, j in zip(first, second, strict=True)]
+        summed = tuple(sorted({*first.axes, *second.axes}.difference(kept)))
+        places = [self._offsets(factor, (*kept, *summed)) for factor in (first, second)]
+        terms = [first.values[i] * second.values[j] for i, j in zip(*places, strict=True)]
         count = math.prod(self._cards[axis] for axis in summed)
         if count > 1:
             terms = [added(terms[k : k + count]) for k in range(0, len(terms), count)]
@@ -170,11 +161,10 @@ class _Making:
     def _table(self, factor: _Factor, output: int) -> JointTable:
         card = 1 if output < 0 else self._cards[output]
         cases = factor.axes if output < 0 else factor.axes[:-1]
-        inputs = tuple(axis - self._count for axis in cases)
         values = factor.values
         rows = [values[k : k + card] for k in range(0, len(values), card)]
-        counts = tuple(map(self._size, cases))
-        return JointTable(output, card, inputs, counts, rows, not self._part.given)
+        inputs, counts = (tuple(n - self._count for n in cases), tuple(map(self._size, cases)))
+        return JointTable(output, card, inputs, counts, rows, not self._plan.part.given)
 
 
 def added(values: Sequence[float]) -> float:

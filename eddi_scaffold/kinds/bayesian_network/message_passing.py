@@ -8,11 +8,11 @@ tabulated over their states and "not observed".
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
-from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree
-from eddi_scaffold.kinds.bayesian_network.structure import Component, bits, mask_of, size_of
+from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree, find_tree
+from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, size_of
 
 Edge = tuple[int, int]
 """(from, to): numbers of a tree."""
@@ -47,7 +47,7 @@ class Message(NamedTuple):
     kind: str
 
 
-class Program(NamedTuple):
+class MessageProgram(NamedTuple):
     """What is to be done for some outputs.
 
     Attributes:
@@ -65,122 +65,127 @@ class Program(NamedTuple):
     tabulated: set[Edge]
     cases: dict[int, int]
 
+    def joint_mask(self, message: Message) -> int:
+        """Return the nodes over which a product runs: its clique."""
+        mask = 0
+        for part in message.parts:
+            mask |= self.messages[part].mask
+        return mask
 
-def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> Program:
+    def work(self, message: Message, cards: Sequence[int]) -> int:
+        """Return the multiplications of one message."""
+        return size_of(self.joint_mask(message), cards)
+
+    def alias_of(self, message: Message) -> Edge | None:
+        """Return the part that a product is equal to: the other part is the place of an output."""
+        for part, other in (message.parts, message.parts[::-1]) if message.parts else ():
+            if self.messages[other].kind == UNIT and self.messages[part].mask == message.mask:
+                return part
+        return None
+
+    def costs(self, cards: Sequence[int]) -> tuple[int, int, int]:
+        """Return (ns with hard evidence, ns with any evidence, operations with any evidence).
+
+        Estimates for comparing: 0.6 us for an operation and 1 ns for a multiplication.
+        """
+        hard, full, operations = 0, 0, 0
+        looked_up: set[Edge] = set()
+        for edge, message in self.messages.items():
+            if not message.parts or not message.inputs or self.alias_of(message):
+                continue
+            price = _OPERATION_NS + self.work(message, cards)
+            full += price
+            operations += 1
+            if edge not in self.tabulated:
+                hard += price
+                looked_up.update(part for part in message.parts if part in self.tabulated)
+        return hard + _LOOKUP_NS * len(looked_up), full, operations
+
+    def untabulated(self) -> MessageProgram:
+        """Return the program in which nothing is looked up."""
+        return self._replace(tabulated=set())
+
+
+class Plan(NamedTuple):
+    """How one part of a network is inferred; symbols only."""
+
+    part: Component
+    tree: Tree
+    program: MessageProgram
+
+
+def plan_of(shape: Shape, part: Component, trials: int) -> Plan:
+    """Return the cheapest plan that was found for a part."""
+
+    def price(tree: Tree) -> int:
+        # Mostly hard evidence is seen; the other schedule must not be forgotten for it.
+        hard, full, _ = make_program(tree, part, shape.cards).costs(shape.cards)
+        return hard if part.given else 4 * hard + full
+
+    tree = find_tree(shape, part, price, trials)
+    return Plan(part, tree, make_program(tree, part, shape.cards))
+
+
+def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> MessageProgram:
     """Return all messages that the outputs of a part need."""
-    around = _neighbours(tree)
-    targets: dict[int, Edge] = {}
-    for number, leaf in enumerate(tree.leaves):
-        if leaf.node in part.outputs and leaf.kind != TABLE:
-            targets[leaf.node] = (around[number][0], number)
-    evidence: tuple[Edge, ...] = ()
-    if not targets:
-        one, other = tree.top
-        evidence = ((one, other),) if one == other else ((one, other), (other, one))
-    messages: dict[Edge, Message] = {}
-    for edge in (*targets.values(), *evidence):
-        _collect(edge, tree, around, messages)
-    given = frozenset(part.given)
-    cases = {node: cards[node] + (node not in given) for node in (*part.inputs, *part.given)}
-    return Program(messages, targets, evidence, _tabulated(messages, cards, cases), cases)
-
-
-def costs(program: Program, cards: Sequence[int]) -> tuple[int, int, int]:
-    """Return (nanoseconds with hard evidence, with any evidence, operations with any evidence).
-
-    Estimates for comparing: 0.6 us for an operation and 1 ns for a multiplication.
-    """
-    hard, full, operations = 0, 0, 0
-    looked_up: set[Edge] = set()
-    for edge, message in program.messages.items():
-        if not message.parts or not message.inputs or alias_of(program.messages, message):
-            continue
-        price = _OPERATION_NS + work(program.messages, message, cards)
-        full += price
-        operations += 1
-        if edge not in program.tabulated:
-            hard += price
-            looked_up.update(part for part in message.parts if part in program.tabulated)
-    return hard + _LOOKUP_NS * len(looked_up), full, operations
-
-
-def joint_mask(messages: dict[Edge, Message], message: Message) -> int:
-    """Return the nodes over which a product runs: its clique."""
-    return mask_of(node for part in message.parts for node in bits(messages[part].mask))
-
-
-def work(messages: dict[Edge, Message], message: Message, cards: Sequence[int]) -> int:
-    """Return the multiplications of one message."""
-    return size_of(joint_mask(messages, message), cards)
-
-
-def _neighbours(tree: Tree) -> list[list[int]]:
-    around: list[list[int]] = [[] for _ in tree.masks]
-    for number, pair in enumerate(tree.joins, len(tree.leaves)):
-        for below in pair:
-            around[below].append(number)
-            around[number].append(below)
-    one, other = tree.top
-    if one != other:
-        around[one].append(other)
-        around[other].append(one)
-    return around
-
-
-def _collect(
-    edge: Edge, tree: Tree, around: list[list[int]], messages: dict[Edge, Message]
-) -> None:
-    """Add a message and all it needs; without recursion, a chain may have thousands."""
-    todo = [edge]
-    while todo:
-        source, target = todo[-1]
-        if (source, target) in messages:
-            todo.pop()
-            continue
-        parts: tuple[Edge, ...] = ()
-        if source >= len(tree.leaves):
-            parts = tuple((one, source) for one in around[source] if one != target)
-        missing = [part for part in parts if part not in messages]
-        if missing:
-            todo.extend(missing)
-            continue
-        messages[todo.pop()] = _message((source, target), tree, parts, messages)
-
-
-def _message(
-    edge: Edge, tree: Tree, parts: tuple[Edge, ...], messages: dict[Edge, Message]
-) -> Message:
-    # A join has a higher number than what it joins; over the top edge both masks are equal.
-    mask = tree.masks[min(edge)]
-    if parts:
-        inputs = 0
-        for part in parts:
-            inputs |= messages[part].inputs
-        return Message(edge, mask, inputs, parts, -1, "")
-    leaf = tree.leaves[edge[0]]
-    return Message(edge, mask, leaf.seen, (), edge[0], leaf.kind)
-
-
-def _tabulated(
-    messages: dict[Edge, Message], cards: Sequence[int], cases_of_each: Mapping[int, int]
-) -> set[Edge]:
-    found: set[Edge] = set()
+    neighbours: list[list[int]] = [[] for _ in tree.masks]
+    edges = [(n, below) for n, pair in enumerate(tree.joins, len(tree.leaves)) for below in pair]
+    first, second = tree.top
+    for above, below in edges if first == second else [*edges, tree.top]:
+        neighbours[below].append(above)
+        neighbours[above].append(below)
+    answers = {
+        leaf.node: (neighbours[number][0], number)
+        for number, leaf in enumerate(tree.leaves)
+        if leaf.node in part.outputs and leaf.kind != TABLE
+    }
+    evidence = () if answers else tuple(dict.fromkeys([(first, second), (second, first)]))
+    messages = _messages([*answers.values(), *evidence], tree, neighbours)
+    cases = {node: cards[node] + (node not in part.given) for node in (*part.inputs, *part.given)}
+    program = MessageProgram(messages, answers, evidence, set(), cases)
     for edge, message in messages.items():
-        ready = all(part in found or not messages[part].inputs for part in message.parts)
-        if not message.inputs or not ready:
+        parts_are_known = all(
+            part in program.tabulated or not messages[part].inputs for part in message.parts
+        )
+        if message.inputs and parts_are_known:
+            count = size_of(message.inputs, cases)
+            is_small = (
+                count <= MAX_CASES
+                and count * size_of(message.mask, cards) <= MAX_NUMBERS
+                and count * program.work(message, cards) <= _MAX_WORK
+            )
+            if is_small or not message.parts:
+                program.tabulated.add(edge)
+    return program
+
+
+def _messages(
+    edges: Sequence[Edge], tree: Tree, neighbours: Sequence[Sequence[int]]
+) -> dict[Edge, Message]:
+    """Return messages and all they need; without recursion, a chain may have thousands."""
+    messages: dict[Edge, Message] = {}
+    waiting = [*edges[::-1]]
+    while waiting:
+        edge = source, target = waiting[-1]
+        is_leaf = source < len(tree.leaves)
+        parts: tuple[Edge, ...] = ()
+        if not is_leaf:
+            parts = tuple((node, source) for node in neighbours[source] if node != target)
+        missing = [part for part in parts if part not in messages]
+        if edge not in messages and missing:
+            waiting += missing
             continue
-        cases = size_of(message.inputs, cases_of_each)
-        numbers = cases * size_of(message.mask, cards)
-        effort = cases * work(messages, message, cards)
-        small = cases <= MAX_CASES and numbers <= MAX_NUMBERS and effort <= _MAX_WORK
-        if small or not message.parts:
-            found.add(edge)
-    return found
-
-
-def alias_of(messages: dict[Edge, Message], message: Message) -> Edge | None:
-    """Return the part that a product is equal to: the other part is the place of an output."""
-    for part, other in (message.parts, message.parts[::-1]) if message.parts else ():
-        if messages[other].kind == UNIT and messages[part].mask == message.mask:
-            return part
-    return None
+        waiting.pop()
+        if edge in messages:
+            continue
+        # A join has a higher number than what it joins; over the top edge both masks are equal.
+        mask = tree.masks[min(edge)]
+        if is_leaf:
+            leaf = tree.leaves[source]
+            messages[edge] = Message(edge, mask, leaf.seen, (), source, leaf.kind)
+        else:
+            inputs = 0
+            for part in parts:
+                inputs |= messages[part].inputs
+            messages[edge] = Message(edge, mask, inputs, parts, -1, "")
+    return messages

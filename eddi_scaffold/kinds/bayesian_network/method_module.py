@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ast
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
-from eddi_scaffold.common.escaping import python_comment, python_literal
+from eddi_scaffold.common.escaping import parse_shallow, python_comment, python_literal
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, plural, problem
 from eddi_scaffold.kinds import (
     TODO,
     EditableMethod,
@@ -20,51 +23,6 @@ from eddi_scaffold.kinds import (
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node, identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
-_NUMBER = r"(\d+(?:[._]\d+)?)"
-_BETWEEN = re.compile(rf"(?:\D*_)?{_NUMBER}_?(?:to|-|_)_?{_NUMBER}(?:_\D*)?")
-_ABOVE = re.compile(rf"(?:more_than|above|over|gt|greater_than|ge|>=?)_?{_NUMBER}(?:_\D*)?")
-_BELOW = re.compile(rf"(?:less_than|below|under|lt|le|<=?)_?{_NUMBER}(?:_\D*)?")
-
-
-def proposed_bins(states: Sequence[str]) -> list[float] | None:
-    """Return the edges between states such as ``range_0_to_1_m`` and ``more_than_2_m``.
-
-    ``None`` when the names do not give one ascending series over all states, with at most one
-    state in front that names no number.
-    """
-    spans = [_span(state) for state in states]
-    if spans and spans[0] is None and len(states) > 2:
-        spans = [(None, spans[1][0] if spans[1] else None), *spans[1:]]
-    if not spans or any(span is None for span in spans):
-        return None
-    known = [span for span in spans if span is not None]
-    edges = []
-    for (_, high), (low, _) in pairwise(known):
-        edge = high if high is not None else low
-        if edge is None or (low is not None and low != edge):
-            return None
-        edges.append(edge)
-    rising = all(a < b for a, b in pairwise(edges))
-    return edges if edges and rising else None
-
-
-def _span(state: str) -> tuple[float | None, float | None] | None:
-    """Return the numbers between which a state lies, by its name."""
-    name = state.casefold()
-    between = _BETWEEN.fullmatch(name)
-    if between:
-        return _value(between[1]), _value(between[2])
-    above = _ABOVE.fullmatch(name)
-    if above:
-        return _value(above[1]), None
-    below = _BELOW.fullmatch(name)
-    return (None, _value(below[1])) if below else None
-
-
-def _value(text: str) -> float:
-    return float(text.replace("_", "."))
-
-
 FILE = "bayesian_network_config.py"
 _PLAIN = (
     "",
@@ -75,9 +33,42 @@ _PLAIN = (
     '        """Take over what `execute_step` was given; the methods below read it."""',
     '        self.dra_data = getattr(dra_data, "data", dra_data)',
 )
+_DECLARED = re.compile(r"\s*# Declared: (?:discretised|taken) from ")
+_NUMBER = r"(\d+(?:[._]\d+)?)"
+_SPAN = re.compile(
+    rf"(?:(?:\D*_)?{_NUMBER}_?(?:to|-|_)_?{_NUMBER}"
+    rf"|(?:more_than|above|over|gt|greater_than|ge|>=?)_?{_NUMBER}"
+    rf"|(?:less_than|below|under|lt|le|<=?)_?{_NUMBER})(?:_\D*)?"
+)
 
 
-def config_module(network: Network, settings: NetworkOptions) -> EditableModule:
+def proposed_bins(states: Sequence[str]) -> list[float] | None:
+    """Return the edges between states such as ``range_0_to_1_m`` and ``more_than_2_m``.
+
+    ``None`` when the names do not give one ascending series over all states, with at most one
+    state in front that names no number.
+    """
+    spans = []
+    for state in states:
+        match = _SPAN.fullmatch(state.casefold())
+        low, high, above, below = (
+            None if text is None else float(text.replace("_", "."))
+            for text in (match.groups() if match else (None,) * 4)
+        )
+        spans.append((above if low is None else low, below if high is None else high))
+    if len(spans) > 2 and spans[0] == (None, None):
+        spans[0] = (None, spans[1][0])
+    edges = []
+    for (_, high), (low, _) in pairwise(spans):
+        edge = low if high is None else high
+        if edge is None or (low is not None and low != edge):
+            return None
+        edges.append(edge)
+    is_rising = all(a < b for a, b in pairwise(edges))
+    return edges if edges and is_rising and (None, None) not in spans else None
+
+
+def config_module(network: Network, options: NetworkOptions) -> EditableModule:
     """Return the module with a region for each node."""
     attributes = node_attributes(network)
     return EditableModule(
@@ -85,62 +76,120 @@ def config_module(network: Network, settings: NetworkOptions) -> EditableModule:
         docstring="How inputs become evidence on nodes, and which nodes are outputs.",
         class_name="BayesianNetworkConfig",
         class_docstring="What the configuration does not declare is written here, node by node.",
-        methods=tuple(_method(node, attributes[node.id], settings) for node in network.nodes),
+        methods=tuple(_method(node, attributes[node.id], options) for node in network.nodes),
         imports=("from typing import Dict, Tuple",),
         plain_methods=_PLAIN,
     )
 
 
-def _method(node: Node, attribute: str, settings: NetworkOptions) -> EditableMethod:
+def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMethod:
     outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
-    pairs = [
-        f"    {python_literal(state)}: {name},"
-        for state, name in zip(node.states, outcomes, strict=True)
-    ]
-    former = settings.renamed.get(node.id)
-    was = tuple(f"node_{name}" for name in identifiers([former] if former else []))
+    pairs = zip(map(python_literal, node.states), outcomes, strict=True)
+    comments = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
+    if node.id in options.outputs:
+        comments.append("Declared as an output.")
+    input_id, edges = options.input_of(node.id), proposed_bins(node.states)
+    is_discretised = node.id in [entry.node for entry in options.declarations]
+    if input_id is not None:
+        how = "discretised" if is_discretised else "taken"
+        comments.append(f"Declared: {how} from {python_comment(input_id)}, unless set here.")
+    if edges is not None and not is_discretised:
+        shown = ", ".join(f"{edge:g}" for edge in edges)
+        comments.append(
+            f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
+        )
+    former = options.renamed.get(node.id)
     return EditableMethod(
         name=f"node_{attribute}",
         about=node.id,
         body=("pass",),
         returns="Tuple[bool, Dict[str, float]]",
-        comments=tuple(_comments(node, settings)),
+        comments=tuple(comments),
         before=("is_bn_output = False", *(f"{name} = 0.0" for name in outcomes)),
-        was=was,
+        was=tuple(f"node_{name}" for name in identifiers([former] if former else [])),
         uses=(*outcomes, "dra_data"),
-        after=("return is_bn_output, {", *pairs, "}"),
-        is_needed=node.id in settings.by_hand,
+        after=("return is_bn_output, {", *(f"    {state}: {name}," for state, name in pairs), "}"),
+        is_needed=node.id in options.by_hand,
     )
 
 
-def _comments(node: Node, settings: NetworkOptions) -> list[str]:
-    lines = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
-    if node.id in settings.outputs:
-        lines.append("Declared as an output.")
-    declared = next(
-        (declaration for declaration in settings.declarations if declaration.node == node.id), None
-    )
-    if declared is not None:
-        lines.append(
-            f"Declared: discretised from {python_comment(declared.input)}, unless set here."
-        )
-    elif node.id in settings.direct:
-        lines.append(
-            f"Declared: taken from {python_comment(settings.direct[node.id])}, unless set here."
-        )
-    if declared is None:
-        edges = proposed_bins(node.states)
-        if edges is not None:
-            shown = ", ".join(f"{edge:g}" for edge in edges)
-            lines.append(
-                f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
-            )
-    return lines
+def lint(source: Source) -> list[Problem]:
+    """Return what is often wrong in the methods (B406, B412), or that it is not Python (B418).
+
+    The file is read as text and never run. Which paths a body has is not followed:
+    ``discretisation:`` declares the same without a gap, and with NaN as missing.
+    """
+    try:
+        tree = parse_shallow(source.data)
+    except SyntaxError as fault:
+        place = Place(source.name, fault.lineno or 1, fault.offset or 1)
+        return [problem("B418.syntax", place, msg=fault.msg)]
+    lines = source.data.decode("utf-8", "replace").splitlines()
+    return [
+        fault
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef) and function.name.startswith("node_")
+        for fault in _lint_method(function, source.name, lines)
+    ]
 
 
-_TRUTHS = ({"true", "false"}, {"yes", "no"})
-_TRUE = ("true", "yes")
-_SECTION = "discretisation"
+def _lint_method(function: ast.FunctionDef, file: str, lines: Sequence[str]) -> Iterator[Problem]:
+    method, body = function.name, function.body
+    begins = [k + 1 for k, statement in enumerate(body) if _is_marker(statement, "begin")]
+    ends = [k for k, statement in enumerate(body) if _is_marker(statement, "end")]
+    start = begins[0] if begins else 0
+    head, region = body[: start or None], body[start : ends[0] if begins and ends else None]
+    outcomes = [
+        name
+        for name, value, _ in _assignments(head)
+        if name.startswith("outcome_") and _constant(value) == 0.0
+    ]
+    nodes = [node for statement in region for node in ast.walk(statement)]
+    used: dict[str, int] = {}
+    for node in nodes:
+        if isinstance(node, ast.Name) and node.id.startswith("outcome_"):
+            used.setdefault(node.id, node.lineno)
+    for name, line in used.items():
+        if name not in outcomes:
+            hint = did_you_mean(name, outcomes)
+            yield problem("B412.outcome", Place(file, line), hint=hint, method=method, name=name)
+    assignments = [(name, _constant(value), line) for name, value, line in _assignments(nodes)]
+    evidence = [line for name, p, line in assignments if name in used and p != 0.0]
+    flags = [line for name, p, line in assignments if name == "is_bn_output" and p is not False]
+    for name, p, line in assignments:
+        if name in used and p is not None and not 0.0 <= p <= 1.0:
+            yield problem("B412.outside", Place(file, line), method=method, value=p)
+    stop = body[start].lineno if start < len(body) else function.lineno
+    if evidence and any(map(_DECLARED.match, lines[function.lineno : stop])):
+        yield problem("B406", Place(file, evidence[0]), method=method)
+    if evidence and flags:
+        yield problem("B412.echo", Place(file, flags[0]), method=method)
+
+
+def _is_marker(statement: ast.stmt, end: str) -> bool:
+    match statement:
+        case ast.Expr(ast.Constant(str() as text)):
+            return f"manual edit {end}" in text.casefold()
+    return False
+
+
+def _assignments(nodes: Sequence[ast.AST]) -> Iterator[tuple[str, ast.expr, int]]:
+    """Yield the name, the value and the line of each assignment to one name."""
+    for node in nodes:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                yield name, value, node.lineno
+
+
+def _constant(value: ast.expr) -> float | None:
+    """Return the number or truth value that an expression is, ``None`` for all others."""
+    try:
+        constant = ast.literal_eval(value)
+        if isinstance(constant, bool):
+            return constant
+        return float(constant) if isinstance(constant, int | float) else None
+    except (ValueError, TypeError, OverflowError):
+        return None
 
 
 def draft(network: Network, options: Options) -> ModelDraft:
@@ -148,62 +197,48 @@ def draft(network: Network, options: Options) -> ModelDraft:
 
     Of the nodes that are expected to be known; where the file expects none, of the roots.
     """
-    given = options.values.get(_SECTION)
-    there = given if isinstance(given, Mapping) else {}
-    fed = {input_.id for input_ in options.inputs}
-    named = {str(one) for key in ("outputs", "observed") for one in _list(options.values.get(key))}
-    known = [node for node, _ in network.known]
-    proposed = known or [node.id for node in network.nodes if not node.parents]
-    roots = [node for node in network.nodes if node.id in proposed and len(node.states) > 1]
-    new = {
-        node.id: _declaration(node)
-        for node in roots
-        if node.id not in {*there, *fed, *named} and given in (None, there)
-    }
-    notes: dict[tuple[str, ...], str] = {
-        (_SECTION, node.id, "bins"): _edges(node)
-        for node in roots
-        if "bins" in new.get(node.id, {})
-    }
-    every = [(id_, one) for id_, one in {**there, **new}.items() if isinstance(one, Mapping)]
-    inputs = [
-        ModelInput(str(one["input"]), _type(one), description=_plain(id_))
-        for id_, one in every
-        if isinstance(one.get("input"), str) and one["input"] != TODO
-    ]
-    direct = [
-        ModelInput(node.id, "state", description=_plain(node.id), states=tuple(node.states))
+    section, fed = options.values.get("discretisation"), {entry.id for entry in options.inputs}
+    declared: dict[str, JsonValue] = dict(section) if isinstance(section, Mapping) else {}
+    lists = [options.values.get(key) for key in ("outputs", "observed")]
+    named = {str(name) for list_ in lists if isinstance(list_, list) for name in list_}
+    roots = [node.id for node in network.nodes if not node.parents]
+    expected = [node for node, _ in network.known] or roots
+    new: dict[str, JsonValue] = {}
+    notes: dict[tuple[str, ...], str] = {}
+    for node in network.nodes:
+        is_proposed = node.id in expected and len(node.states) > 1
+        if (
+            not is_proposed
+            or node.id in {*declared, *fed, *named}
+            or section not in (None, declared)
+        ):
+            continue
+        yes_no = {state.casefold(): state for state in node.states}
+        if yes_no.keys() in ({"true", "false"}, {"yes", "no"}):
+            true, false = ("true", "false") if "true" in yes_no else ("yes", "no")
+            map_ = {"true": yes_no[true], "false": yes_no[false]}
+            new[node.id] = {"input": node.id, "map": map_}
+            continue
+        new[node.id] = {"input": node.id, "bins": TODO}
+        edges, bins = plural(len(node.states) - 1, "edge"), proposed_bins(node.states)
+        by_name = f"; by their names {bins}" if bins else ""
+        text = f"{edges} between {', '.join(node.states)}{by_name}"
+        notes["discretisation", node.id, "bins"] = text
+    inputs = []
+    for name, entry in {**declared, **new}.items():
+        input_id = entry.get("input") if isinstance(entry, Mapping) else None
+        if isinstance(entry, Mapping) and isinstance(input_id, str) and input_id != TODO:
+            inputs.append(ModelInput(input_id, _type(entry), description=name.replace("_", " ")))
+    inputs += [
+        ModelInput(node.id, "state", description=node.id.replace("_", " "), states=node.states)
         for node in network.nodes
-        if node.id in fed and node.id not in {input_.id for input_ in inputs}
+        if node.id in fed.difference(input_.id for input_ in inputs)
     ]
-    return ModelDraft([*inputs, *direct], {_SECTION: new} if new else {}, notes)
-
-
-def _declaration(node: Node) -> dict[str, JsonValue]:
-    if {state.casefold() for state in node.states} in _TRUTHS:
-        is_true = {state.casefold() in _TRUE: state for state in node.states}
-        return {"input": node.id, "map": {"true": is_true[True], "false": is_true[False]}}
-    return {"input": node.id, "bins": TODO}
-
-
-def _edges(node: Node) -> str:
-    """Return what the bins of a node have to say, with what the names of the states suggest."""
-    count = len(node.states) - 1
-    text = f"{count} edge{'' if count == 1 else 's'} between {', '.join(node.states)}"
-    proposed = proposed_bins(node.states)
-    return f"{text}; by their names {proposed}" if proposed else text
+    return ModelDraft(inputs, {"discretisation": new} if new else {}, notes)
 
 
 def _type(declaration: Mapping[str, JsonValue]) -> InputType:
-    given = declaration.get("map")
-    if not isinstance(given, Mapping) or "bins" in declaration:
+    states = declaration.get("map")
+    if not isinstance(states, Mapping) or "bins" in declaration:
         return "float"
-    return "bool" if {str(key).casefold() for key in given} <= {"true", "false"} else "str"
-
-
-def _plain(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _list(value: JsonValue) -> list[JsonValue]:
-    return list(value) if isinstance(value, list) else []
+    return "bool" if {str(key).casefold() for key in states} <= {"true", "false"} else "str"

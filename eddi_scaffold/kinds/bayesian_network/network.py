@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 
+from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
@@ -62,40 +63,28 @@ class Network:
         """Return the ids in the order of the file."""
         return [node.id for node in self.nodes]
 
-    def children(self) -> dict[str, list[str]]:
+    def children(self) -> dict[str, tuple[str, ...]]:
         """Return node -> nodes that it is a parent of."""
-        found: dict[str, list[str]] = {node.id: [] for node in self.nodes}
-        for node in self.nodes:
-            for parent in node.parents:
-                found[parent].append(node.id)
-        return found
+        return reversed_graph({node.id: node.parents for node in self.nodes})
 
     def ancestors(self, names: Iterable[str]) -> set[str]:
         """Return the nodes with everything above them."""
-        parents = {node.id: node.parents for node in self.nodes}
-        found: set[str] = set()
-        waiting = list(names)
-        while waiting:
-            name = waiting.pop()
-            if name not in found:
-                found.add(name)
-                waiting += parents[name]
-        return found
+        return reached({node.id: node.parents for node in self.nodes}, names)
 
     def in_order(self) -> list[Node]:
         """Return the nodes, parents first; the order of the file wherever it allows that."""
-        at = {node.id: k for k, node in enumerate(self.nodes)}
+        index = {node.id: k for k, node in enumerate(self.nodes)}
         missing = [len(node.parents) for node in self.nodes]
         ready = [k for k, count in enumerate(missing) if not count]
         children = self.children()
-        found: list[Node] = []
+        ordered: list[Node] = []
         while ready:
-            found.append(self.nodes[heappop(ready)])
-            for child in children[found[-1].id]:
-                missing[at[child]] -= 1
-                if not missing[at[child]]:
-                    heappush(ready, at[child])
-        return found
+            ordered.append(self.nodes[heappop(ready)])
+            for child in children[ordered[-1].id]:
+                missing[index[child]] -= 1
+                if not missing[index[child]]:
+                    heappush(ready, index[child])
+        return ordered
 
 
 @dataclass(frozen=True)
@@ -145,14 +134,12 @@ def identifiers(names: Iterable[str]) -> list[str]:
     Letters of any script stay, as in SESAME D7.2; what is not allowed in an identifier becomes an
     underscore, and who comes later to a taken name gets a number.
     """
-    taken: set[str] = set()
-    found = []
+    parts: dict[str, None] = {}
     for name in names:
         text = unicodedata.normalize("NFKC", name)
-        word = "".join(char if f"_{char}".isidentifier() else "_" for char in text) or "_"
-        found.append(free_name(word, taken))
-        taken.add(found[-1])
-    return found
+        part = "".join(char if f"_{char}".isidentifier() else "_" for char in text) or "_"
+        parts[free_name(part, parts)] = None
+    return list(parts)
 
 
 def node_attributes(network: Network) -> dict[str, str]:
@@ -163,15 +150,11 @@ def node_attributes(network: Network) -> dict[str, str]:
 
 def xdsl_ids(names: Iterable[str]) -> dict[str, str]:
     """Return name -> id of XDSL: ASCII letters, digits and underscores, no digit in front."""
-    taken: set[str] = set()
-    found: dict[str, str] = {}
+    ids = {name: name for name in names if _ASCII_ID.fullmatch(name)}
+    taken = {*ids}
     for name in names:
-        if _ASCII_ID.fullmatch(name) and name not in taken:
-            found[name] = name
-            taken.add(name)
-    for name in names:
-        if name not in found:
-            word = re.sub(r"[^A-Za-z0-9_]", "_", unicodedata.normalize("NFKC", name)) or "_"
-            found[name] = free_name(f"n_{word}" if word[0].isdigit() else word, taken)
-            taken.add(found[name])
-    return found
+        if name not in ids:
+            text = re.sub(r"[^A-Za-z0-9_]", "_", unicodedata.normalize("NFKC", name)) or "_"
+            ids[name] = free_name(f"n_{text}" if text[0].isdigit() else text, taken)
+            taken.add(ids[name])
+    return ids

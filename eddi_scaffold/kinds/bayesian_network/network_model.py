@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from typing import Any, ClassVar
 
-from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meanings
-from eddi_scaffold.common.escaping import markdown_code
+from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.diagrams import Diagram
@@ -26,28 +25,52 @@ from eddi_scaffold.kinds import (
     Options,
     ReadResult,
 )
-from eddi_scaffold.kinds.bayesian_network import claims as evidence_claims
-from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_eddi, show
+from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, show
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
-from eddi_scaffold.kinds.bayesian_network.lint import is_config_module, lint
-from eddi_scaffold.kinds.bayesian_network.network import (
-    Network,
-    in_digits,
-)
+from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import (
     NetworkOptions,
     default_options,
     read_options,
 )
-from eddi_scaffold.kinds.bayesian_network.read_bif import read_bif
-from eddi_scaffold.kinds.bayesian_network.read_xdsl import read_xdsl
-from eddi_scaffold.kinds.bayesian_network.read_xmlbif import read_xmlbif, without_doctype
-from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
+from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
+from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
+from eddi_scaffold.kinds.bayesian_network.read_xml_formats import (
+    read_xdsl,
+    read_xmlbif,
+    without_doctype,
+)
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 NAME = "bayesian_network"
+_EVIDENCE = "`field: evidence[ID].active` of BayesianNetworkEvidence"
+_VALID = Meaning((False,), refused="`valid` is false when an input is unknown", instead=_EVIDENCE)
+_MEANINGS: Meanings = {
+    "BayesianNetworkOutput": {
+        "output_nodes": Meaning(
+            refused="a raw posterior is not evidence: it is the prior when nothing is known",
+            instead=_EVIDENCE,
+        ),
+    },
+    "BayesianNetworkStatus": {"valid": _VALID},
+    "BayesianNetworkEvidence": {
+        "valid": _VALID,
+        "evidence[].active": Meaning(
+            (False,),
+            refused="`active` of a threshold is false also when it is unknown",
+            instead="the opposite threshold",
+            known=((".reason", ""),),
+        ),
+    },
+}
+"""Message -> field, with all below it -> its meaning."""
+_POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
+_BEYOND = (
+    ("out_of_range", "clamp", "the nearest value in range"),
+    ("allow_inf", True, "the outermost bin"),
+)
 
 
 @dataclass(frozen=True)
@@ -61,24 +84,21 @@ class NetworkModel(Model):
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         """Read a network by itself, or look at a module of hand-written methods."""
-        if is_config_module(source.name):
-            return ReadResult((), tuple(in_order(lint(source))))
+        if PurePath(source.name).name == method_module.FILE:
+            return ReadResult((), tuple(in_order(method_module.lint(source))))
         suffix = PurePath(source.name).suffix.lower()
-        if suffix == ".bif" and not is_xml(source):
-            network, problems = read_bif(source)
-        else:
-            network, problems = _read_xml(source, suffix)
+        is_text = suffix == ".bif" and not is_xml(source)
+        network, problems = read_bif(source) if is_text else _read_xml(source, suffix)
+        models = [] if network is None else [cls._of(network, source)]
         # GeNIe calls every network the same, until somebody changes that
-        models = (
-            [] if network is None else [replace(cls._of(network, source), file_stem=source.stem)]
-        )
+        models = [replace(model, file_stem=source.stem) for model in models]
         return ReadResult(tuple(models), tuple(in_order(problems)))
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
-        networks, problems = read_eddi.read_eddi(document, source)
+        networks, problems = read_networks(document, source)
         models = tuple(cls._of(network, source) for network in networks)
         return ReadResult(models, tuple(in_order(problems)))
 
@@ -88,7 +108,7 @@ class NetworkModel(Model):
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return evidence_claims.MEANINGS
+        return _MEANINGS
 
     @property
     def settings(self) -> NetworkOptions:
@@ -105,48 +125,16 @@ class NetworkModel(Model):
         return (problem("B210", self.place, changed=len(changed), shown=shown, rest=more),)
 
     def counts(self) -> Mapping[str, int]:
-        """Return what ``show`` counts."""
-        network = self.data
+        nodes = self.data.nodes
         return {
-            "nodes": len(network.nodes),
-            "edges": sum(len(node.parents) for node in network.nodes),
-            "states": sum(len(node.states) for node in network.nodes),
-            "parameters": sum(len(node.table) for node in network.nodes),
+            "nodes": len(nodes),
+            "edges": sum(len(node.parents) for node in nodes),
+            "states": sum(len(node.states) for node in nodes),
+            "parameters": sum(len(node.table) for node in nodes),
         }
 
     def outline(self) -> Sequence[str]:
-        """Return the nodes with states and parents, then what inference costs."""
-        network = self.data
-        settings = self.settings
-        bins = {
-            declaration.node: declaration
-            for declaration in settings.declarations
-            if "bins" in declaration.data
-        }
-        lines = []
-        for node in network.nodes:
-            title = f" ({node.title})" if node.title != node.id else ""
-            lines.append(f"{node.id}{title}: {', '.join(node.states)}")
-            if node.parents:
-                lines.append(f"  given {', '.join(node.parents)}")
-            if node.id in bins:
-                one = bins[node.id]
-                edges = [*(f" | {edge:g} | " for edge in one.data["bins"]), ""]
-                pairs = zip(one.data.get("order", node.states), edges, strict=True)
-                lines.append(f"  from {one.input}: {''.join(map(''.join, pairs))}")
-        if network.known:
-            known = (f"{node} (event {event})" if event else node for node, event in network.known)
-            lines.append(f"known: {', '.join(known)}")
-        lines.append(f"outputs: {', '.join(settings.outputs)}")
-        width = settings.width
-        lines.append(
-            "largest table of the inference, all nodes observable: "
-            f"{in_digits(width.largest)} entries"
-        )
-        lines += [
-            f"evidence {threshold.id}: {threshold.text()}" for threshold in settings.thresholds
-        ]
-        return lines
+        return show.outline(self.data, self.settings)
 
     def export(self) -> Mapping[str, str]:
         """Return the network as XDSL and as XMLBIF."""
@@ -154,9 +142,8 @@ class NetworkModel(Model):
         return {f"{stem}.xdsl": to_xdsl(self.data), f"{stem}.xmlbif": to_xmlbif(self.data)}
 
     def diagram(self) -> Diagram:
-        return show.diagram(
-            self.name, self.data, self.settings, configured=self.options is not None
-        )
+        is_configured = self.options is not None
+        return show.diagram(self.data, self.name, self.settings, configured=is_configured)
 
     def draft(self, options: Options) -> ModelDraft:
         return method_module.draft(self.data, options)
@@ -171,7 +158,6 @@ class NetworkModel(Model):
         return self.settings.inputs
 
     def companion_messages(self) -> Mapping[str, str]:
-        """Return the messages that the monitor publishes in addition to its output."""
         evidence = {"evidence": "BayesianNetworkEvidence"} if self.settings.thresholds else {}
         return {"status": "BayesianNetworkStatus", **evidence}
 
@@ -179,23 +165,21 @@ class NetworkModel(Model):
         """Return the topics of thresholds that have one."""
         return [
             ModelOutput(
-                threshold.id,
-                threshold.topic,
-                ("evidence", ("id", threshold.id), "active"),
-                threshold.place,
+                entry.id,
+                entry.topic,
+                ("evidence", ("id", entry.id), "active"),
+                entry.place,
                 "evidence",
             )
-            for threshold in self.settings.thresholds
-            if threshold.topic is not None
+            for entry in self.settings.thresholds
+            if entry.topic is not None
         ]
 
     def element_keys(self) -> Mapping[str, Sequence[str]]:
         """Return the thresholds, the titles of the outputs, and the outcomes of each."""
-        settings = self.settings
-        nodes = {node.id: node for node in self.data.nodes}
-        outputs = [nodes[name] for name in settings.outputs]
+        outputs = [self.data.node(name) for name in self.settings.outputs]
         return {
-            "evidence": [threshold.id for threshold in settings.thresholds],
+            "evidence": [threshold.id for threshold in self.settings.thresholds],
             "output_nodes": [node.title for node in outputs],
             **{f"output_nodes[{node.title}].outcomes": node.states for node in outputs},
         }
@@ -204,26 +188,7 @@ class NetworkModel(Model):
         return (method_module.config_module(self.data, self.settings),)
 
     def readme(self) -> Sequence[str]:
-        """Return the text about the network for the package's README."""
-        settings = self.settings
-        width = settings.width
-        observed = (
-            ", ".join(f"`{markdown_code(name)}`" for name in settings.observed)
-            or "none (write the methods)"
-        )
-        outputs = ", ".join(f"`{markdown_code(name)}`" for name in settings.outputs)
-        text = (
-            f"Outputs: {outputs}. Observed by declaration: {observed}. A missing input leaves its "
-            "node unobserved; the posterior is exact for what is known."
-        )
-        return (
-            "## Network",
-            "",
-            text,
-            "",
-            f"The largest table of the inference has {in_digits(width.largest)} entries.",
-            *_evidence(settings.thresholds),
-        )
+        return show.readme(self.settings)
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
@@ -232,45 +197,56 @@ class NetworkModel(Model):
         return cross_check.cross_check(self.data, self.settings, running)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
-        return evidence_claims.claims(self.settings, inputs, frequency)
+        """Return the thresholds: they rest on every input; raw posteriors claim nothing.
+
+        They may outlive their inputs for as long as a state is held.
+        """
+        acceptances = self.acceptances(inputs, frequency)
+        hold_s = max([entry.seconds or 0.0 for entry in acceptances], default=0.0)
+        rests_on = frozenset(input_.id for input_ in inputs)
+        return [Claim(entry.id, rests_on, hold_s) for entry in self.settings.thresholds]
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
-        return evidence_claims.acceptances(self.settings, inputs, frequency)
+        """Return what the declarations of the nodes accept in place of a known state."""
+        input_of = {input_.id: input_ for input_ in inputs}
+        accepted = []
+        for entry in self.settings.declarations:
+            path = ("Model", "discretisation", entry.node)
+            policy, source = entry.data.get("missing"), input_of[entry.input]
+            if policy in _POLICIES and (policy != "default" or source.default is not None):
+                lasts, seconds = "while it is unknown", None
+                if policy == "hold" and isinstance(source.max_age, float):
+                    seconds = source.max_age + 1 / frequency
+                    lasts = f"for {seconds:g} s"
+                text, key = f"{_POLICIES[policy]} of {entry.node}", f"missing: {policy}"
+                place = (*path, "missing")
+                accepted.append(Acceptance(key, text, lasts, seconds, entry.input, place))
+            for name, value, what in _BEYOND:
+                if entry.data.get(name) == value:
+                    text, key = f"{what} of {entry.node}", f"{name}: {value}".lower()
+                    place = (*path, name)
+                    accepted.append(
+                        Acceptance(key, text, "while it is so", None, entry.input, place)
+                    )
+        return accepted
 
     def elements(self) -> Sequence[Element]:
         """Return the nodes, then the thresholds."""
-        return [
-            *(
-                Element("node", node.id, None, node.place.line, node.place.path)
-                for node in self.data.nodes
-            ),
-            *(Element("threshold", threshold.id) for threshold in self.settings.thresholds),
+        nodes = [
+            Element("node", node.id, None, node.place.line, node.place.path)
+            for node in self.data.nodes
         ]
+        return [*nodes, *(Element("threshold", entry.id) for entry in self.settings.thresholds)]
 
 
 def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem]]:
     is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
     clean, problems = without_doctype(source) if is_bif else (source, [])
     with clean.open() as stream:
-        tree, found = load(stream, source.name)
-    problems = problems or found
+        tree, faults = load(stream, source.name)
+    problems = problems or faults
     if tree is None:
         return None, problems
-    is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")
-    network, more = (read_xmlbif if is_xmlbif else read_xdsl)(
-        tree.document, source.name, source.stem
-    )
+    read = read_xmlbif if is_bif or suffix in (".xmlbif", ".bifxml") else read_xdsl
+    network, more = read(tree.document, source.name, source.stem)
     return network, [*problems, *more]
-
-
-def _evidence(thresholds: Sequence[Threshold]) -> Sequence[str]:
-    """Return the text about the evidence for the package's README."""
-    if not thresholds:
-        return ()
-    text = (
-        "Evidence holds for every state that unknown inputs may have; of what is not known, only a "
-        "prior that the configuration accepts by name counts. The posteriors themselves are no "
-        "evidence. After a step in Python, `EDDIMonitor.monitor.claims()` returns it."
-    )
-    rows = [f"| `{threshold.id}` | {threshold.text()} |" for threshold in thresholds]
-    return ("", text, "", "| evidence | active while |", "|---|---|", *rows)

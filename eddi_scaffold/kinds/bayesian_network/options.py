@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from eddi_runtime.bayesian_network.claims import COMBINATIONS
+
 from eddi_scaffold.common.claims import Use
+from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import accepted
-from eddi_scaffold.kinds import InputType, ModelInput, Options
-from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration, read_discretisation
-from eddi_scaffold.kinds.bayesian_network.influence import doubts, without_influence
+from eddi_scaffold.kinds import ModelInput, Options
+from eddi_scaffold.kinds.bayesian_network.discretisation import (
+    Declaration,
+    EntryReader,
+    read_discretisation,
+)
+from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, Width, width_of
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
-from eddi_scaffold.kinds.bayesian_network.structure import shape_of
+from eddi_scaffold.kinds.bayesian_network.structure import numbered
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold, read_thresholds
-from eddi_scaffold.kinds.bayesian_network.width import LARGE, TOO_LARGE, Width, width_of
 
-_CHOICES = {"evidence_mode": ("virtual", "d7.2"), "on_inconsistent": ("silent", "prior", "hold")}
+_CHOICES = {
+    "evidence_mode": ("virtual", "d7.2"),
+    "on_inconsistent": ("silent", "prior", "hold"),
+    "explain": (False, True),
+}
+"""Key -> what it may be; the first is the default."""
 
 
 @dataclass(frozen=True)
@@ -57,106 +69,141 @@ class NetworkOptions:
     @property
     def inferred(self) -> tuple[str, ...]:
         """The nodes whose posteriors are computed: the outputs, and what evidence is made of."""
-        return tuple(
-            dict.fromkeys([*self.outputs, *(threshold.node for threshold in self.thresholds)])
-        )
+        return tuple(dict.fromkeys([*self.outputs, *(entry.node for entry in self.thresholds)]))
 
     @property
     def observable(self) -> tuple[str, ...]:
         """The nodes that may be observed: those that `observed:` names, or that inputs feed."""
         return self.observed if self.foreseen is None else self.foreseen
 
+    def input_of(self, node: str) -> str | None:
+        """Return the input that feeds a node; a discretisation goes before a name."""
+        declared = (entry.input for entry in self.declarations if entry.node == node)
+        return next(declared, self.direct.get(node))
+
 
 def read_options(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
     """Read what a configuration says of a network (B301 to B305, B401 to B405)."""
-    settings, problems = _settings(network, options)
+    settings, problems = _read(network, options)
     if settings is not None:
-        problems += _too_wide(settings.width, options)
-        problems += without_influence(network, settings.inferred, settings.observed, options)
+        problems += _warnings(network, settings, options)
     return None if has_errors(problems) else settings, problems
 
 
-def _settings(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
+def default_options(network: Network) -> NetworkOptions:
+    """Return the settings without a configuration."""
+    settings, _ = _read(network, Options())
+    assert settings is not None, "a checked network needs no configuration"
+    return settings
+
+
+def _read(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
     """Return the settings, also of a network that is too wide for them."""
     declarations, problems = read_discretisation(network, options)
-    problems += _wrong_choices(options)
-    discretised = {declaration.node for declaration in declarations}
-    thresholds, wrong = read_thresholds(network, options, discretised)
-    problems += wrong
-    direct = _direct(network, options, declarations)
-    inputs = _with_uses(_apart(_inputs(network, options, declarations, direct)), declarations)
-    if thresholds:
-        inputs = _judged_by_default(inputs, {*direct.values(), *(d.input for d in declarations)})
-    foreseen = _named(network, options, "observed", problems)
-    fed = discretised | set(direct) | set(foreseen or ())
-    observed = [node for node in network.names() if node in fed]
-    outputs = _outputs(network, options, observed, problems)
-    renamed = _renamed(network, options, problems)
+    declared = {entry.node for entry in declarations}
+    thresholds, faults = read_thresholds(network, options, declared)
+    direct = inputs_named_like_nodes(network, options, declarations)
+    reader = _OptionsReader(network, options)
+    values, names = reader.choices(), network.names()
+    foreseen = reader.nodes("observed")
+    fed = declared | {*direct} | {*(foreseen or ())}
+    observed = [name for name in names if name in fed]
+    outputs = reader.outputs(observed)
+    renamed = reader.renamed()
+    problems += [*faults, *reader.problems]
     if has_errors(problems):
         return None, problems
-    judged, names = [*outputs, *(threshold.node for threshold in thresholds)], network.names()
-    problems += doubts(network, thresholds, declarations, observed, options)
-    values = options.values
-    declared = {*discretised, *direct}
-    spare = {input_.id for input_ in inputs}.difference(
-        direct.values(), (d.input for d in declarations)
-    )
-    may_be = foreseen if foreseen is not None else [n for n in network.names() if n not in outputs]
-    by_hand = [node for node in may_be if node not in declared] if spare else ()
+    inputs = _inputs(network, options, declarations, direct, has_thresholds=bool(thresholds))
+    feeding = {*direct.values(), *(entry.input for entry in declarations)}
+    by_hand = [name for name in names if name not in outputs] if foreseen is None else foreseen
     settings = NetworkOptions(
         tuple(outputs),
         tuple(observed),
         tuple(declarations),
         direct,
         inputs,
-        width_of(
-            shape_of(network),
-            [names.index(node) for node in judged],
-            [names.index(node) for node in (observed if foreseen is None else foreseen)],
-        ),
+        Width(0, (), 0, 0),
         None if foreseen is None else tuple(foreseen),
         renamed,
-        values.get("evidence_mode") != "d7.2",
-        str(values.get("on_inconsistent", "silent")),
-        values.get("explain") is True,
+        values["evidence_mode"] == "virtual",
+        str(values["on_inconsistent"]),
+        values["explain"] is True,
         tuple(thresholds),
-        tuple(by_hand),
+        tuple(name for name in by_hand if name not in {*declared, *direct})
+        if any(input_.id not in feeding for input_ in inputs)
+        else (),
     )
-    return settings, problems
+    groups = (settings.inferred, settings.observable)
+    width = width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups))
+    return replace(settings, width=width), problems
 
 
-def default_options(network: Network) -> NetworkOptions:
-    """Return the settings without a configuration."""
-    settings, _ = _settings(network, Options())
-    assert settings is not None, "a checked network needs no configuration"
-    return settings
+class _OptionsReader(EntryReader):
+    def __init__(self, network: Network, options: Options) -> None:
+        super().__init__(options)
+        self._network, self._names = network, network.names()
+
+    def choices(self) -> dict[str, object]:
+        values: dict[str, object] = {
+            key: self.options.values.get(key, of[0]) for key, of in _CHOICES.items()
+        }
+        for key, value in values.items():
+            if type(value) is not type(_CHOICES[key][0]) or value not in _CHOICES[key]:
+                allowed = " or ".join(str(known).lower() for known in _CHOICES[key])
+                self.report("B404.option", key, key=key, allowed=allowed)
+        return values
+
+    def nodes(self, key: str) -> list[str] | None:
+        """Return the nodes that a key lists, in the order of the network; None without it."""
+        entries = self.options.values.get(key)
+        if entries is None:
+            return None
+        if not isinstance(entries, list):
+            self.report("B303.nodes_list", key, key=key)
+            return []
+        for number, name in enumerate(entries):
+            if name not in self._names:
+                hint = did_you_mean(str(name), self._names)
+                self.report("B303.unknown_node", key, number, hint=hint, key=key, name=name)
+        return [name for name in self._names if name in entries]
+
+    def outputs(self, observed: Sequence[str]) -> list[str]:
+        """Return the outputs: listed, else marked in the file, else leaves that nobody observes."""
+        listed = self.nodes("outputs")
+        if listed is not None:
+            if not listed and not self.problems:
+                self.report("B303.no_output", "outputs")
+            return listed
+        children = self._network.children()
+        leaves = [name for name in self._names if not children[name]]
+        unseen = [name for name in leaves if name not in observed]
+        return [node.id for node in self._network.nodes if node.target] or unseen or leaves
+
+    def renamed(self) -> dict[str, str]:
+        pairs = self.options.values.get("renamed", {})
+        if not isinstance(pairs, Mapping):
+            self.report("B404.renamed", "renamed")
+            return {}
+        for name in pairs:
+            if name not in self._names:
+                self.report("B303.renamed_node", "renamed", name, name=name)
+        return {str(new): str(old) for new, old in pairs.items()}
 
 
-def _wrong_choices(options: Options) -> Iterable[Problem]:
-    for key, known in _CHOICES.items():
-        value = options.values.get(key, known[0])
-        if value not in known:
-            yield problem("B404.option", options.place(key), key=key, allowed=" or ".join(known))
-    if not isinstance(options.values.get("explain", False), bool):
-        yield problem("B404.explain", options.place("explain"))
-
-
-def _direct(
+def inputs_named_like_nodes(
     network: Network, options: Options, declarations: Sequence[Declaration]
 ) -> dict[str, str]:
-    """Return node -> input for inputs that are called as a node, or as its identifier."""
-    taken = {declaration.input for declaration in declarations}
-    declared = {declaration.node for declaration in declarations}
-    attributes = node_attributes(network)
-    if not options.inputs and not declarations:
+    """Return node -> input of its state, which has the node's name or its Python name."""
+    if not options.inputs and not declarations:  # no configuration yet: an input for each node
         return {name: name for name in network.names()}
-    ids = {input_.id for input_ in options.inputs} - taken
-    found = {}
-    for name in network.names():
-        chosen = name if name in ids else attributes[name]
-        if name not in declared and chosen in ids:
-            found[name] = chosen
-    return found
+    free = {entry.id for entry in options.inputs} - {entry.input for entry in declarations}
+    declared = {entry.node for entry in declarations}
+    input_of = {}
+    for node, attribute_of_node in node_attributes(network).items():
+        name = node if node in free else attribute_of_node
+        if name in free and node not in declared:
+            input_of[node] = name
+    return input_of
 
 
 def _inputs(
@@ -164,134 +211,73 @@ def _inputs(
     options: Options,
     declarations: Sequence[Declaration],
     direct: Mapping[str, str],
+    *,
+    has_thresholds: bool,
 ) -> tuple[ModelInput, ...]:
     """Return the inputs in the order of the configuration, else one for each node."""
-    if not options.inputs:
-        return tuple(_direct_input(network, node, name) for node, name in direct.items())
-    by_input = {declaration.input: declaration for declaration in reversed(declarations)}
-    of_direct = {name: node for node, name in direct.items()}
-    found = []
-    for input_ in options.inputs:
-        if input_.id in of_direct:
-            found.append(_direct_input(network, of_direct[input_.id], input_.id))
-        elif input_.id in by_input:
-            declared = by_input[input_.id]
-            text = f"becomes a state of {declared.node}"
-            found.append(_input(input_.id, declared.type, input_.unit, text))
-        else:
-            text = "for the methods in bayesian_network_config.py"
-            found.append(_input(input_.id, input_.type or "float", input_.unit, text))
-    return tuple(found)
-
-
-def _apart(inputs: Sequence[ModelInput]) -> tuple[ModelInput, ...]:
-    """Keep inputs apart whose ids look alike in Python (``CO2 report``, ``CO2_report``)."""
+    node_of = {name: node for node, name in direct.items()}
+    configured = {entry.id: entry for entry in options.inputs}
     taken: set[str] = set()
-    found = []
-    for input_ in inputs:
-        wanted = attribute(input_.id)
-        name = free_name(wanted, taken)
-        taken.add(name)
-        found.append(input_ if name == wanted else replace(input_, attribute=name))
-    return tuple(found)
+    inputs = []
+    for name in configured or node_of:
+        fed = [entry for entry in declarations if entry.input == name]
+        if name in node_of:
+            states = ", ".join(network.node(node_of[name]).states)
+            text = f"a state of {node_of[name]} ({states}), or likelihoods"
+            input_ = ModelInput(name, "state", description=text)
+        else:
+            unit = configured[name].unit
+            type_ = fed[0].type if fed else configured[name].type or "float"
+            text = "for the methods in bayesian_network_config.py"
+            text = f"becomes a state of {fed[0].node}" if fed else text
+            input_ = ModelInput(name, type_, unit=unit, units=accepted(unit), description=text)
+        if fed and all("map" in entry.data for entry in fed):  # other values leave a node open
+            known = [value for entry in fed for value, _ in entry.data["map"]]
+            input_ = replace(input_, uses=(Use(known.__contains__),))
+        if has_thresholds and (fed or name in node_of):
+            # Any default of what feeds a node may make evidence active before a message comes.
+            input_ = replace(input_, is_good=lambda _: True)
+        # Ids may look alike in Python (`CO2 report`, `CO2_report`).
+        own_name = free_name(attribute(name), taken)
+        taken.add(own_name)
+        if own_name != attribute(name):
+            input_ = replace(input_, attribute=own_name)
+        inputs.append(input_)
+    return tuple(inputs)
 
 
-def _judged_by_default(
-    inputs: Sequence[ModelInput], feeding: Container[str]
-) -> tuple[ModelInput, ...]:
-    """Declare that any default of what feeds a node may make evidence active before a message."""
-    return tuple(
-        replace(input_, is_good=lambda _: True) if input_.id in feeding else input_
-        for input_ in inputs
-    )
-
-
-def _with_uses(
-    inputs: Sequence[ModelInput], declarations: Sequence[Declaration]
-) -> tuple[ModelInput, ...]:
-    """Set for mapped inputs which values are observations: the others leave a node open."""
-    mapped = {
-        declaration.input: [value for value, _ in declaration.data["map"]]
-        for declaration in declarations
-        if "map" in declaration.data and "bins" not in declaration.data
-    }
-    return tuple(
-        replace(input_, uses=(Use(mapped[input_.id].__contains__),))
-        if input_.id in mapped
-        else input_
-        for input_ in inputs
-    )
-
-
-def _direct_input(network: Network, node: str, name: str) -> ModelInput:
-    states = ", ".join(network.node(node).states)
-    return ModelInput(name, "state", description=f"a state of {node} ({states}), or likelihoods")
-
-
-def _input(name: str, of: InputType, unit: str | None, text: str) -> ModelInput:
-    return ModelInput(name, of, unit=unit, units=accepted(unit), description=text)
-
-
-def _named(
-    network: Network, options: Options, key: str, problems: list[Problem]
-) -> list[str] | None:
-    given = options.values.get(key)
-    if given is None:
-        return None
-    if not isinstance(given, list):
-        problems.append(problem("B303.nodes_list", options.place(key), key=key))
-        return []
-    names = network.names()
-    for number, name in enumerate(given):
-        if name not in names:
-            hint = did_you_mean(str(name), names)
-            problems.append(
-                problem(
-                    "B303.unknown_node", options.place(key, number), hint=hint, key=key, name=name
-                )
-            )
-    return [name for name in names if name in given]
-
-
-def _outputs(
-    network: Network, options: Options, observed: Sequence[str], problems: list[Problem]
-) -> list[str]:
-    given = _named(network, options, "outputs", problems)
-    if given is not None:
-        if not given and not has_errors(problems):
-            problems.append(problem("B303.no_output", options.place("outputs")))
-        return given
-    marked = [node.id for node in network.nodes if node.target]
-    if marked:
-        return marked
-    children = network.children()
-    leaves = [name for name in network.names() if not children[name]]
-    unseen = [name for name in leaves if name not in observed]
-    return unseen or leaves
-
-
-def _renamed(network: Network, options: Options, problems: list[Problem]) -> dict[str, str]:
-    given = options.values.get("renamed", {})
-    if not isinstance(given, Mapping):
-        problems.append(problem("B404.renamed", options.place("renamed")))
-        return {}
-    names = network.names()
-    problems += [
-        problem("B303.renamed_node", options.place("renamed", name), name=name)
-        for name in given
-        if name not in names
-    ]
-    return {str(new): str(old) for new, old in given.items()}
-
-
-def _too_wide(width: Width, options: Options) -> Iterable[Problem]:
-    if width.largest <= LARGE:
-        return
-    shown = ", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else "")
-    yield problem(
-        "B301.too_large" if width.too_large else "B301.large",
-        options.place(),
-        entries=in_digits(width.largest),
-        limit=TOO_LARGE if width.too_large else LARGE,
-        nodes=shown,
-    )
+def _warnings(network: Network, settings: NetworkOptions, options: Options) -> Iterator[Problem]:
+    """Yield what is too wide (B301), and evidence that is of little use (B305, B425)."""
+    width, observed = settings.width, settings.observed
+    if width.largest > LARGE:
+        yield problem(
+            "B301.too_large" if width.too_large else "B301.large",
+            options.place(),
+            entries=in_digits(width.largest),
+            limit=TOO_LARGE if width.too_large else LARGE,
+            nodes=", ".join(width.nodes[:8]) + (", ..." if len(width.nodes) > 8 else ""),
+        )
+    # Among the ancestors of what is observed or asked for, every common child is, or leads to, an
+    # output or an observed node; so each path can be open, in one step or another.
+    relevant = network.ancestors([*settings.inferred, *observed])
+    neighbours: dict[str, list[str]] = {name: [] for name in relevant}
+    for node in network.nodes:
+        for parent in node.parents if node.id in relevant else ():
+            neighbours[node.id].append(parent)
+            neighbours[parent].append(node.id)
+    can_change = reached(neighbours, settings.inferred)
+    for name in observed if options.inputs else ():
+        if name not in can_change:
+            yield problem("B305.no_influence", options.place("discretisation", name), name=name)
+    for entry in settings.thresholds:
+        if entry.node in observed:
+            place = entry.place
+            yield problem("B305.perhaps_observed", place, threshold=entry.id, node=entry.node)
+    priors = {e.node for e in settings.declarations if e.data.get("missing") == "prior"}
+    cards = {name: len(network.node(name).states) for name in observed if name not in priors}
+    count = math.prod(cards.values())
+    if settings.thresholds and count > COMBINATIONS:
+        factors = [f"{name} {card}" for name, card in cards.items()]
+        shown = " x ".join(factors[:6]) + (" x ..." if len(factors) > 6 else "")
+        place, total = options.place("evidence"), in_digits(count)
+        yield problem("B425", place, count=total, shown=shown, largest=COMBINATIONS)

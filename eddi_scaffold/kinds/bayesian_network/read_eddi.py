@@ -2,275 +2,200 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
-from eddi_scaffold.eddi_xml import vocabulary as word
+from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.findings import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
-from eddi_scaffold.eddi_xml.vocabulary import NETWORKS, Spelling, fold
-from eddi_scaffold.kinds.bayesian_network.checks import check_network, first_missing
+from eddi_scaffold.eddi_xml.vocabulary import Spelling
+from eddi_scaffold.kinds.bayesian_network.checks import check_network, missing_rows
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network
 
 CLASS = "bayesiannetwork"
 _FEATURES = ("bayesiannetwork", "bayesiannetworks")
 
 
-def read_eddi(document: EddiDocument, source: Source) -> tuple[list[Network], list[Problem]]:
+def read_networks(document: EddiDocument, source: Source) -> tuple[list[Network], list[Problem]]:
     """Read every network of a document, in document order, with all problems."""
     networks: list[Network] = []
     problems: list[Problem] = []
-    for element in network_elements(document):
-        findings = EddiFindings(document)
-        reader = _Reader(document, element, findings)
+    elements = [e for root in document.roots for e in select(root, vocabulary.NETWORKS)]
+    for element in elements:
+        class_name = document.class_of(element).name
+        feature = vocabulary.fold(document.feature(element))
+        if class_name != CLASS and (class_name or feature not in _FEATURES):
+            continue
+        reader = _Reader(document, element)
         drafts = reader.read()
-        name = document.attribute(element, word.NAME) or source.stem
-        network, found = check_network(name, drafts, document.place(element))
-        problems += [*findings.problems(), *found]
-        if network is not None and not findings.errors:
-            networks.append(replace(network, known=reader.known))
+        name = document.attribute(element, vocabulary.NAME) or source.stem
+        network, faults = check_network(name, drafts, document.place(element))
+        problems += [*reader.findings.problems(), *faults]
+        if network is not None and not reader.findings.errors:
+            networks.append(replace(network, known=tuple(reader.known.items())))
     return networks, problems
 
 
-def network_elements(document: EddiDocument) -> Iterator[Element]:
-    """Yield the elements of class BayesianNetwork, wherever they are contained."""
-    for root in document.roots:
-        for element in select(root, NETWORKS):
-            stated = document.class_of(element).name
-            if stated == CLASS or (not stated and fold(document.feature(element)) in _FEATURES):
-                yield element
-
-
-@dataclass
+@dataclass(eq=False)
 class _Node:
     element: Element
     name: str
-    states: dict[Element, str] = field(default_factory=dict)
+    states: Mapping[Element, str]
     parents: list[tuple[Element, Place]] = field(default_factory=list)
 
 
 class _Reader:
-    def __init__(self, document: EddiDocument, network: Element, findings: EddiFindings) -> None:
-        self.document, self.network, self.findings = document, network, findings
+    def __init__(self, document: EddiDocument, network: Element) -> None:
+        self.document, self.network = document, network
+        self.findings = EddiFindings(document)
         self.nodes: dict[Element, _Node] = {}
-        self.known: tuple[tuple[str, str | None], ...] = ()
-        self.wanted: set[Element] = set()
+        self.known: dict[str, str | None] = {}
+        """Node that is expected to be known -> the event that tells."""
 
     def read(self) -> list[Draft]:
         """Return the nodes as drafts."""
-        for element in self.document.children(self.network, word.NODES):
-            name = self.document.attribute(element, word.NAME) or ""
-            node = _Node(element, name)
-            for state in self.document.children(element, word.NODE_STATES):
-                node.states[state] = self.document.attribute(state, word.NAME) or ""
-            self.nodes[element] = node
-        for connection in self.document.children(self.network, word.CONNECTIONS):
-            self._connect(connection)
-        self._intents()
-        return [self._draft(node) for node in self.nodes.values()]
+        children = self.document.children
+        for element in children(self.network, vocabulary.NODES):
+            states = children(element, vocabulary.NODE_STATES)
+            names = {state: self._name(state) or "" for state in states}
+            self.nodes[element] = _Node(element, self._name(element) or "", names)
+        for connection in children(self.network, vocabulary.CONNECTIONS):
+            sources = self._ends(connection, vocabulary.FROM)
+            place = self.document.place(connection)
+            for target in self._ends(connection, vocabulary.TO):
+                self.nodes[target].parents += [(source, place) for source in sources]
+        targets: set[Element] = set()
+        for intent in children(self.network, vocabulary.INTENTS):
+            for target in children(intent, vocabulary.INFERENCE_TARGETS):
+                targets.update(self._ends(target, vocabulary.NODE))
+            for evidence in children(intent, vocabulary.REQUIRED_EVIDENCES):
+                events, _, _ = self.document.targets(evidence, vocabulary.EVENT)
+                for node in self._ends(evidence, vocabulary.NODE):
+                    self.known[self.nodes[node].name] = next(map(self._name, events), None)
+        self._count_unused()
+        return [self._draft(node, targets) for node in self.nodes.values()]
 
-    def _intents(self) -> None:
-        """Read which nodes are expected to be known, and which are wanted."""
-        known: dict[str, str | None] = {}
-        for intent in self.document.children(self.network, word.INTENTS):
-            for wanted in self.document.children(intent, word.INFERENCE_TARGETS):
-                self.wanted.update(self._ends(wanted, word.NODE))
-            for child in self.document.children(intent, word.REQUIRED_EVIDENCES):
-                told, _, _ = self.document.targets(child, word.EVENT)
-                events = [self.document.attribute(event, word.NAME) for event in told]
-                for node in self._ends(child, word.NODE):
-                    known[self.nodes[node].name] = next(iter(events), None)
-        self.known = tuple(known.items())
-        inferences = self.document.children(self.network, word.INFERENCES)
+    def _name(self, element: Element) -> str | None:
+        return self.document.attribute(element, vocabulary.NAME)
+
+    def _count_unused(self) -> None:
+        features = (vocabulary.INFERENCES, vocabulary.DIMENSION)
         states = [state for node in self.nodes.values() for state in node.states]
-        of_states = [child for s in states for child in self.document.children(s, word.DIMENSION)]
-        for feature, found in (
-            (word.INFERENCES, inferences),
-            (word.DIMENSION, of_states),
-        ):
-            if found:
-                self.findings.count(
-                    "X014.feature",
-                    found[0],
-                    len(found),
-                    feature=feature.name,
-                    owner=self.document.describe(self.network),
-                )
+        unused = [self.document.children(self.network, vocabulary.INFERENCES)]
+        unused += [[c for s in states for c in self.document.children(s, vocabulary.DIMENSION)]]
+        for feature, elements in zip(features, unused, strict=True):
+            if elements:
+                owner = self.document.describe(self.network)
+                fields = {"feature": feature.name, "owner": owner}
+                self.findings.count("X014.feature", elements[0], len(elements), **fields)
 
-    def _connect(self, connection: Element) -> None:
-        sources = self._ends(connection, word.FROM)
-        targets = self._ends(connection, word.TO)
-        place = self.document.place(connection)
-        for target in targets:
-            for source in sources:
-                self.nodes[target].parents.append((source, place))
-
-    def _ends(self, connection: Element, end: Spelling) -> list[Element]:
-        found, problems, given = self.document.targets(connection, end)
+    def _ends(self, element: Element, end: Spelling) -> list[Element]:
+        """Return the nodes that an element points at."""
+        targets, problems, is_stated = self.document.targets(element, end)
         self.findings.add(*problems)
-        if not given:
-            self.findings.report(
-                "X010.connection_end",
-                connection,
-                connection=self.document.describe(connection),
-                end=end.name,
-            )
-        for target in found:
+        if not is_stated:
+            shown = self.document.describe(element)
+            self.findings.report("X010.connection_end", element, connection=shown, end=end.name)
+        for target in targets:
             if target not in self.nodes:
-                self.findings.report(
-                    "X009.end", connection, end=end.name, target=self.document.describe(target)
-                )
-        return [target for target in found if target in self.nodes]
+                shown = self.document.describe(target)
+                self.findings.report("X009.end", element, end=end.name, target=shown)
+        return [target for target in targets if target in self.nodes]
 
-    def _draft(self, node: _Node) -> Draft:
-        place = self.document.place(node.element)
-        rows = self.document.children(node.element, word.ROWS)
-        broken = False
-        values: tuple[str, ...] | None = None
-        places: tuple[Place, ...] = ()
-        if rows:
-            before = self.findings.errors
-            table = self._table(node, rows)
-            broken = self.findings.errors > before
-            if not broken and table is not None:
-                values, places = table
-            elif not broken:
-                broken = True  # names are missing: reported elsewhere
+    def _draft(self, node: _Node, targets: Collection[Element]) -> Draft:
+        place = self.document.place
+        rows = self.document.children(node.element, vocabulary.ROWS)
+        table = self._table(node, rows) if rows else None
+        values, places = table or (None, ())
         return Draft(
             node.name,
             node.name,
-            tuple(Named(name, self.document.place(e)) for e, name in node.states.items()),
+            tuple(Named(name, place(state)) for state, name in node.states.items()),
             tuple(Named(self.nodes[parent].name, where) for parent, where in node.parents),
             values,
-            place,
-            self.document.place(rows[0]) if rows else place,
+            place(node.element),
+            place(rows[0]) if rows else place(node.element),
             places,
-            node.element in self.wanted,
-            broken,
+            node.element in targets,
+            bool(rows) and table is None,
         )
 
     def _table(
-        self, node: _Node, rows: list[Element]
+        self, node: _Node, rows: Sequence[Element]
     ) -> tuple[tuple[str, ...], tuple[Place, ...]] | None:
         """Return the texts of the table in order and the place of each row."""
-        parents = list(dict.fromkeys(parent for parent, _ in node.parents))
-        found: dict[tuple[Element, ...], tuple[Element, list[str]]] = {}
+        parents = [self.nodes[parent] for parent in dict.fromkeys(p for p, _ in node.parents)]
+        states = {parent.name: [*parent.states.values()] for parent in parents}
+        if len(states) < len(parents) or any(len({*of}) < len(of) for of in states.values()):
+            return None  # two of one name: reported elsewhere
         before = self.findings.errors
+        table: dict[tuple[str, ...], tuple[Element, list[str]]] = {}
         for row in rows:
-            key = self._combination(node, row, parents)
-            values = self._values(node, row)
-            if key is None:
+            case, values = self._case(node, row, parents), self._values(node, row)
+            if case is None:
                 continue
-            if key in found:
-                first = self.document.place(found[key][0]).line
-                self.findings.report(
-                    "B110.duplicate_row",
-                    row,
-                    row=self._shown(parents, key),
-                    name=node.name,
-                    line=first,
-                )
+            if case in table:
+                line = self.document.place(table[case][0]).line
+                pairs = [f"{p}={s}" for p, s in zip(states, case, strict=True)]
+                shown = ", ".join(pairs) or "the only row"
+                name = node.name
+                self.findings.report("B110.duplicate_row", row, row=shown, name=name, line=line)
             else:
-                found[key] = (row, values)
-        states = [list(self.nodes[parent].states) for parent in parents]
+                table[case] = (row, values)
+        if self.findings.errors == before:  # else which rows are missing would only repeat that
+            place = self.document.place(node.element)
+            self.findings.add(*missing_rows(node.name, place, states, table))
         if self.findings.errors > before:
-            return None  # which rows are missing would only repeat that
-        if not self._complete(node, parents, states, found):
             return None
-        order = [found[key] for key in product(*states)]
+        order = [table[case] for case in product(*states.values())]
         texts = tuple(text for _, values in order for text in values)
         return texts, tuple(self.document.place(row) for row, _ in order)
 
-    def _complete(
-        self,
-        node: _Node,
-        parents: list[Element],
-        states: list[list[Element]],
-        found: dict[tuple[Element, ...], tuple[Element, list[str]]],
-    ) -> bool:
-        names = [self.nodes[parent].name for parent in parents]
-        labels = [
-            [self.nodes[p].states[s] for s in of] for p, of in zip(parents, states, strict=True)
-        ]
-        if any(len(set(of)) < len(of) for of in labels):
-            return False
-        there = {
-            tuple(self.nodes[p].states[s] for p, s in zip(parents, key, strict=True))
-            for key in found
-        }
-        count, shown = first_missing(names, labels, there)
-        if count:
-            more = ", ..." if count > len(shown) else ""
-            self.findings.report(
-                "B110.missing_rows",
-                node.element,
-                name=node.name,
-                number=count,
-                rows="row" if count == 1 else "rows",
-                shown="; ".join(shown),
-                rest=more,
-            )
-        return not count
-
-    def _combination(
-        self, node: _Node, row: Element, parents: list[Element]
-    ) -> tuple[Element, ...] | None:
+    def _case(self, node: _Node, row: Element, parents: Sequence[_Node]) -> tuple[str, ...] | None:
         """Return the state of each parent that a row is about, in the order of the parents."""
-        targets, problems, _ = self.document.targets(row, word.PARENT_STATES)
+        before = self.findings.errors
+        targets, problems, _ = self.document.targets(row, vocabulary.PARENT_STATES)
         self.findings.add(*problems)
-        chosen: dict[Element, Element] = {}
-        wrong = bool(problems)
+        chosen: dict[str, str] = {}
         for state in targets:
-            owner = state.getparent()
-            if owner is None or owner not in self.nodes or state not in self.nodes[owner].states:
-                what = self.document.describe(state)
-                self.findings.report("X009.row_state", row, subject=what)
-                wrong = True
+            parent_element = state.getparent()
+            owner = None if parent_element is None else self.nodes.get(parent_element)
+            if owner is None or state not in owner.states:
+                subject = self.document.describe(state)
+                self.findings.report("X009.row_state", row, subject=subject)
             elif owner not in parents:
-                self.findings.report(
-                    "X009.row_parent", row, parent=self.nodes[owner].name, node=node.name
-                )
-                wrong = True
-            elif owner in chosen:
-                self.findings.report(
-                    "B105.parent_twice", row, node=node.name, parent=self.nodes[owner].name
-                )
-                wrong = True
+                self.findings.report("X009.row_parent", row, parent=owner.name, node=node.name)
+            elif owner.name in chosen:
+                self.findings.report("B105.parent_twice", row, node=node.name, parent=owner.name)
             else:
-                chosen[owner] = state
-        lacking = [self.nodes[parent].name for parent in parents if parent not in chosen]
-        if lacking and not wrong:
+                chosen[owner.name] = owner.states[state]
+        lacking = [parent.name for parent in parents if parent.name not in chosen]
+        if lacking and self.findings.errors == before:
             self.findings.report("B110.no_state", row, node=node.name, parent=", ".join(lacking))
-        return None if wrong or lacking else tuple(chosen[parent] for parent in parents)
+        if self.findings.errors > before:
+            return None
+        return tuple(chosen[parent.name] for parent in parents)
 
     def _values(self, node: _Node, row: Element) -> list[str]:
         """Return the text of each own state; what is not written is 0, as EMF leaves it out."""
         texts: dict[Element, str] = {}
-        for value in self.document.children(row, word.PROBABILITIES):
-            targets, problems, given = self.document.targets(value, word.NODE_STATE)
+        for value in self.document.children(row, vocabulary.PROBABILITIES):
+            targets, problems, is_stated = self.document.targets(value, vocabulary.NODE_STATE)
             self.findings.add(*problems)
-            if not given:
+            if not is_stated:
                 self.findings.report("X010.node_state", value)
             for state in targets:
                 if state not in node.states:
-                    what = self.document.describe(state)
-                    self.findings.report("X009.state_of_other", value, node=node.name, subject=what)
+                    fields = {"node": node.name, "subject": self.document.describe(state)}
+                    self.findings.report("X009.state_of_other", value, **fields)
                 elif state in texts:
-                    self.findings.report(
-                        "B110.duplicate_value", value, node=node.name, state=node.states[state]
-                    )
+                    fields = {"node": node.name, "state": node.states[state]}
+                    self.findings.report("B110.duplicate_value", value, **fields)
                 else:
-                    text = self.document.attribute(value, word.VALUE)
+                    text = self.document.attribute(value, vocabulary.VALUE)
                     texts[state] = "0.0" if text is None else text.strip()
         return [texts.get(state, "0.0") for state in node.states]
-
-    def _shown(self, parents: list[Element], key: tuple[Element, ...]) -> str:
-        pairs = (
-            f"{self.nodes[p].name}={self.nodes[p].states[s]}"
-            for p, s in zip(parents, key, strict=True)
-        )
-        return ", ".join(pairs) or "the only row"

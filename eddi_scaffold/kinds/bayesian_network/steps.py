@@ -1,11 +1,11 @@
 """Larger parts of a network: a fixed list of numpy operations on arrays of the runtime.
 
 No number is touched: ``eddi_runtime.bayesian_network.arrays`` makes the arrays when the monitor
-starts, as the rows here describe it. The axes of each message are ordered so that few copies are
+starts, as the slots here describe it. The axes of each message are ordered so that few copies are
 needed: a product sums over axes that both parts have (``summed``), keeps others of both
 (``batch``), and has axes of the one or the other part only (``left``, ``right``). Numpy multiplies
 such arrays without a copy when each group of axes is adjacent, so each message is laid out as its
-first reader wants it, going backwards from the outputs.
+first reader needs it, going backwards from the outputs.
 """
 
 from __future__ import annotations
@@ -13,32 +13,19 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
-from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, Program, alias_of
+from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, MessageProgram
 from eddi_scaffold.kinds.bayesian_network.structure import bits
-from eddi_scaffold.kinds.bayesian_network.width import Plan
 
-Slot = tuple[object, ...]
 Axes = tuple[int, ...]
 _GEMV, _GEMM = 9_000, 200_000
 """Multiplications of a product with a vector, or a matrix, from which OpenBLAS uses threads."""
 
 
-class MessageRow(NamedTuple):
-    """A message as the runtime's ``Message`` describes it."""
-
-    kind: str
-    parts: tuple[int, ...]
-    nodes: tuple[int, ...]
-    inputs: tuple[int, ...]
-    known: bool
-
-
 class Operation(NamedTuple):
-    """One call of numpy: its name, its operands as text, and their slots.
+    """One call of numpy.
 
     Attributes:
         message: number of the message that needs it.
@@ -53,9 +40,24 @@ class Operation(NamedTuple):
     nodes: tuple[int, ...]
 
 
-@dataclass
+class Groups(NamedTuple):
+    """The axes of a product; see the module."""
+
+    batch: Axes
+    left: Axes
+    right: Axes
+    summed: Axes
+
+
 class Steps:
     """The operations of a step.
+
+    Args:
+        program: the messages.
+        cards: number of states of each node.
+        positions: node -> its place in the states.
+        look_up: tabulated messages are looked up; else each input has a vector.
+        adapting: shapes are told as nodes, because an observed node will have no axis.
 
     Attributes:
         slots: how each array is made.
@@ -65,191 +67,146 @@ class Steps:
         rows: text of the row of each output.
     """
 
-    slots: list[Slot] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)
-    cases: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
-    operations: list[Operation] = field(default_factory=list)
-    rows: list[str] = field(default_factory=list)
-
-
-def message_rows(plan: Plan) -> tuple[MessageRow, ...]:
-    """Return the messages of a plan by number."""
-    numbers = {edge: k for k, edge in enumerate(plan.program.messages)}
-    in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
-    rows = []
-    for edge, message in plan.program.messages.items():
-        parts = tuple(numbers[part] for part in message.parts)
-        kind = message.kind or "product"
-        if not message.parts:
-            leaf = plan.tree.leaves[message.leaf]
-            if leaf.kind == TABLE:
-                parts = (leaf.node,)
-            elif leaf.kind == EVIDENCE and leaf.node not in in_tables:
-                kind = "prior"
-        known = not message.inputs or edge in plan.program.tabulated or not message.parts
-        seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
-        inputs = tuple(bits(seen)) if known else ()
-        rows.append(MessageRow(kind, parts, tuple(bits(message.mask)), inputs, known))
-    return tuple(rows)
-
-
-def answers_of(plan: Plan) -> tuple[int, ...]:
-    """Return the number of the message of each output, or of those of the evidence alone."""
-    program, numbers = plan.program, {edge: k for k, edge in enumerate(plan.program.messages)}
-    wanted = [program.answers[node] for node in plan.part.outputs] or program.evidence
-    return tuple(numbers[edge] for edge in wanted)
-
-
-def steps_of(
-    program: Program,
-    cards: Sequence[int],
-    positions: Mapping[int, int],
-    *,
-    look_up: bool = False,
-    adapting: bool = False,
-) -> Steps:
-    """Return the operations of a program.
-
-    Args:
-        program: the messages.
-        cards: number of states of each node.
-        positions: node -> its place in the states.
-        look_up: tabulated messages are looked up; else each input has a vector.
-        adapting: shapes are told as nodes, because an observed node will have no axis.
-    """
-    return _Making(program, cards, positions, look_up=look_up, adapting=adapting).steps
-
-
-class _Making:
     def __init__(
         self,
-        program: Program,
+        program: MessageProgram,
         cards: Sequence[int],
         positions: Mapping[int, int],
         *,
-        look_up: bool,
-        adapting: bool,
+        look_up: bool = False,
+        adapting: bool = False,
     ) -> None:
+        self.slots: list[tuple[object, ...]] = []
+        self.names: list[str] = []
+        self.cases: dict[str, list[tuple[int, int]]] = {}
+        self.operations: list[Operation] = []
         self._program, self._messages = program, program.messages
-        self._cards, self._positions, self._look_up = cards, positions, look_up
-        self._adapting = adapting
+        self._cards, self._positions, self._adapting = cards, positions, adapting
+        self._looked_up = program.tabulated if look_up else set()
         self._numbers = {edge: k for k, edge in enumerate(program.messages)}
-        self._resolve = self._aliases()
-        operations = self._needed()
-        self._order = layouts(operations, self._messages, self._resolve)
-        self.steps = Steps()
-        self._cases: dict[int, str] = {}
+        self._case_of: dict[int, str] = {}
         self._forms: dict[tuple[Edge, tuple[Axes, ...]], str] = {}
         self._results: dict[Edge, str] = {}
-        for message in operations:
-            self._operation(message)
-        self.steps.rows = [self._row(program.answers[node]) for node in sorted(program.answers)]
-        if program.evidence:
-            first, *rest = (self._resolve[edge] for edge in program.evidence)
-            axes = (tuple(bits(self._messages[first].mask)),)
-            one = self._form(first, axes)
-            other = (
-                self._form(rest[0], axes) if rest else self._slot("o", "ones", self._size(axes[0]))
-            )
-            self.steps.rows = [f"[float(dot({one}, {other}))]"]
-
-    def _aliases(self) -> dict[Edge, Edge]:
-        found: dict[Edge, Edge] = {}
+        self._resolve: dict[Edge, Edge] = {}
         for edge, message in self._messages.items():
-            same = None if self._looked_up(edge) else alias_of(self._messages, message)
-            found[edge] = edge if same is None else found[same]
-        return found
+            same = None if edge in self._looked_up else program.alias_of(message)
+            self._resolve[edge] = edge if same is None else self._resolve[same]
+        products = self._needed_products()
+        self._order = self._layouts(products)
+        for message in products:
+            self._multiply(message)
+        self.rows = [self._row(program.answers[node]) for node in sorted(program.answers)]
+        if program.evidence:
+            first, *others = (self._resolve[edge] for edge in program.evidence)
+            axes = (tuple(bits(self._messages[first].mask)),)
+            row = self._form(first, axes)
+            ones = "" if others else self._slot("o", "ones", self._size(axes[0]))
+            self.rows = [f"[float(dot({row}, {ones or self._form(others[0], axes)}))]"]
 
-    def _looked_up(self, edge: Edge) -> bool:
-        return self._look_up and edge in self._program.tabulated
-
-    def _needed(self) -> list[Message]:
-        wanted: set[Edge] = set()
-        todo = [*self._program.answers.values(), *self._program.evidence]
-        while todo:
-            edge = self._resolve[todo.pop()]
-            if edge in wanted or not self._messages[edge].inputs or self._looked_up(edge):
-                continue
-            wanted.add(edge)
-            todo += self._messages[edge].parts
+    def _needed_products(self) -> list[Message]:
+        needed: set[Edge] = set()
+        waiting = [*self._program.answers.values(), *self._program.evidence]
+        while waiting:
+            edge = self._resolve[waiting.pop()]
+            message = self._messages[edge]
+            if message.inputs and edge not in needed and edge not in self._looked_up:
+                needed.add(edge)
+                waiting += message.parts
         return [
-            message for edge, message in self._messages.items() if edge in wanted and message.parts
+            self._messages[e] for e in self._messages if e in needed and self._messages[e].parts
         ]
 
-    def _operation(self, message: Message) -> None:
+    def _layouts(self, products: Sequence[Message]) -> dict[Edge, Axes]:
+        """Return the order of axes of each product, slowest first."""
+        computed = {message.edge for message in products}
+        order: dict[Edge, Axes] = {}
+        for message in reversed(products):
+            axes = order.get(message.edge, tuple(bits(message.mask)))
+            parts = [self._resolve[part] for part in message.parts]
+            groups = self._groups(message, parts, axes, order)
+            if groups.summed and not _are_adjacent(axes, groups):
+                axes = groups.batch + groups.left + groups.right
+            order[message.edge] = axes
+            for part, own in zip(parts, (groups.left, groups.right), strict=False):
+                if part in computed and part not in order:
+                    mask = self._messages[part].mask
+                    order[part] = (
+                        (*groups.batch, *own, *groups.summed)
+                        if groups.summed
+                        else tuple(node for node in axes if mask >> node & 1)
+                    )
+        return order
+
+    def _groups(
+        self, message: Message, parts: Sequence[Edge], axes: Axes, order: Mapping[Edge, Axes]
+    ) -> Groups:
+        """Return the groups of a product, each in the order of its result or of its parts.
+
+        Args:
+            message: the product.
+            parts: its two parts.
+            axes: of the result.
+            order: axes that are settled.
+        """
+        first, second = (self._messages[part].mask for part in parts)
+        mask = first & second & ~message.mask
+        settled = next((order[part] for part in parts if part in order), tuple(bits(mask)))
+        return Groups(
+            batch=tuple(node for node in axes if (first & second) >> node & 1),
+            left=tuple(node for node in axes if (first & ~second) >> node & 1),
+            right=tuple(node for node in axes if (second & ~first) >> node & 1),
+            summed=tuple(node for node in settled if mask >> node & 1),
+        )
+
+    def _multiply(self, message: Message) -> None:
         edge, axes = message.edge, self._order[message.edge]
-        single = _single(axes)
         parts = [self._resolve[part] for part in message.parts]
         settled = {part: self._order[part] for part in parts if part in self._results}
-        batch, left, right, summed = groups_of(message, self._messages, parts, axes, settled)
-        self._results[edge] = result = self._slot("r", "result", self._shape(single))
+        batch, left, right, summed = self._groups(message, parts, axes, settled)
+        self._results[edge] = result = self._slot("r", "result", self._shape(_single(axes)))
         if not summed:
-            forms = [
-                # one group per axis of the result, empty where the part has no such axis
-                self._form(
-                    part,
-                    tuple((n,) if self._messages[part].mask >> n & 1 else () for n in axes),
-                )
-                for part in parts
-            ]
-            self._emit(edge, "multiply", forms, result, axes)
-        elif not batch:
-            first, second = (left, summed), (summed, right)
-            if not left or (right and axes[0] in right):  # the result lies the other way round
-                parts.reverse()
-                first, second = (right, summed), (summed, left)
-            forms = [
-                self._form(part, tuple(group for group in groups if group))
-                for part, groups in zip(parts, (first, second), strict=True)
-            ]
-            merged = tuple(group for group in (first[0], second[1]) if group)
-            work = self._size(summed) * self._size(second[1])
-            chunk = (_GEMM if second[1] else _GEMV) // work
-            flat = self._reshaped(result, single, merged)
-            self._emit_sliced(edge, "dot", forms, flat, merged, 0, chunk, axes)
-        else:
-            forms = [
-                self._form(parts[0], (batch, left, summed)),
-                self._form(parts[1], (batch, summed, right)),
-            ]
-            groups = (batch, left, right)
-            view = self._view(result, axes, groups)
-            assert view is not None, "its axes lie as the product wants them"
-            work = self._size(summed) * self._size(right)
-            chunk = (_GEMM if right else _GEMV) // work
-            self._emit_sliced(edge, "matmul", forms, view, groups, 1, chunk, axes)
-
-    def _emit_sliced(
-        self,
-        edge: Edge,
-        function: str,
-        forms: Sequence[str],
-        result: str,
-        groups: Sequence[Axes],
-        axis: int,
-        chunk: int,
-        nodes: Axes,
-    ) -> None:
-        """Emit a product in pieces that are too small for several threads.
-
-        A thread that is not scheduled at once costs milliseconds, now and then.
-        """
-        count = self._size(groups[axis]) if len(groups) > axis else 1
-        if self._adapting or not 0 < chunk < count:
-            self._emit(edge, function, forms, result, nodes)
+            # one group per axis of the result, empty where the part has no such axis
+            masks = [self._messages[part].mask for part in parts]
+            groups = [tuple((n,) if mask >> n & 1 else () for n in axes) for mask in masks]
+            forms = [self._form(*pair) for pair in zip(parts, groups, strict=True)]
+            self._add(edge, "multiply", [*forms, result], axes)
             return
+        function, place = ("matmul", 1) if batch else ("dot", 0)
+        first: tuple[Axes, ...] = (left, summed)
+        second: tuple[Axes, ...] = (summed, right)
+        if batch:
+            first, second = (batch, *first), (batch, *second)
+        elif not left or (right and axes[0] in right):  # the result lies the other way round
+            parts.reverse()
+            first, second = (right, summed), (summed, left)
+        forms = [
+            self._form(part, own if batch else tuple(group for group in own if group))
+            for part, own in zip(parts, (first, second), strict=True)
+        ]
+        if batch:
+            merged: tuple[Axes, ...] = (batch, left, right)
+            view = self._view(result, axes, merged)
+            assert view is not None, "its axes lie as the product needs them"
+        else:
+            merged = tuple(group for group in (first[0], second[1]) if group)
+            view = self._reshaped(result, _single(axes), merged)
+        width = second[-1]
+        chunk = (_GEMM if width else _GEMV) // (self._size(summed) * self._size(width))
+        count = self._size(merged[place]) if len(merged) > place else 1
+        if self._adapting or not 0 < chunk < count:
+            self._add(edge, function, [*forms, view], axes)
+            return
+        # In pieces that are too small for several threads: one that is not scheduled at once costs
+        # milliseconds, now and then.
+        name, bracket, case = forms[0].partition("[")
         for start in range(0, count, chunk):
-            piece = (axis, start, min(start + chunk, count))
-            name, bracket, case = forms[0].partition("[")
-            part = self._slot(name[0], "piece", self._number(name), *piece)
-            target = self._slot("v", "piece", self._number(result), *piece)
-            self._emit(edge, function, [f"{part}{bracket}{case}", forms[1]], target, nodes)
+            piece = (place, start, min(start + chunk, count))
+            part = self._slot(name[0], "piece", _number(name), *piece)
+            target = self._slot("v", "piece", _number(view), *piece)
+            self._add(edge, function, [f"{part}{bracket}{case}", forms[1], target], axes)
 
-    def _emit(
-        self, edge: Edge, function: str, forms: Sequence[str], result: str, nodes: Axes
-    ) -> None:
-        number = self._numbers[edge]
-        self.steps.operations.append(Operation(number, function, (*forms, result), nodes))
+    def _add(self, edge: Edge, function: str, operands: Sequence[str], nodes: Axes) -> None:
+        self.operations.append(Operation(self._numbers[edge], function, tuple(operands), nodes))
 
     def _form(self, edge: Edge, groups: tuple[Axes, ...]) -> str:
         """Return the text of a message whose axes are merged to groups, copied if it must be."""
@@ -263,27 +220,26 @@ class _Making:
         nodes, shape = tuple(bits(message.mask)), self._shape(groups)
         if not message.inputs or (self._adapting and message.kind == TABLE):
             return self._slot("k", "constant", number, _turned(nodes, groups), shape)
-        if self._looked_up(edge):
+        if edge in self._looked_up:
             inputs = tuple(-1 - node for node in bits(message.inputs))
-            order = _turned((*inputs, *nodes), (inputs, *groups))
+            turned = _turned((*inputs, *nodes), (inputs, *groups))
             case = self._case(message)
-            return f"{self._slot('t', 'cases', number, order, shape)}[{case}]"
+            return f"{self._slot('t', 'cases', number, turned, shape)}[{case}]"
         if message.kind == EVIDENCE:
             return self._slot("e", "evidence", nodes[0], shape)
         result, order = self._results[edge], self._order[edge]
         view = self._view(result, order, groups)
         if view is not None:
             return view
-        single = _single(axes := tuple(node for group in groups for node in group))
-        sizes = self._shape(single)
+        axes = tuple(node for group in groups for node in group)
+        sizes = self._shape(_single(axes))
         copy = self._slot("c", "result", sizes)
-        turned = self._slot("v", "view", self._number(result), _turned(order, groups), sizes)
+        turned_view = self._slot("v", "view", _number(result), _turned(order, groups), sizes)
         if self._adapting:  # without the axes of observed nodes it is mostly no copy
-            operands = turned, self._slot("o", "ones", 1), copy
-            self.steps.operations.append(Operation(number, "multiply", operands, axes))
+            self._add(edge, "multiply", [turned_view, self._slot("o", "ones", 1), copy], axes)
         else:
-            self.steps.operations.append(Operation(number, "copyto", (copy, turned), axes))
-        return self._reshaped(copy, single, groups)
+            self._add(edge, "copyto", [copy, turned_view], axes)
+        return self._reshaped(copy, _single(axes), groups)
 
     def _view(self, result: str, order: Axes, groups: tuple[Axes, ...]) -> str | None:
         """Return a result with merged axes; None if the numbers lie otherwise in memory."""
@@ -294,32 +250,32 @@ class _Making:
         if groups == _single(order):
             return result
         turned = _turned(order, groups)
-        return self._slot("v", "view", self._number(result), turned, self._shape(groups))
+        return self._slot("v", "view", _number(result), turned, self._shape(groups))
 
     def _reshaped(self, name: str, old: tuple[Axes, ...], new: tuple[Axes, ...]) -> str:
         if old == new:
             return name
         turned = tuple(range(len(old)))
-        return self._slot("v", "view", self._number(name), turned, self._shape(new))
+        return self._slot("v", "view", _number(name), turned, self._shape(new))
 
     def _shape(self, groups: tuple[Axes, ...]) -> tuple[object, ...]:
         return groups if self._adapting else tuple(map(self._size, groups))
 
     def _case(self, message: Message) -> str:
         """Return the variable with the number of the case of some inputs."""
-        if message.inputs not in self._cases:
+        if message.inputs not in self._case_of:
             terms, stride = [], 1
             for node in reversed(list(bits(message.inputs))):
                 terms.append((self._positions[node], stride))
                 stride *= self._program.cases[node]
-            name = self._cases[message.inputs] = f"i{len(self._cases)}"
-            self.steps.cases[name] = terms
-        return self._cases[message.inputs]
+            name = self._case_of[message.inputs] = f"i{len(self._case_of)}"
+            self.cases[name] = terms
+        return self._case_of[message.inputs]
 
     def _row(self, edge: Edge) -> str:
         edge = self._resolve[edge]
         message, number = self._messages[edge], self._numbers[edge]
-        if self._looked_up(edge):
+        if edge in self._looked_up:
             case = self._case(message)
             return f"{self._slot('t', 'rows', number)}[{case}]"
         if not message.inputs:
@@ -330,13 +286,13 @@ class _Making:
         return math.prod(self._cards[node] for node in group)
 
     def _slot(self, letter: str, *row: object) -> str:
-        name = f"{letter}{len(self.steps.slots)}"
-        self.steps.slots.append(row)
-        self.steps.names.append(name)
-        return name
+        self.names.append(f"{letter}{len(self.slots)}")
+        self.slots.append(row)
+        return self.names[-1]
 
-    def _number(self, name: str) -> int:
-        return int(name[1:])
+
+def _number(name: str) -> int:
+    return int(name[1:])
 
 
 def _single(axes: Axes) -> tuple[Axes, ...]:
@@ -349,79 +305,10 @@ def _turned(axes: Axes, groups: Sequence[Axes]) -> tuple[int, ...]:
     return tuple(places[node] for group in groups for node in group)
 
 
-class Groups(NamedTuple):
-    """The axes of a product; see the module."""
-
-    batch: Axes
-    left: Axes
-    right: Axes
-    summed: Axes
-
-
-def layouts(
-    operations: Sequence[Message],
-    messages: Mapping[Edge, Message],
-    resolve: Mapping[Edge, Edge],
-) -> dict[Edge, Axes]:
-    """Return the order of axes of each operation's result, slowest first.
-
-    Args:
-        operations: the products that are computed in each step, each behind its parts.
-        messages: all messages.
-        resolve: part -> the message that it is equal to.
-    """
-    computed = {operation.edge for operation in operations}
-    order: dict[Edge, Axes] = {}
-    for message in reversed(operations):
-        wish = order.get(message.edge, tuple(bits(message.mask)))
-        parts = [resolve[part] for part in message.parts]
-        groups = groups_of(message, messages, parts, wish, order)
-        if groups.summed and not _adjacent(wish, groups):
-            wish = groups.batch + groups.left + groups.right
-        order[message.edge] = wish
-        for part, own in zip(parts, (groups.left, groups.right), strict=False):
-            if part in computed and part not in order:
-                both = (*groups.batch, *own, *groups.summed)
-                kept = set(bits(messages[part].mask))
-                order[part] = both if groups.summed else tuple(n for n in wish if n in kept)
-    return order
-
-
-def groups_of(
-    message: Message,
-    messages: Mapping[Edge, Message],
-    parts: Sequence[Edge],
-    wish: Axes,
-    order: Mapping[Edge, Axes],
-) -> Groups:
-    """Return the groups of a product, each in the order of its result or of its parts.
-
-    Args:
-        message: the product.
-        messages: all messages.
-        parts: its two parts.
-        wish: order of the axes of the result.
-        order: orders that are settled.
-    """
-    one, other = (messages[part].mask for part in parts)
-    summed = one & other & ~message.mask
-    inside: list[int] = list(bits(summed))
-    for part in parts:
-        if part in order:
-            inside = [node for node in order[part] if summed >> node & 1]
-            break
-    return Groups(
-        batch=tuple(node for node in wish if (one & other) >> node & 1),
-        left=tuple(node for node in wish if (one & ~other) >> node & 1),
-        right=tuple(node for node in wish if (other & ~one) >> node & 1),
-        summed=tuple(inside),
-    )
-
-
-def _adjacent(wish: Axes, groups: Groups) -> bool:
-    places = {node: place for place, node in enumerate(wish)}
+def _are_adjacent(axes: Axes, groups: Groups) -> bool:
+    places = {node: place for place, node in enumerate(axes)}
     for group in (groups.batch, groups.left, groups.right):
-        where = [places[node] for node in group]
-        if where and max(where) - min(where) != len(where) - 1:
+        taken = [places[node] for node in group]
+        if taken and max(taken) - min(taken) != len(taken) - 1:
             return False
     return True

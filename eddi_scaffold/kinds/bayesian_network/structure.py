@@ -5,7 +5,7 @@ Sets of nodes are bits of an int: fast, and without an order that a hash seed co
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network.network import Network, node_attributes
@@ -23,6 +23,10 @@ class Shape(NamedTuple):
     names: tuple[str, ...]
     cards: tuple[int, ...]
     parents: tuple[tuple[int, ...], ...]
+
+    def family(self, node: int) -> tuple[int, ...]:
+        """Return the axes of the table of a node."""
+        return (*self.parents[node], node)
 
 
 class NumberedNetwork(NamedTuple):
@@ -47,7 +51,7 @@ class Component(NamedTuple):
     Attributes:
         nodes: numbers of those whose tables belong here, ascending.
         inputs: those that may be observed.
-        outputs: those whose posterior is wanted.
+        outputs: those whose posterior is asked for.
         given: nodes observed in each step: their states select numbers, tables have no axis for
             them, and what only they connect falls apart.
     """
@@ -58,22 +62,16 @@ class Component(NamedTuple):
     given: tuple[int, ...] = ()
 
 
-def shape_of(network: Network) -> Shape:
-    """Return a network by numbers of its nodes, without its tables."""
-    number = {name: k for k, name in enumerate(network.names())}
-    return Shape(
-        tuple(number),
-        tuple(len(node.states) for node in network.nodes),
-        tuple(tuple(number[parent] for parent in node.parents) for node in network.nodes),
-    )
-
-
 def numbered(network: Network) -> NumberedNetwork:
     """Return a network by numbers of its nodes."""
+    number = {name: k for k, name in enumerate(network.names())}
+    nodes = network.nodes
+    cards = tuple(len(node.states) for node in nodes)
+    parents = tuple(tuple(number[parent] for parent in node.parents) for node in nodes)
     return NumberedNetwork(
-        shape_of(network),
-        tuple(node.states for node in network.nodes),
-        tuple(node.table for node in network.nodes),
+        Shape(tuple(number), cards, parents),
+        tuple(node.states for node in nodes),
+        tuple(node.table for node in nodes),
         tuple(node_attributes(network).values()),
     )
 
@@ -114,16 +112,13 @@ def components(
     evidence is the product over the parts, so each is inferred for itself, and a contradiction is
     found in a part without outputs as well.
     """
-    wanted = tuple(bits(_with_ancestors(shape, [*outputs, *observable])))
-    seen, asked = set(observable), set(outputs)
-    return tuple(
-        Component(
-            nodes=group,
-            inputs=tuple(node for node in group if node in seen),
-            outputs=tuple(node for node in group if node in asked),
-        )
-        for group in _groups(shape, wanted, frozenset())
-    )
+    relevant, waiting = 0, [*outputs, *observable]
+    while waiting:
+        node = waiting.pop()
+        if not relevant >> node & 1:
+            relevant |= 1 << node
+            waiting += shape.parents[node]
+    return _split(shape, tuple(bits(relevant)), {*observable}, {*outputs})
 
 
 def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
@@ -132,52 +127,42 @@ def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
     An input that is an output too keeps its axis: its row gives the probabilities of its states.
     """
     given = frozenset(part.inputs).difference(part.outputs)
-    return tuple(
-        Component(
-            nodes=group,
-            inputs=tuple(n for n in group if n in part.inputs and n not in given),
-            outputs=tuple(n for n in group if n in part.outputs),
-            given=tuple(
-                sorted(
-                    given.intersection(
-                        one for node in group for one in (node, *shape.parents[node])
-                    )
-                )
-            ),
-        )
-        for group in _groups(shape, part.nodes, given)
-    )
+    return _split(shape, part.nodes, part.inputs, part.outputs, given)
 
 
-def _groups(shape: Shape, nodes: Sequence[int], given: frozenset[int]) -> list[tuple[int, ...]]:
-    """Return nodes whose tables share a node, other than the given ones, in groups."""
-    part = list(range(len(shape.cards)))
+def _split(
+    shape: Shape,
+    nodes: Sequence[int],
+    inputs: Collection[int],
+    outputs: Collection[int],
+    given: frozenset[int] = frozenset(),
+) -> tuple[Component, ...]:
+    """Group nodes whose tables share a node that is not observed in each step."""
+    joined_with = [*range(len(shape.cards))]
 
-    def find(node: int) -> int:
-        while part[node] != node:
-            part[node] = part[part[node]]
-            node = part[node]
+    def root(node: int) -> int:
+        while joined_with[node] != node:
+            joined_with[node] = joined_with[joined_with[node]]
+            node = joined_with[node]
         return node
 
     # A table belongs to any of its nodes that are not given: they are all in one group.
-    homes: dict[int, int] = {}
+    member_of: dict[int, int] = {}
     for node in nodes:
-        free = [one for one in (node, *shape.parents[node]) if one not in given]
-        homes[node] = free[0] if free else node
-        for one in free[1:]:
-            first, second = sorted((find(free[0]), find(one)))
-            part[second] = first
+        free = [member for member in shape.family(node) if member not in given]
+        member_of[node] = free[0] if free else node
+        for member in free[1:]:
+            first, second = sorted((root(free[0]), root(member)))
+            joined_with[second] = first
     groups: dict[int, list[int]] = {}
     for node in nodes:
-        groups.setdefault(find(homes[node]), []).append(node)
-    return [tuple(groups[first]) for first in sorted(groups)]
-
-
-def _with_ancestors(shape: Shape, nodes: Sequence[int]) -> int:
-    found, todo = 0, list(nodes)
-    while todo:
-        node = todo.pop()
-        if not found >> node & 1:
-            found |= 1 << node
-            todo.extend(shape.parents[node])
-    return found
+        groups.setdefault(root(member_of[node]), []).append(node)
+    return tuple(
+        Component(
+            tuple(group),
+            tuple(node for node in group if node in inputs and node not in given),
+            tuple(node for node in group if node in outputs),
+            tuple(sorted(given & {member for node in group for member in shape.family(node)})),
+        )
+        for _, group in sorted(groups.items())
+    )

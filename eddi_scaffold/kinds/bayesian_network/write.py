@@ -1,4 +1,4 @@
-"""A network as XDSL that GeNIe opens, and as XMLBIF 0.3."""
+"""A network as XDSL that GeNIe opens, and as XMLBIF 0.3: the same bytes on every machine."""
 
 from __future__ import annotations
 
@@ -9,36 +9,52 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, Node, xdsl_ids
 
 
 def to_xdsl(network: Network) -> str:
-    """Return the text; the same bytes on every machine."""
+    """Return the text of an XDSL file."""
     return "".join(f"{line}\n" for line in _xdsl_lines(network))
+
+
+def to_xmlbif(network: Network) -> str:
+    """Return the text of an XMLBIF file."""
+    return "".join(f"{line}\n" for line in _xmlbif_lines(network))
 
 
 def changed_ids(network: Network) -> list[tuple[str, str]]:
     """Return the names of nodes and states that XDSL cannot hold, with what they become."""
-    pairs = list(xdsl_ids(network.names()).items())
-    for node in network.nodes:
-        pairs += xdsl_ids(node.states).items()
+    groups = [network.names(), *(node.states for node in network.nodes)]
+    pairs = [pair for names in groups for pair in xdsl_ids(names).items()]
     return list(dict.fromkeys((old, new) for old, new in pairs if old != new))
 
 
-def number(value: float) -> str:
-    """Return a number so that reading it back gives the same bits."""
-    return str(int(value)) if value == int(value) else repr(value)
+def _numbers(node: Node) -> str:
+    """Return the numbers of a table so that reading them back gives the same bits."""
+    return " ".join(str(int(p)) if p == int(p) else repr(p) for p in node.table)
 
 
 def _xdsl_lines(network: Network) -> Iterator[str]:
-    ids = xdsl_ids(network.names())
-    order = network.in_order()
-    name = xml_text(next(iter(xdsl_ids([network.name]).values())))
+    ids, order = xdsl_ids(network.names()), network.in_order()
+    (name,) = xdsl_ids([network.name]).values()
     yield '<?xml version="1.0" encoding="UTF-8"?>'
-    yield f'<smile version="1.0" id="{name}" numsamples="10000" discsamples="10000">'
+    yield f'<smile version="1.0" id="{xml_text(name)}" numsamples="10000" discsamples="10000">'
     yield "\t<nodes>"
     for node in order:
-        yield from _node(node, ids)
+        target = ' target="true"' if node.target else ""
+        yield f'\t\t<cpt id="{ids[node.id]}"{target}>'
+        ids_of_states = xdsl_ids(node.states)
+        for state in node.states:
+            yield f'\t\t\t<state id="{ids_of_states[state]}" />'
+        if node.parents:
+            yield f"\t\t\t<parents>{' '.join(ids[parent] for parent in node.parents)}</parents>"
+        yield f"\t\t\t<probabilities>{_numbers(node)}</probabilities>"
+        yield "\t\t</cpt>"
     yield "\t</nodes>"
     yield "\t<extensions>"
     yield f'\t\t<genie version="1.0" app="eddi-scaffold" name="{xml_text(network.name)}">'
-    for node, (left, top) in zip(order, _places(order), strict=True):
+    depth: dict[str, int] = {}
+    columns: dict[int, int] = {}
+    for node in order:  # a row of the picture for each step away from the roots
+        row = depth[node.id] = 1 + max((depth[parent] for parent in node.parents), default=-1)
+        column = columns[row] = columns.get(row, -1) + 1
+        left, top = 40 + 180 * column, 40 + 120 * row
         yield f'\t\t\t<node id="{ids[node.id]}">'
         yield f"\t\t\t\t<name>{xml_text(node.title)}</name>"
         yield '\t\t\t\t<interior color="e5f6f7" />'
@@ -46,40 +62,7 @@ def _xdsl_lines(network: Network) -> Iterator[str]:
         yield '\t\t\t\t<font color="000000" name="Arial" size="8" />'
         yield f"\t\t\t\t<position>{left} {top} {left + 120} {top + 60}</position>"
         yield "\t\t\t</node>"
-    yield "\t\t</genie>"
-    yield "\t</extensions>"
-    yield "</smile>"
-
-
-def _node(node: Node, ids: dict[str, str]) -> Iterator[str]:
-    target = ' target="true"' if node.target else ""
-    yield f'\t\t<cpt id="{ids[node.id]}"{target}>'
-    states = xdsl_ids(node.states)
-    for state in node.states:
-        yield f'\t\t\t<state id="{states[state]}" />'
-    if node.parents:
-        yield f"\t\t\t<parents>{' '.join(ids[parent] for parent in node.parents)}</parents>"
-    yield f"\t\t\t<probabilities>{' '.join(number(p) for p in node.table)}</probabilities>"
-    yield "\t\t</cpt>"
-
-
-def _places(order: list[Node]) -> list[tuple[int, int]]:
-    """Return a place for each node: a row for each step away from the roots."""
-    depth: dict[str, int] = {}
-    count: dict[int, int] = {}
-    found = []
-    for node in order:
-        row = 1 + max((depth[parent] for parent in node.parents), default=-1)
-        depth[node.id] = row
-        column = count.get(row, 0)
-        count[row] = column + 1
-        found.append((40 + 180 * column, 40 + 120 * row))
-    return found
-
-
-def to_xmlbif(network: Network) -> str:
-    """Return the text; the same bytes on every machine."""
-    return "".join(f"{line}\n" for line in _xmlbif_lines(network))
+    yield from ("\t\t</genie>", "\t</extensions>", "</smile>")
 
 
 def _xmlbif_lines(network: Network) -> Iterator[str]:
@@ -99,7 +82,6 @@ def _xmlbif_lines(network: Network) -> Iterator[str]:
         yield f"\t<FOR>{xml_text(node.id)}</FOR>"
         for parent in node.parents:
             yield f"\t<GIVEN>{xml_text(parent)}</GIVEN>"
-        yield f"\t<TABLE>{' '.join(number(p) for p in node.table)}</TABLE>"
+        yield f"\t<TABLE>{_numbers(node)}</TABLE>"
         yield "</DEFINITION>"
-    yield "</NETWORK>"
-    yield "</BIF>"
+    yield from ("</NETWORK>", "</BIF>")

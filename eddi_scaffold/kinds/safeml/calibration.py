@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from eddi_runtime.safeml.comparison import Comparison
 
-from eddi_scaffold.kinds.safeml.scope import Calibration, Metric, Rows
+from eddi_scaffold.kinds.safeml.scope import Calibration, Rows
 
 _LARGEST = 1e300
 _AT_ONCE = 2_000_000
@@ -35,43 +35,46 @@ def calibrate(
         level: significance level over all tests.
     """
     maxima = np.sort(largest_statistics(comparison, series, stride=stride, distance=distance))
-    count = len(maxima)
     # the level as a person wrote it: 1 - 0.1 is not 0.9 in binary
-    at = math.ceil((count - 1) * (1 - Fraction(repr(level))))
-    return Calibration(count, maxima[at].item(), is_last=at == count - 1)
+    index = math.ceil((len(maxima) - 1) * (1 - Fraction(repr(level))))
+    return Calibration(len(maxima), maxima[index].item(), is_last=index == len(maxima) - 1)
 
 
 def largest_statistics(
     comparison: Comparison, series: Rows, *, stride: int, distance: int
-) -> np.ndarray[tuple[int, ...], np.dtype[np.int64 | np.float64]]:
+) -> npt.NDArray[Any]:
     """Return the largest statistic of all tests in each window, in time order."""
     length = (comparison.m - 1) * stride + 1
     starts = np.arange(0, series.shape[1] - length + 1, distance)
     inside = np.arange(comparison.m) * stride
-    ranks = comparison.backend.ranks
-    lower = ranks(comparison.reference, series, equal=False)
-    upper = ranks(comparison.reference, series, equal=True)
-    tied = bool((lower != upper).any())
-    many = max(1, _AT_ONCE // (comparison.tests * comparison.m))
+    lower, upper = _ranks(comparison, series)
+    is_tied = bool((lower != upper).any())
+    count = max(1, _AT_ONCE // (comparison.tests * comparison.m))
     largest = []
-    for first in range(0, len(starts), many):
-        index = starts[first : first + many, None] + inside
-
+    for first in range(0, len(starts), count):
+        index = starts[first : first + count, None] + inside
         low, high, values = (part[:, index].swapaxes(0, 1) for part in (lower, upper, series))
-        statistics = comparison.of_ranks(low, high if tied else None, comparison.counts(values))
+        statistics = comparison.of_ranks(low, high if is_tied else None, comparison.counts(values))
         largest.append(statistics.max(axis=1))
     return np.concatenate(largest)
 
 
-def effective(
-    metric: Metric, theoretical: float, calibration: Calibration | None, n: int, m: int
-) -> float:
-    """Return the threshold in use: above the quantile, and never below the theoretical one."""
-    if calibration is None:
-        return theoretical
-    if metric == "ks":
-        return max(int(theoretical), int(calibration.quantile) + math.gcd(n, m))
-    return max(theoretical, math.nextafter(calibration.quantile, math.inf))
+def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
+    shape = (comparison.tests, len(windows), comparison.m)
+    series = windows.swapaxes(0, 1).reshape(comparison.tests, -1)
+    lower, upper = (ranks.reshape(shape).swapaxes(0, 1) for ranks in _ranks(comparison, series))
+    is_tied = bool((lower != upper).any())
+    statistics: npt.NDArray[Any] = comparison.of_ranks(
+        lower, upper if is_tied else None, comparison.counts(windows)
+    )
+    return statistics
+
+
+def _ranks(comparison: Comparison, series: Rows) -> list[npt.NDArray[np.int64]]:
+    """Return how many reference values are below each value, and how many are not above it."""
+    ranks, reference = comparison.backend.ranks, comparison.reference
+    return [ranks(reference, series, equal=equal) for equal in (False, True)]
 
 
 def autocorrelation(series: Rows) -> tuple[float, int]:
@@ -84,23 +87,5 @@ def autocorrelation(series: Rows) -> tuple[float, int]:
     shifted = (centred[:, :-1] * centred[:, 1:]).sum(axis=1)
     # what never changes has no correlation
     correlations = np.where(power > 0.0, shifted / np.where(power > 0.0, power, 1.0), 0.0)
-    at = int(correlations.argmax())
-    return float(correlations[at]), at
-
-
-def of_windows(comparison: Comparison, windows: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-    """Return the statistic of each test of many windows: (B, K, m) -> (B, K)."""
-    count = int(windows.shape[0])
-    values = windows.swapaxes(0, 1).reshape(comparison.tests, count * comparison.m)
-
-    def ranks(*, equal: bool) -> npt.NDArray[np.int64]:
-        flat = comparison.backend.ranks(comparison.reference, values, equal=equal)
-        ordered: npt.NDArray[np.int64] = flat.reshape(comparison.tests, count, comparison.m)
-        return ordered.swapaxes(0, 1)
-
-    lower, upper = ranks(equal=False), ranks(equal=True)
-    some = bool((lower != upper).any())
-    statistics: npt.NDArray[Any] = comparison.of_ranks(
-        lower, upper if some else None, comparison.counts(windows)
-    )
-    return statistics
+    index = int(correlations.argmax())
+    return float(correlations[index]), index

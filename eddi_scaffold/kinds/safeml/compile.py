@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 
-from eddi_scaffold.kinds.safeml.plan import upwards
 from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Plan,
@@ -36,45 +36,37 @@ def compile_safeml(
     reference: ReferenceSample, options: SafeMLOptions, declaration: Declaration
 ) -> CompiledMonitor:
     """Compile a configured SafeML monitor."""
-    plan, settings = options.plan, options.plan.settings
+    plan, settings, design = options.plan, options.plan.settings, options.plan.design
     tables: dict[str, bytes] = {}
-    values: dict[str, object] = {
-        "metric": settings.metric,
-        "metric_name": METRIC_NAMES[settings.metric],
-        "window_size": settings.window_size,
-        "stride": settings.stride,
-        "significance_level": settings.significance_level,
-    }
     lines = head_lines("safeml.SafeML", declaration, {})
-    for name, value in values.items():
-        lines += assignment(name, literal(value), 4)
+    lines += _constants(
+        metric=settings.metric,
+        metric_name=METRIC_NAMES[settings.metric],
+        window_size=settings.window_size,
+        stride=settings.stride,
+        significance_level=settings.significance_level,
+    )
     lines += _thresholds(plan)
-    values = {
-        "hold": settings.on_omission == "hold",
-        "max_age": options.max_age,
-        "single": plan.spec.single,
-    }
-    if settings.array_backend != "numpy":
-        values["array_backend"] = settings.array_backend
-    for name, value in values.items():
-        lines += assignment(name, literal(value), 4)
+    hold, backend = settings.on_omission == "hold", settings.array_backend
+    lines += _constants(hold=hold, max_age=options.max_age, single=plan.spec.single)
+    if backend != "numpy":
+        lines += _constants(array_backend=backend)
     rows, features = reference.rows.shape
     what = "Features, each ascending"
-    if plan.design.table is not None:
+    if design.table is not None:
         what = "Rows"
-        names = [
-            "means",
-            "divisors",
-            *(f"component {k}" for k in range(len(plan.design.table) - 2)),
-        ]
-        table = _table("axes.bin", plan.design.table, tables, names)
-        floor = plan.design.floor
-        limit = {} if floor is None else {"floor": number(floor)}
+        names = [f"component {k}" for k in range(len(design.table) - 2)]
+        table = _table("axes.bin", design.table, tables, ["means", "divisors", *names])
+        limit = {} if design.floor is None else {"floor": number(design.floor)}
         lines += assignment("axes", call("safeml.Axes", [table], **limit), 4)
-    about = f"{reference.source.file_name}: {rows} rows, {features} features"
-    lines += [f"    # {what}: {comment(about)}"]
-    lines += assignment("reference", _table("reference.bin", plan.design.sample, tables), 4)
+    about = comment(f"{reference.source.file_name}: {rows} rows, {features} features")
+    lines.append(f"    # {what}: {about}")
+    lines += assignment("reference", _table("reference.bin", design.sample, tables), 4)
     return CompiledMonitor(FORMAT, lines, tables=tables)
+
+
+def _constants(**values: object) -> list[str]:
+    return [line for name, value in values.items() for line in assignment(name, literal(value), 4)]
 
 
 def _thresholds(plan: Plan) -> Iterator[str]:
@@ -82,9 +74,9 @@ def _thresholds(plan: Plan) -> Iterator[str]:
     metric, n, m = plan.settings.metric, plan.n, plan.settings.window_size
     scaled = f": {n * m} D" if metric == "ks" else ""
     yield f"    # Distance of {n} reference values and {m} of the window{scaled}"
-    thresholds = {"threshold": plan.threshold, "threshold_theoretical": plan.theoretical}
-    for name, value in thresholds.items():
-        yield from assignment(name, literal(int(value) if metric == "ks" else upwards(value)), 4)
+    written: Callable[[float], float] = int if metric == "ks" else upwards
+    theoretical = written(plan.theoretical)
+    yield from _constants(threshold=written(plan.threshold), threshold_theoretical=theoretical)
     if metric == "ks":
         yield f"    tail = safeml.Kolmogorov({n}, {m})"
         return
@@ -92,6 +84,17 @@ def _thresholds(plan: Plan) -> Iterator[str]:
     yield "    # Critical values with their levels, and the slope beyond"
     law = call("safeml.Interpolated", [literal(tuple(points)), number(slope)])
     yield from assignment("tail", law, 4)
+
+
+def upwards(value: float, digits: int = 9) -> float:
+    """Return a number of few digits that is not below ``value``: the same on every machine."""
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    up = float(f"{value:.{digits - 1}e}")
+    if up >= value:
+        return up
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - digits + 1)
+    return float(f"{value + unit / 2:.{digits - 1}e}")
 
 
 def _table(file: str, rows: Rows, tables: dict[str, bytes], names: Sequence[str] = ()) -> Part:

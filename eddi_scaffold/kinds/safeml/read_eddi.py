@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -28,9 +28,8 @@ from eddi_scaffold.kinds.safeml.settings import KEYS, export, read_settings
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
 
-
 DIGEST, ARTIFACT = "reference_sample_sha256", "artifact"
-_REFERENCE = "reference_sample_file"
+_KNOWN = (MODEL, *KEYS, DIGEST, ARTIFACT)
 _PLAIN = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", re.ASCII)
 
 
@@ -40,23 +39,19 @@ def read_eddi(
     """Read the SafeML monitors of an EDDI, and the references that they name."""
     files: list[tuple[ExtensionMap, Source, SafeMLFile]] = []
     problems: list[Problem] = []
+    gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
     for extension_map in extension_maps(document, SAFEML):
-        known = (MODEL, *KEYS, DIGEST, ARTIFACT)
-        wrong = [*unknown_tags(extension_map, known, known), *_artifacts(extension_map, document)]
-        if extension_map.model is None or has_errors(wrong):
-            problems += wrong
-            continue
-        text, settings, more = _settings(extension_map, source.name)
-        wrong += more
-        if settings is not None:
-            reference, more = read_named(source.name, settings)
-            wrong += more
-            if reference is not None:
-                wrong += _digest(extension_map, reference.source)
-                if not has_errors(wrong):
-                    part = PartSource(source, text.encode())
-                    files.append((extension_map, part, SafeMLFile(settings, reference)))
-        problems += wrong
+        faults = [*unknown_tags(extension_map, _KNOWN, _KNOWN)]
+        for value in extension_map.of(ARTIFACT):
+            if value.text not in gids:
+                hint = did_you_mean(value.text, gids)
+                faults.append(problem("L004.gid", value.place, hint=hint, gid=value.text))
+        if extension_map.model is not None and not has_errors(faults):
+            file, text, more = _file(extension_map, source.name)
+            faults += more
+            if file is not None and not has_errors(faults):
+                files.append((extension_map, PartSource(source, text.encode()), file))
+        problems += faults
     return files, problems
 
 
@@ -68,12 +63,31 @@ def as_eddi_map(name: str, file: SafeMLFile) -> tuple[str, Sequence[tuple[str, s
     return SAFEML, [(MODEL, name), *values, (DIGEST, file.reference.source.sha256)]
 
 
+def _file(extension_map: ExtensionMap, name: str) -> tuple[SafeMLFile | None, str, list[Problem]]:
+    text, settings, problems = _settings(extension_map, name)
+    if settings is None:
+        return None, text, problems
+    reference, more = read_named(name, settings)
+    problems += more
+    if reference is None:
+        return None, text, problems
+    sha256 = reference.source.sha256
+    problems += [
+        problem("L004.digest", value.place, sha256=sha256, expected=value.text)
+        for value in extension_map.of(DIGEST)
+        if value.text.lower() != sha256
+    ]
+    return SafeMLFile(settings, reference), text, problems
+
+
 def _settings(
     extension_map: ExtensionMap, name: str
 ) -> tuple[str, SafeMLSettings | None, list[Problem]]:
-    """Read the values as a configuration whose lines they are."""
+    """Read the values as a configuration whose lines they are: words as they are, or in quotes."""
     values = extension_map.of(*KEYS)
-    text = "".join(f"{value.tag}: {_scalar(value.text)}\n" for value in values)
+    texts = [v.text if _PLAIN.fullmatch(v.text) else json.dumps(v.text) for v in values]
+    lines = [f"{value.tag}: {text}\n" for value, text in zip(values, texts, strict=True)]
+    text = "".join(lines)
     settings, problems = read_settings(Source(name, (text or "{}").encode()))
 
     def placed(place: Place) -> Place:
@@ -85,23 +99,3 @@ def _settings(
         places = {value.tag: value.place for value in values}
         settings = replace(settings, places={"": extension_map.place, **places})
     return text, settings, problems
-
-
-def _scalar(text: str) -> str:
-    """Return a value as YAML: a number or a word as it is, all else in quotes."""
-    return text if _PLAIN.fullmatch(text) else json.dumps(text)
-
-
-def _digest(extension_map: ExtensionMap, reference: Source) -> Iterator[Problem]:
-    for value in extension_map.of(DIGEST):
-        if value.text.lower() != reference.sha256:
-            yield problem("L004.digest", value.place, sha256=reference.sha256, expected=value.text)
-
-
-def _artifacts(extension_map: ExtensionMap, document: EddiDocument) -> Iterator[Problem]:
-    for value in extension_map.of(ARTIFACT):
-        gids = [str(gid) for root in document.roots for gid in select(root, ".//@gid")]
-        if value.text not in gids:
-            yield problem(
-                "L004.gid", value.place, hint=did_you_mean(value.text, gids), gid=value.text
-            )

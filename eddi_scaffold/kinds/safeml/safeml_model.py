@@ -1,27 +1,25 @@
-"""The functions of the kind: reading, checks and reports."""
+"""Monitors of a perception scope as models."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from eddi_scaffold.common.claims import Claim, Element, Meanings
+from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, ValidityField
 from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import (
-    DeclaredInput,
     Model,
     ModelDraft,
     ModelInput,
     Options,
     ReadResult,
 )
-from eddi_scaffold.kinds.safeml import read_eddi, show
+from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, read_eddi, show
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
-from eddi_scaffold.kinds.safeml.messages import MEANINGS, VIOLATION_FIELD, VIOLATION_FIELDS
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
 from eddi_scaffold.kinds.safeml.scope import (
@@ -39,8 +37,6 @@ from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
 """Steps without a sample after which a window is too old, unless ``max_age`` is given."""
-
-_DOUBLE = "std_msgs/Float64"
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,7 @@ class SafeMLModel(Model):
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return MEANINGS
+        return {message: _meanings(message) for message in ("SafeMLOutput", "SafeMLStatus")}
 
     def check(self) -> Sequence[Problem]:
         return self._plan_unconfigured().problems
@@ -105,14 +101,18 @@ class SafeMLModel(Model):
 
     def configure(self, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
         """Find thresholds for the type of the messages; the configuration's id is the name."""
-        settings = self.data.settings
-        problems = [
-            problem("K013.one_input", item.place, input=item.id) for item in options.inputs[1:]
-        ]
-        problems += _wrong_field(options)
-        single = settings.input_dtype == "float32" or (
-            settings.input_dtype == "auto" and _is_single(options.inputs[:1])
-        )
+        settings, inputs = self.data.settings, options.inputs
+        problems = [problem("K013.one_input", item.place, input=item.id) for item in inputs[1:]]
+        if options.values.get(VIOLATION_FIELD, VIOLATION_FIELDS[0]) not in VIOLATION_FIELDS:
+            place, allowed = options.place(VIOLATION_FIELD), " or ".join(VIOLATION_FIELDS)
+            problems.append(
+                problem("K003.violation_field", place, key=VIOLATION_FIELD, allowed=allowed)
+            )
+        # Numbers may come as float32, the usual type of messages. Rounding both the reference and
+        # what comes as float64 does no harm; comparing what was rounded with what was not does.
+        types = [name for item in inputs[:1] for name in item.messages]
+        is_single = any(not name.startswith("std_msgs/Float64") for name in types)
+        single = settings.input_dtype == "float32" or (settings.input_dtype == "auto" and is_single)
         planned = plan(settings, self.data.reference, single=single)
         problems += planned.problems
         if planned.plan is None or has_errors(problems):
@@ -120,7 +120,7 @@ class SafeMLModel(Model):
         max_age = settings.max_age
         if max_age is None and options.frequency is not None:
             max_age = _PERIODS / options.frequency
-        input_id = options.inputs[0].id if options.inputs else DEFAULT_INPUT
+        input_id = inputs[0].id if inputs else DEFAULT_INPUT
         connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
         return replace(self, name=options.id or self.name, options=connection), problems
 
@@ -179,21 +179,25 @@ class SafeMLModel(Model):
         )
 
 
-def _wrong_field(options: Options) -> Iterator[Problem]:
-    if options.values.get(VIOLATION_FIELD, VIOLATION_FIELDS[0]) not in VIOLATION_FIELDS:
-        yield problem(
-            "K003.violation_field",
-            options.place(VIOLATION_FIELD),
-            key=VIOLATION_FIELD,
-            allowed=" or ".join(VIOLATION_FIELDS),
+def _meanings(message: str) -> dict[str, Meaning]:
+    """Return field of a message -> its meaning."""
+    in_scope, verdict = "`field: in_scope` of SafeMLStatus", (("omission", False),)
+    meanings = {
+        "omission": Meaning(
+            (True,), refused="an omission is also silence", instead=f"NOT of it, or {in_scope}"
+        ),
+        "odd_violation": Meaning(
+            given=(ValidityField(message, "omission", value=False),),
+            refused="`odd_violation` has no meaning while there is no verdict",
+            instead=f"{in_scope}, or `NOT omission` with it",
+            known=verdict,
+        ),
+    }
+    if message == "SafeMLStatus":
+        meanings["in_scope"] = Meaning(
+            (False,),
+            refused="`in_scope` is false also when there is no verdict",
+            instead="`NOT omission AND odd_violation`: known to be a violation",
+            known=verdict,
         )
-
-
-def _is_single(inputs: Sequence[DeclaredInput]) -> bool:
-    """Return whether numbers may come as float32, the usual type of messages.
-
-    Rounding both the reference and what comes as float64 does no harm; comparing what was rounded
-    with what was not does.
-    """
-    types = [name for item in inputs for name in item.messages]
-    return any(not name.startswith(_DOUBLE) for name in types)
+    return meanings

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -122,28 +122,19 @@ class DesignSpec:
     single: bool = False
 
 
-@dataclass(frozen=True)
-class FoundAxes:
-    """Principal axes as they are found.
-
-    Attributes:
-        table: means, divisors and the axes by falling variance, orthonormal but for the rounding;
-            the largest entry of each axis is positive.
-        singular: the singular values of all axes, not only of these.
-    """
-
-    table: Rows
-    singular: Rows
-
-
 def split(rows: Rows, *, halves: bool) -> tuple[Rows, Rows]:
     """Return the rows that are the reference, and those that axes and calibration come from."""
     middle = len(rows) // 2
     return (rows[:middle], rows[middle:]) if halves else (rows, rows)
 
 
-def principal_axes(rows: Rows, count: int, *, standardize: bool) -> FoundAxes:
-    """Find the axes of the largest variance by singular value decomposition."""
+def principal_axes(rows: Rows, count: int, *, standardize: bool) -> tuple[Rows, Rows]:
+    """Find the axes of the largest variance by singular value decomposition.
+
+    Returns:
+        Means, divisors and the axes by falling variance, orthonormal but for the rounding, the
+        largest entry of each axis positive; and the singular values of all axes.
+    """
     centre = rows.mean(axis=0)
     scale = np.ones_like(centre)
     if standardize:
@@ -155,7 +146,7 @@ def principal_axes(rows: Rows, count: int, *, standardize: bool) -> FoundAxes:
     largest = np.argmax(np.abs(vectors), axis=1)
     signs = np.sign(vectors[np.arange(len(vectors)), largest])
     vectors = np.round(vectors * signs[:, None], _DECIMALS) + 0.0  # no -0.0
-    return FoundAxes(np.vstack([centre, scale, vectors]), singular)
+    return np.vstack([centre, scale, vectors]), singular
 
 
 class Design:
@@ -183,7 +174,7 @@ class Design:
         if spec.components is None:
             self.sample = self.reference = np.sort(self.series(reference), axis=1)
             return
-        self.table = principal_axes(other, spec.components, standardize=spec.standardize).table
+        self.table, _ = principal_axes(other, spec.components, standardize=spec.standardize)
         if spec.residual:
             centre, scale = self.table[:2]
             longest = np.sqrt((((other - centre) / scale) ** 2).sum(axis=1).max())
@@ -202,8 +193,7 @@ class Design:
         return np.ascontiguousarray(rows.T) if self._axes is None else self._axes.series(rows)
 
 
-@dataclass(frozen=True)
-class Calibration:
+class Calibration(NamedTuple):
     """Thresholds from windows of the reference itself.
 
     Attributes:
@@ -260,15 +250,11 @@ class Plan:
 
     def scale(self, statistic: float) -> float:
         """Return a statistic as people know it: D for Kolmogorov-Smirnov."""
-        return (
-            statistic / (self.n * self.settings.window_size)
-            if self.settings.metric == "ks"
-            else statistic
-        )
+        is_whole = self.settings.metric == "ks"
+        return statistic / (self.n * self.settings.window_size) if is_whole else statistic
 
 
-@dataclass(frozen=True)
-class Planned:
+class Planned(NamedTuple):
     """A plan, ``None`` when there is an error, and all problems."""
 
     plan: Plan | None

@@ -15,7 +15,7 @@ import pytest
 from eddi_runtime.bayesian_network import patterns
 from eddi_runtime.bayesian_network.tables import JointTables
 
-from eddi_scaffold.kinds.bayesian_network import inference_plan, width
+from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.kinds.bayesian_network.joint_tables import fits
 from eddi_scaffold.kinds.bayesian_network.structure import components
 from runtime_lib.tests.bayesian_network.networks import (
@@ -114,7 +114,7 @@ def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
     cases = [random_evidence(rng, net, observable) for _ in range(3)]
     wanted = [exactly(net, outputs, observable, *case) for case in cases]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(width, "WIDE", 0)
+        patch.setattr(inference_plan, "WIDE", 0)
         patch.setattr(patterns, "_GEMV", rng.choice([1, 9_000]))
         made = engine(net, outputs, observable, tables=False)
         for case, want in zip(cases * 3, wanted * 3):
@@ -126,7 +126,7 @@ def test_wide_parts_are_inferred_by_patterns_of_what_is_observed(seed):
 def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_round(monkeypatch):
     """Numpy's dot writes no array that is turned: each second step of such a pattern failed."""
     pytest.importorskip("numpy")
-    monkeypatch.setattr(width, "WIDE", 0)
+    monkeypatch.setattr(inference_plan, "WIDE", 0)
     rng = random.Random(322)
     cards = (2, 2, 3, 3, 2, 3, 2, 2, 2)
     parents = ((), (0,), (1, 0), (0, 1), (), (2, 0, 4), (0, 1, 4, 2), (), (4, 5))
@@ -146,8 +146,8 @@ def test_a_product_of_which_all_that_it_keeps_is_observed_may_lie_the_other_way_
 
 def test_arrays_are_made_for_patterns_that_come_again_and_are_not_too_many(monkeypatch):
     pytest.importorskip("numpy")
-    monkeypatch.setattr(width, "WIDE", 0)
-    monkeypatch.setattr(inference_plan, "plans_when_observed", lambda *_: ())
+    monkeypatch.setattr(inference_plan, "WIDE", 0)
+    monkeypatch.setattr(inference_plan, "with_all_observed", lambda *_: ())
     monkeypatch.setattr(patterns, "_REMEMBERED", 3)
     rng = random.Random(5)
     net = random_network(rng, 7, zeros=0.0, most_states=3)

@@ -15,9 +15,10 @@ pytest.importorskip("hypothesis")
 from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.compiling.formatting import objections
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.bayesian_network import inference_plan, width
+from eddi_scaffold.kinds.bayesian_network import inference_plan
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
@@ -36,7 +37,6 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_row,
     threshold,
 )
-from tests.program.formatting import objections
 
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 
@@ -72,20 +72,16 @@ MODELS = [model(bins=BINS), several(), large(), large(5, 9), model(outputs=[]), 
 @pytest.mark.parametrize("made", MODELS)
 def test_formatter_and_linter_agree(made):
     assert objections(made.text()) == ""
+    ast.parse(made.text(), feature_version=(3, 8))
 
 
 def test_only_a_wide_network_has_patterns(monkeypatch):
     assert "bayesian_network/patterns" not in runtime_parts_of(large(4).text())
-    monkeypatch.setattr(width, "WIDE", 0)
+    monkeypatch.setattr(inference_plan, "WIDE", 0)
     monkeypatch.setattr(inference_plan, "fits", lambda *_: False)
     text = large(4).text()
     assert "bayesian_network/patterns" in runtime_parts_of(text)
     assert objections(text) == ""
-
-
-def test_the_text_is_for_python_3_8():
-    for made in MODELS:
-        ast.parse(made.text(), feature_version=(3, 8))
 
 
 def test_nothing_of_a_hostile_model_becomes_code():
@@ -188,8 +184,9 @@ def test_a_large_table_is_read_as_it_was_written():
 SCRIPT = """
 import sys
 sys.modules["numpy"] = None
+from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.kinds.bayesian_network.test_compiled_network import large
-sys.stdout.write(large().text())
+sys.stdout.write(large().text() + to_xdsl(large().network) + to_xmlbif(large().network))
 """
 
 

@@ -76,7 +76,7 @@ def test_people_are_told_what_evidence_asks_for(tmp_path: Path) -> None:
     lines = monitor.model.outline()
     assert lines[-2:] == [f"evidence RiskIsLow: {texts[0]}", f"evidence Safe: {texts[1]}"]
     readme = monitor.model.readme()
-    assert readme[-2:] == (f"| `RiskIsLow` | {texts[0]} |", f"| `Safe` | {texts[1]} |")
+    assert readme[-2:] == [f"| `RiskIsLow` | {texts[0]} |", f"| `Safe` | {texts[1]} |"]
     assert monitor.model.element_keys()["evidence"] == ["RiskIsLow", "Safe"]
 
 

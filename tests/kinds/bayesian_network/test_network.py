@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import re
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -95,14 +92,11 @@ def test_each_format_gives_back_the_same_network(network: Network) -> None:
         reading = read(text, name)
         assert reading.problems == ()
         (model,) = reading.models
-        for node in model.data.nodes:
-            assert (node.states, node.parents, node.table) == (
-                order[node.id].states,
-                order[node.id].parents,
-                order[node.id].table,
-            )
         done: set[str] = set()
         for node in model.data.nodes:
+            same = order[node.id]
+            assert (node.states, node.parents) == (same.states, same.parents)
+            assert node.table == same.table
             assert done.issuperset(node.parents)
             done.add(node.id)
 
@@ -118,31 +112,20 @@ def test_the_cross_check_agrees(network: Network) -> None:
     assert result.text.startswith("Cross-checked with pgmpy: ")
 
 
-def test_a_difference_stops_the_generation(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("case", ["B306.differs", "B306.not_run"])
+def test_a_cross_check_that_fails_or_is_not_run(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pgmpy", reason="the extra `bn` is not installed")
     monkeypatch.setattr(crosscheck, "TOLERANCE", -1.0)
+    for module in ("pgmpy", "pgmpy.inference") if case == "B306.not_run" else ():
+        monkeypatch.setitem(sys.modules, module, None)
     monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
     assert monitor is not None
-    result = monitor.model.cross_check(lambda: running(monitor))
-    (problem,) = result.problems
-    assert_reported("B306", [problem])
-
-
-def test_without_pgmpy_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pgmpy.inference", None)
-    monkeypatch.setitem(sys.modules, "pgmpy", None)
-    monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"))
-    assert monitor is not None
-    result = monitor.model.cross_check(lambda: running(monitor))
-    (problem,) = result.problems
-    assert problem.place == Place(str(EXAMPLE / "pedestrian.xml"))
-    assert_reported("B306", [problem])
+    (problem,) = monitor.model.cross_check(lambda: running(monitor)).problems
+    assert (problem.case, problem.place.file) == (case, str(EXAMPLE / "pedestrian.xml"))
 
 
 @pytest.mark.parametrize("python", [lambda: sys.executable, old_python], ids=["this", "oldest"])
 def test_figures_21_and_22_as_they_are_printed(tmp_path: Path, python: Callable[[], str]) -> None:
-    from tests.cli.command import run
-
     words = ("generate", "--platform", "plain", "-o", tmp_path, "-m", "pedestrian.xml")
     assert run(*words, "-c", "eddi_config.yml", cwd=EXAMPLE).status == 0
     code = (
@@ -168,29 +151,6 @@ def test_figures_21_and_22_as_they_are_printed(tmp_path: Path, python: Callable[
     ]
 
 
-def test_a_region_may_override_a_declaration(tmp_path: Path) -> None:
-    from tests.cli.command import run
-
-    words = ("generate", "--platform", "plain", "-o", tmp_path, "-m", "pedestrian.xml")
-    run(*words, "-c", "eddi_config.yml", cwd=EXAMPLE)
-    path = tmp_path / "pedestrian_prediction_example" / "bayesian_network_config.py"
-    text = path.read_text("utf-8")
-    begin = text.index("# region: node_Distance_to_Pedestrian")
-    at = text.index("        pass\n", begin)
-    body = "        outcome_more_than_2_m = 1.0 if self.dra_data.pedestrianDistance else 0.0\n"
-    path.write_text(text[:at] + body + text[at + len("        pass\n") :], "utf-8")
-    code = (
-        "from types import SimpleNamespace as S\n"
-        "from pedestrian_prediction_example.EDDIMonitor import EDDIMonitor\n"
-        "print(EDDIMonitor().execute_step(S(vehicleSpeed=4/3.6, pedestrianDistance=0.4))"
-        "[0].output_nodes[0].outcomes[0].value)\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
-    )
-    assert done.stdout == "0.2\n"
-
-
 def grid(side: int, card: int) -> str:
     nodes = []
     for i in range(side):
@@ -206,72 +166,22 @@ def grid(side: int, card: int) -> str:
     return f'<smile version="1.0" id="Grid"><nodes>{"".join(nodes)}</nodes></smile>'
 
 
-def test_a_network_that_is_too_wide_is_shown_and_drawn(tmp_path: Path) -> None:
+def test_a_network_that_is_too_wide_is_shown_and_drawn_but_no_monitor(tmp_path: Path) -> None:
     (tmp_path / "grid.xdsl").write_text(grid(6, 8))
     shown = run("show", "grid.xdsl", cwd=tmp_path)
     assert shown.status == 0, shown.err
     assert "G5_5: s0, s1, s2, s3, s4, s5, s6, s7" in shown.out
-    assert "grid.xdsl:1: warning: the largest table of the inference has" in shown.err
     assert_reported("B301", shown.err)
-    drawn = run("diagram", "grid.xdsl", "-o", "grid.svg", cwd=tmp_path)
-    assert drawn.status == 0, drawn.err
-    assert "[B301]" in drawn.err
+    assert run("diagram", "grid.xdsl", "-o", "grid.svg", cwd=tmp_path).status == 0
     assert "G5_5" in (tmp_path / "grid.svg").read_text("utf-8")
-
-
-@pytest.mark.parametrize(("side", "card", "case"), [(5, 8, "B301.large"), (6, 8, "B301.too_large")])
-def test_networks_that_are_too_wide(side: int, card: int, case: str) -> None:
-    (model,) = read(grid(side, card), "grid.xdsl").models
-    last = f"G{side - 1}_{side - 1}"
     config = (
-        f"Model: {{id: grid, type: BayesianNetwork, outputs: [{last}]}}\n"
+        "Model: {id: grid, type: BayesianNetwork, outputs: [G5_5]}\n"
         "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
         "EDDIInputs: [{id: G0_0, requires: [x], max_age: 1}]\n"
     )
-    monitor, problems = joined(model, config)
-    assert case in [problem.case for problem in problems], problems
-    assert (monitor is None) == (case == "B301.too_large")
-    (message,) = [problem.message for problem in problems if problem.case == case]
-    limit = {"B301.large": 100_000, "B301.too_large": 10_000_000}[case]
-    found = re.match(
-        r"the largest table of the inference has (\d+) entries, more than (\d+) ", message
-    )
-    assert found is not None, message
-    assert int(found[1]) > int(found[2]) == limit
-
-
-def test_an_observed_node_without_influence_is_told() -> None:
-    text = (
-        '<smile version="1.0" id="N"><nodes><cpt id="A"><state id="y"/><state id="n"/>'
-        '<probabilities>0.5 0.5</probabilities></cpt><cpt id="B"><state id="y"/><state id="n"/>'
-        "<probabilities>0.5 0.5</probabilities></cpt></nodes></smile>"
-    )
-    (model,) = read(text, "n.xdsl").models
-    config = (
-        "Model: {id: n, type: BayesianNetwork, outputs: [A]}\n"
-        "SimulatorOutputs: [{id: x, type: std_msgs.String, topic: /x}]\n"
-        "EDDIInputs: [{id: B, requires: [x], max_age: 1}]\n"
-    )
-    assert ("info", "B305") in [(p.level, p.code) for p in joined(model, config)[1]]
-
-
-def test_the_same_bytes_under_any_hash_seed_and_locale() -> None:
-    code = (
-        "import sys; from eddi_scaffold.monitors.loading import read_models; "
-        "from eddi_scaffold.common.files import read_source; "
-        "from eddi_scaffold.kinds import kinds; "
-        f"model = read_models(read_source({str(EXAMPLE / 'pedestrian.xml')!r})).models[0]; "
-        "print(''.join(model.export().values()))"
-    )
-    found = set()
-    for seed, locale in (("1", "C"), ("2", "de_DE.UTF-8")):
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale}
-        environment["PYTHONPATH"] = f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"
-        done = subprocess.run(
-            [sys.executable, "-c", code], env=environment, capture_output=True, check=True
-        )
-        found.add(done.stdout)
-    assert len(found) == 1
+    monitor, problems = joined(read_path(tmp_path / "grid.xdsl"), config)
+    assert monitor is None
+    assert "B301.too_large" in [problem.case for problem in problems]
 
 
 def test_names_in_python_and_in_xdsl() -> None:
@@ -324,15 +234,3 @@ DAMAGED = {
     "net.xdsl": to_xdsl(example_network()).encode(),
     "net.xmlbif": to_xmlbif(example_network()).encode(),
 }
-
-
-def test_permuting_nodes_changes_no_answer() -> None:
-    network = example_network()
-    turned = replace(network, nodes=network.nodes[::-1])
-    values = SimpleNamespace(AV_Shuttle_Speed="NotDriving", Distance_to_Pedestrian="more_than_2_m")
-    answers = []
-    for one in (network, turned):
-        monitor, _ = joined(model_of(one))
-        assert monitor is not None
-        answers.append(running(monitor).execute_step(values)[0].output_nodes)
-    assert answers[0] == answers[1]

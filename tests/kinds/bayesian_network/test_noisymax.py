@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.bayesian_network.read_xdsl import NoisyMaxError, noisy_max_table
+from eddi_scaffold.kinds.bayesian_network.read_xml_formats import NoisyMaxError, noisy_max_table
 from tests.kinds.bayesian_network.networks import read
 
 TWO = '<state id="y"/><state id="n"/>'
@@ -86,40 +86,27 @@ def test_a_leak_is_read_with_a_warning() -> None:
     assert table == pytest.approx([0.982, 0.018, 0.91, 0.09, 0.82, 0.18, 0.1, 0.9])
 
 
+SOUND = "0.9 0.1 0 1 0.8 0.2 0 1 0 1"
+
+
 @pytest.mark.parametrize(
-    ("inner", "said"),
+    ("parameters", "strengths", "cards", "message"),
     [
-        ("<parameters>0.9 0.1 0 1</parameters>", "4 parameters, expected 10"),
-        ("<parameters>0.9 0.1 0.1 0.9 0.8 0.2 0 1 0 1</parameters>", "of parent 1 must be"),
-        ("<parameters>0.9 0.2 0 1 0.8 0.2 0 1 0 1</parameters>", "sums to 1.1"),
-        ("<parameters>x 0.1 0 1 0.8 0.2 0 1 0 1</parameters>", "'x' is not a probability"),
-        (
-            "<strengths>0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
-            "2 strengths, expected 4",
-        ),
-        (
-            "<strengths>0 0 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>",
-            "not an ordering of its states",
-        ),
+        ("0.9 0.1 0 1", "", [2, 2], "4 parameters, expected 10"),
+        ("0.9 0.1 0.1 0.9 0.8 0.2 0 1 0 1", "", [2, 2], "of parent 1 must be"),
+        ("0.9 0.2 0 1 0.8 0.2 0 1 0 1", "", [2, 2], "sums to 1.1"),
+        ("x 0.1 0 1 0.8 0.2 0 1 0 1", "", [2, 2], "'x' is not a probability"),
+        (SOUND, "0 1", [2, 2], "2 strengths, expected 4"),
+        (SOUND, "0 0 0 1", [2, 2], "not an ordering of its states"),
+        ("0.9 0.1 0.5 0.5 0 1 0 1", "1 2 0", [3], "two ways"),
+        ("0.5 0.5 0 1 " * 40 + "0 1", "", [2] * 40, "2199023255552 entries"),
     ],
 )
-def test_what_is_no_noisy_max(inner: str, said: str) -> None:
-    reading = read(network(inner), "n.xdsl")
-    assert [problem.code for problem in reading.problems] == ["B202"]
-    assert said in reading.problems[0].message
-    assert reading.models == ()
-
-
-def test_orders_that_can_be_read_in_two_ways_are_refused() -> None:
-    columns = ["0.9", "0.1", "0.5", "0.5", "0", "1", "0", "1"]
-    with pytest.raises(NoisyMaxError, match="two ways"):
-        noisy_max_table(columns, ["1", "2", "0"], [3], 2)
-
-
-def test_tables_that_would_be_too_large_are_refused() -> None:
-    columns = ["0.5", "0.5", "0", "1"] * 40 + ["0", "1"]
-    with pytest.raises(NoisyMaxError, match="2199023255552 entries"):
-        noisy_max_table(columns, [], [2] * 40, 2)
+def test_what_is_no_noisy_max(
+    parameters: str, strengths: str, cards: list[int], message: str
+) -> None:
+    with pytest.raises(NoisyMaxError, match=message):
+        noisy_max_table(parameters.split(), strengths.split(), cards, 2)
 
 
 def test_without_states_that_is_the_only_complaint() -> None:

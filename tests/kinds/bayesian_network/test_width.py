@@ -7,7 +7,7 @@ from eddi_scaffold.kinds.bayesian_network.clique_tree import (
     fewest_edges,
     smallest_table,
 )
-from eddi_scaffold.kinds.bayesian_network.width import LARGE, TOO_LARGE, width_of
+from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, width_of
 from runtime_lib.tests.bayesian_network.networks import grid
 
 pytestmark = pytest.mark.slow

@@ -16,10 +16,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.catalogue import area
-from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import Problem, in_order
-from eddi_scaffold.config.options import options_of
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.safeml_model import SafeMLModel
 
@@ -101,22 +99,6 @@ def test_text_of_the_diagnostic(name: str, tmp_path: Path) -> None:
 
 def test_every_code_has_a_case() -> None:
     assert {name[:4] for name in CASES} == {*area("L").diagnostics}
-
-
-def test_s014_a_second_input(tmp_path: Path) -> None:
-    path = lay("", tmp_path, whole=False)
-    text = (
-        "Model: {id: scope, type: SafeML}\n"
-        "SimulatorOutputs: [{id: a, type: std_msgs.Float32MultiArray, topic: /a}]\n"
-        "EDDIInputs: [{id: x, requires: [a]}, {id: y, requires: [a]}]\n"
-    )
-    config, problems = read_config(Source("c.yml", text.encode()))
-    assert problems == []
-    (model,) = SafeMLModel.read_file(read_source(path), ()).models
-    configured, problems = model.configure(options_of(config))
-    assert configured is None
-    (problem,) = problems
-    assert (problem.code, problem.place.line) == ("K013", 3)
 
 
 def test_the_sound_files_have_no_problem(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.parts import compiled
@@ -24,10 +23,6 @@ FOG = 11.3
 def monitors() -> list[BoundMonitor]:
     configs = [EXAMPLE / "perception_config.yml", EXAMPLE / "landing_config.yml"]
     return monitors_of(EXAMPLE / "landing.yml", configs)[0]
-
-
-def test_no_file_has_a_problem() -> None:
-    assert check_files(sorted(EXAMPLE.glob("*.yml"))) == []
 
 
 def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[BoundMonitor]) -> None:
@@ -93,12 +88,3 @@ def test_the_status_message_has_the_evidence_as_a_field(tmp_path: Path) -> None:
     (landing,), problems = monitors_of(EXAMPLE / "landing.yml", [config])
     assert problems == []
     assert landing.inputs[0].expression == "given(scope.in_scope, True, (scope.omission, False))"
-
-
-def test_the_conserts_input_needs_no_hand_edit(monitors: list[BoundMonitor]) -> None:
-    scope, landing = monitors
-    assert [binding.expression for binding in scope.inputs] == ["features"]
-    assert landing.inputs[0].requires[0].type == "eddi_messages/SafeMLOutput"
-    assert landing.facts.inputs[0].reads is not None
-    assert landing.inputs[1].expression == "marker.data"
-    assert scope.facts.inputs[0].timeout_s == 1.0

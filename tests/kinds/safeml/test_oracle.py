@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -154,16 +153,3 @@ def test_monitor_traces(tmp_path: Path) -> None:
                 assert math.isnan(result.statistic)
             else:
                 assert result.statistic == pytest.approx(step["distance"], abs=1e-9)
-
-
-def test_false_violations_as_simulated() -> None:
-    """The oracle's own simulation of ten independent tests, with fewer windows."""
-    (case,) = [row for row in oracle()["simulation"] if re.match("FWER, k=10", row["what"])]
-    low, high = case["per_reference_range"]
-    chance = np.random.default_rng(5)
-    for metric in ("ks", "cvm", "ad"):
-        reference = np.sort(chance.normal(size=(10, 1000)), axis=1)
-        threshold, _ = theoretical(metric, 1000, 100, 0.01)
-        windows = chance.normal(size=(1000, 10, 100))
-        found = of_windows(Comparison(metric, reference, 100), windows).max(axis=1)
-        assert low - 0.03 < (found >= threshold).mean() < high + 0.03, metric

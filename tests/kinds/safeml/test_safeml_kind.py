@@ -85,30 +85,24 @@ def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
     assert len(one.labels) == 45
 
 
-def test_whole_multi_arrays_fill_the_input(tmp_path: Path) -> None:
-    (binding,) = joined(tmp_path, ROWS, CONNECTED, **FIGURE)[0].inputs
-    assert binding.expression == "features"
-    assert binding.model.every_message
-    assert binding.max_age is None
-
-
-def test_several_messages_are_joined(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("requires", "expression"),
+    [
+        ("requires: [features], field: data", "features"),  # whole arrays fill it
+        ("requires: [features, more]", "joined(features, more.data)"),
+        ("requires: [scan], field: ranges", "scan.ranges"),
+        ("requires: [scan]", None),  # a person writes the region
+    ],
+)
+def test_messages_are_joined(requires: str, expression: str | None, tmp_path: Path) -> None:
     connected = CONNECTED.replace(
         "SimulatorOutputs: [",
         "SimulatorOutputs: [{id: scan, type: sensor_msgs.LaserScan, topic: /scan}, "
         "{id: more, type: std_msgs.Float64, topic: /more}, ",
     )
-    other = connected.replace("requires: [features], field: data", "requires: [features, more]")
-    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
-    assert binding.expression == "joined(features, more.data)"
-    other = connected.replace(
-        "requires: [features], field: data", "requires: [scan], field: ranges"
-    )
-    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
-    assert binding.expression == "scan.ranges"
-    other = connected.replace("requires: [features], field: data", "requires: [scan]")
-    (binding,) = joined(tmp_path, ROWS, other, **FIGURE)[0].inputs
-    assert binding.expression is None  # a person writes the region
+    config = connected.replace("requires: [features], field: data", requires)
+    (binding,) = joined(tmp_path, ROWS, config, **FIGURE)[0].inputs
+    assert (binding.expression, binding.model.every_message) == (expression, True)
 
 
 @pytest.mark.parametrize(
@@ -198,33 +192,6 @@ def test_export_reads_back(tmp_path: Path) -> None:
     (again,) = SafeMLModel.read_file(read_source(other / "safeml_config.yml"), ()).models
     assert again.data.settings == model.data.settings
     np.testing.assert_array_equal(again.data.reference.rows, model.data.reference.rows)
-
-
-def test_what_show_prints(tmp_path: Path) -> None:
-    (model,) = SafeMLModel.read_file(read_source(lay(tmp_path, ROWS, **FIGURE)), ()).models
-    assert model.counts() == {
-        "rows": 300,
-        "features": 2,
-        "window_size": 10,
-        "components": 0,
-    }
-    lines = model.outline()
-    assert lines[0] == "KolmogorovSmirnovDistance of the last 10 samples"
-    assert any("calibrated with 141 windows" in line for line in lines)
-    (model,) = SafeMLModel.read_file(
-        read_source(lay(tmp_path, ROWS, **FIGURE, n_components=9)), ()
-    ).models
-    assert model.outline()[-1] == "  no thresholds: see `check`"
-
-
-def test_what_the_readme_says(tmp_path: Path) -> None:
-    monitor, _ = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
-    text = "\n".join(monitor.model.readme())
-    assert "2 tests (features) at 0.05 each: 10 % together" in text
-    assert "3,600 per hour at 10 Hz" in text
-    assert "standard deviations" in text
-    monitor, _ = joined(tmp_path, ROWS, **FIGURE)
-    assert "per hour" not in "\n".join(monitor.model.readme())
 
 
 @pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])

@@ -27,10 +27,6 @@ HOSTILE = '"""\nimport os\n__import__("os")'
 @pytest.mark.parametrize("made", CASES)
 def test_the_formatter_changes_nothing(made):
     assert objections(made.text()) == ""
-
-
-@pytest.mark.parametrize("made", CASES)
-def test_the_text_is_for_python_3_8(made):
     ast.parse(made.text(), feature_version=(3, 8))
 
 
