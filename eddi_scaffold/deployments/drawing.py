@@ -10,7 +10,6 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot
-from eddi_scaffold.deployments.support import topics_read
 from eddi_scaffold.deployments.topics import Member
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
 from eddi_scaffold.kinds import ReadResult
@@ -97,11 +96,11 @@ def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
 def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
     """Yield a line for each monitor of a robot that another one of it relies on, by topics."""
     own = [(seat, Member(seat.monitor).participant) for seat in fleet.seats_of(robot)]
-    publishers = {topic: seat for seat, one in own for topic in one.published()}
+    publishers = {topic: seat for seat, one in own for topic, _ in one.published}
     ends = {
         (_id(publishers[topic]), _id(seat)): None
         for seat, one in own
-        for reads in topics_read(one).values()
+        for reads in one.topics_read.values()
         for topic, _ in reads
         if topic in publishers
     }

@@ -9,13 +9,13 @@ transport and computing are not in these figures.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import WiredMonitor, supports, topics_read
+from eddi_scaffold.deployments.support import WiredMonitor, supports
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.kinds import JsonValue
 
@@ -41,8 +41,8 @@ class ClaimLifetime:
         return {
             "claim": self.claim,
             "source": self.source,
-            "bound_s": _number(self.seconds),
-            "bound_any_s": _number(self.any_seconds),
+            "bound_s": None if math.isinf(self.seconds) else round(self.seconds, 9),
+            "bound_any_s": None if math.isinf(self.any_seconds) else round(self.any_seconds, 9),
         }
 
     def as_text(self) -> str:
@@ -66,11 +66,10 @@ def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
         for participant in participants
         for output in participant.claims
     }
-    published = {topic for participant in participants for topic in participant.published()}
+    published = {topic for participant in participants for topic, _ in participant.published}
     known: dict[str, _Times] = {}
     for claim in in_order(support):
-        one, output = owners[claim]
-        known[claim] = _times(one, output, published, known, support[claim])
+        known[claim] = _times(*owners[claim], published, [known[below] for below in support[claim]])
     return [
         ClaimLifetime(claim, source, *times)
         for claim in owners
@@ -79,47 +78,38 @@ def bounds(participants: Sequence[WiredMonitor]) -> list[ClaimLifetime]:
 
 
 def _times(
-    one: WiredMonitor,
-    output: str,
-    published: set[str],
-    known: Mapping[str, _Times],
-    below: Sequence[str],
+    monitor: WiredMonitor, output: str, published: set[str], supporting: Iterable[_Times]
 ) -> _Times:
     """Return the bounds of one claim from those of the claims that it rests on."""
-    of = one.claims[output]
-    step = 1 / one.frequency + of.hold_s
-    inputs = of.rests_on
-    found: _Times = {}
-    ages = [0.0]
-    for name, reads in topics_read(one).items():
-        if name not in inputs:
+    claim = monitor.claims[output]
+    step_s = 1 / monitor.frequency + claim.hold_s  # a step may fall just before the limit
+    times: _Times = {}
+
+    def keep_longest(source: str, alive_s: float, dying_s: float) -> None:
+        first, second = times.get(source, (0.0, 0.0))
+        times[source] = max(first, alive_s), max(second, dying_s)
+
+    longest_limit_s = 0.0
+    for name, reads in monitor.topics_read.items():
+        if name not in claim.rests_on:
             continue
-        age = limit_of(one, name)
+        limit_s = limit_of(monitor, name)
         for topic, _ in reads:
             if topic in published:
-                ages.append(age)
+                longest_limit_s = max(longest_limit_s, limit_s)
             else:
-                _raise(found, topic, (age + step, age + step))
-    for claim in below:
-        for source, (alive, dying) in known[claim].items():
-            _raise(found, source, (alive + step, dying + max(ages) + step))
-    return found
+                keep_longest(topic, limit_s + step_s, limit_s + step_s)
+    for below in supporting:
+        for source, (alive_s, dying_s) in below.items():
+            keep_longest(source, alive_s + step_s, dying_s + longest_limit_s + step_s)
+    return times
 
 
-def _raise(found: _Times, source: str, times: tuple[float, float]) -> None:
-    first, second = found.get(source, (0.0, 0.0))
-    found[source] = max(first, times[0]), max(second, times[1])
-
-
-def limit_of(one: WiredMonitor, name: str) -> float:
+def limit_of(monitor: WiredMonitor, name: str) -> float:
     """Return the seconds after which an input is unknown: the smallest limit that it has."""
-    input_ = next(input_ for input_ in one.facts.inputs if input_.id == name)
+    input_ = next(input_ for input_ in monitor.facts.inputs if input_.id == name)
     limits = (input_.timeout_s, input_.max_age)
     return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
-
-
-def _number(seconds: float) -> float | None:
-    return None if math.isinf(seconds) else round(seconds, 9)
 
 
 _PERIODS = 2
@@ -134,24 +124,18 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
     """
     publishers: dict[str, list[WiredMonitor]] = {}
     for participant in together.participants:
-        for topic in participant.published():
+        for topic, _ in participant.published:
             publishers.setdefault(topic, []).append(participant)
     there = set(map(id, together.others))  # what is between these was told when they were made
     for reader in together.participants:
-        for index, source in _reads(reader):
-            for provider in publishers.get(reader.topic(source.topic), ()):
-                if not there.issuperset((id(reader), id(provider))):
-                    yield from _check(reader, index, source, provider)
-
-
-def _reads(reader: WiredMonitor) -> Iterator[tuple[int, SimulatorOutput]]:
-    """Yield each entry of ``EDDIInputs``, by its index, with each message that it reads."""
-    config = reader.config.config
-    required = {input_.id: input_.requires for input_ in reader.facts.inputs}
-    for index, entry in enumerate(config.EDDIInputs):
-        for source in config.SimulatorOutputs:
-            if source.id in required.get(entry.id, ()):
-                yield index, source
+        required = {input_.id: input_.requires for input_ in reader.facts.inputs}
+        for index, entry in enumerate(reader.config.config.EDDIInputs):
+            for source in reader.config.config.SimulatorOutputs:
+                if source.id not in required.get(entry.id, ()):
+                    continue
+                for provider in publishers.get(reader.topic(source.topic), ()):
+                    if not there.issuperset((id(reader), id(provider))):
+                        yield from _check(reader, index, source, provider)
 
 
 def _check(
@@ -166,12 +150,6 @@ def _check(
     hint = f"at least {_PERIODS} periods: max_age: {_PERIODS * period:g}"
     if is_default:
         hint = f"write `max_age: {_ADVISED * period:g}` in its entry of EDDIInputs"
-    yield problem(
-        "K029.default_below_period" if is_default else "K029.below_period",
-        place,
-        hint=hint,
-        input=entry.id,
-        limit=limit,
-        source=provider.name,
-        period=period,
-    )
+    case = "K029.default_below_period" if is_default else "K029.below_period"
+    values = {"input": entry.id, "source": provider.name}
+    yield problem(case, place, hint=hint, limit=limit, period=period, **values)

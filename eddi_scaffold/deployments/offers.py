@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.config.deployment_file import Binding, FleetFile
@@ -61,10 +62,8 @@ class RobotMonitor:
     @property
     def guarantees(self) -> Sequence[str]:
         """Ids of its guarantees in messages."""
-        if not self.monitor.kind.between_robots:
-            return []
-        ids = self.monitor.model.element_keys()
-        return [key for keys in ids.values() for key in keys]
+        keys = self.monitor.model.element_keys() if self.monitor.kind.between_robots else {}
+        return [key for of_list in keys.values() for key in of_list]
 
 
 @dataclass(frozen=True)
@@ -99,184 +98,132 @@ def bonds_of(
 ) -> tuple[list[DemandBinding], list[Problem]]:
     """Return every bound demand, and what is wrong with the bindings (D004, D011, D013)."""
     binder = _Binder(file, seats)
-    for index, binding in enumerate(file.form.Bindings):
-        if not binder.add(index, binding):
-            break
-    return list(binder.bonds.values()), binder.problems
+    problems = [found for index in range(len(file.form.Bindings)) for found in binder.bind(index)]
+    return list(binder.bonds.values()), problems
 
 
-@dataclass
 class _Binder:
-    file: FleetFile
-    seats: Sequence[RobotMonitor]
-    bonds: dict[tuple[str, int, str], DemandBinding] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
-    offers: int = 0
+    """Binds demands, entry by entry of the deployment file."""
 
-    def __post_init__(self) -> None:
-        """Note which monitors each robot has."""
-        self._of: dict[FleetRobot, list[RobotMonitor]] = {}
-        for seat in self.seats:
-            self._of.setdefault(seat.robot, []).append(seat)
+    def __init__(self, file: FleetFile, seats: Sequence[RobotMonitor]) -> None:
+        self.file, self.seats = file, seats
+        self.bonds: dict[tuple[str, int, str], DemandBinding] = {}
+        self.robots: dict[FleetRobot, list[RobotMonitor]] = {}
+        for seat in seats:
+            self.robots.setdefault(seat.robot, []).append(seat)
+        self.offers = 0
 
-    def add(self, index: int, binding: Binding) -> bool:
-        """Bind a demand of one robot, or of all that have it; return whether there may be more."""
-        unknown = list(self._unknown(index, binding))
+    def bind(self, index: int) -> Iterator[Problem]:
+        """Bind a demand of one robot, or of all that have it; yield what is wrong with that."""
+        if self.offers > _MOST_OFFERS:
+            return
+        binding, place = self.file.form.Bindings[index], partial(self.file.place, BINDINGS, index)
+        unknown = list(self._unknown(binding, place))
         if unknown:
-            self.problems += unknown
-            return True
-        users = [asker for asker in self._askers(binding) if binding.demand in asker.demands]
-        if not users:
-            known = list(dict.fromkeys(d for asker in self._askers(binding) for d in asker.demands))
-            of = binding.robot or "any robot"
-            hint = SimilarNames(known, "the demands are").hint(binding.demand)
-            self.problems.append(
-                problem(
-                    "D011.no_demand",
-                    self._place(index, "demand"),
-                    hint=hint,
-                    demand=binding.demand,
-                    type=of,
-                )
-            )
-        for user in users:
-            self._bind(index, binding, user)
-            if self.offers > _MOST_OFFERS:
-                self.problems.append(
-                    problem("D004.too_many", self._place(index, "from"), limit=_MOST_OFFERS)
-                )
-                return False
-        return True
-
-    def _bind(self, index: int, binding: Binding, user: RobotMonitor) -> None:
-        place = self._place(index, "demand")
-        key = (user.robot.name, user.index, binding.demand)
-        if key in self.bonds:
-            line = self.bonds[key].place.line
-            self.problems.append(
-                problem("D011.bound_twice", place, demand=binding.demand, user=user.name, line=line)
-            )
+            yield from unknown
             return
-        offers: list[Fulfilment] = []
-        reasons: dict[str, None] = {}
-        for robot in self._providers(index, binding, user):
-            found, misses = _offers(user, binding, self._of[robot])
-            reasons.update(dict.fromkeys(misses))
-            offers += found
-            if not found and binding.from_ != "any":
-                self._refuse(index, binding, user, robot.name, misses)
-        if not offers and binding.from_ == "any" and user.robot.graph is not None:
-            self._refuse(index, binding, user, "any robot that it hears", list(reasons))
-        of_any = binding.from_ == "any"
-        self.bonds[key] = DemandBinding(user, binding.demand, tuple(offers), of_any, place)
-        self.offers += len(offers)
-
-    def _providers(self, index: int, binding: Binding, user: RobotMonitor) -> Iterator[FleetRobot]:
-        """Yield the robots that may fulfil a demand and are heard by the one that has it (D013)."""
-        names = binding.from_
-        if user.robot.graph is None:
-            self.problems.append(
-                problem(
-                    "D013.alone",
-                    self._place(index, "demand"),
-                    robot=user.robot.name,
-                    platform=user.robot.platform.name,
-                )
-            )
-            return
-        for robot in self._of:
-            if robot is user.robot or (names != "any" and robot.name not in names):
-                continue
-            if robot.graph == user.robot.graph:
-                yield robot
-            elif names != "any":
-                self.problems.append(
-                    problem(
-                        "D013.unheard",
-                        self._place(index, "from"),
-                        robot=user.robot.name,
-                        other=robot.name,
-                        reason=_apart(user.robot, robot),
-                    )
-                )
-
-    def _refuse(
-        self, index: int, binding: Binding, user: RobotMonitor, who: str, reasons: Sequence[str]
-    ) -> None:
-        shown = "; ".join(reasons[:_MOST_REASONS]) or "there is no other ConSert"
-        key = "demand" if binding.from_ == "any" else "from"
-        hint = _COMPOSE if reasons else None
-        self.problems.append(
-            problem(
-                "D004.never",
-                self._place(index, key),
-                hint=hint,
-                who=who,
-                demand=binding.demand,
-                user=user.name,
-                shown=shown,
-            )
-        )
-
-    def _unknown(self, index: int, binding: Binding) -> Iterator[Problem]:
-        """Report names that nothing has (D011)."""
-        robots = list(dict.fromkeys(seat.robot.name for seat in self.seats))
-        near = SimilarNames(robots, "the robots are")
-        if binding.robot is not None and binding.robot not in robots:
-            yield problem(
-                "D011.no_robot",
-                self._place(index, "robot"),
-                hint=near.hint(binding.robot),
-                robot=binding.robot,
-            )
-            return
-        for name in binding.from_ if binding.from_ != "any" else ():
-            if name not in robots:
-                yield problem(
-                    "D011.no_robot", self._place(index, "from"), hint=near.hint(name), robot=name
-                )
-            elif name == binding.robot:
-                yield problem("D011.own_demand", self._place(index, "from"), name=name)
-        monitors = [seat.id for seat in self.seats if binding.robot in (None, seat.robot.name)]
-        if binding.monitor is not None and binding.monitor not in monitors:
-            place, near = self._place(index, "monitor"), SimilarNames(monitors, "the monitors are")
-            hint = near.hint(binding.monitor)
-            yield problem("D011.no_monitor", place, hint=hint, monitor=binding.monitor)
-        known = [name for seat in self.seats for name in seat.guarantees]
-        if binding.guarantee is not None and binding.guarantee not in known:
-            place, near = self._place(index, "guarantee"), SimilarNames(known, "the guarantees are")
-            hint = near.hint(binding.guarantee)
-            yield problem("D011.no_guarantee", place, hint=hint, guarantee=binding.guarantee)
-
-    def _askers(self, binding: Binding) -> list[RobotMonitor]:
-        return [
+        askers = [
             seat
             for seat in self.seats
             if binding.robot in (None, seat.robot.name) and binding.monitor in (None, seat.id)
         ]
+        users = [asker for asker in askers if binding.demand in asker.demands]
+        if not users:
+            known = list(dict.fromkeys(demand for asker in askers for demand in asker.demands))
+            hint = SimilarNames(known, "the demands are").hint(binding.demand)
+            names = {"demand": binding.demand, "type": binding.robot or "any robot"}
+            yield problem("D011.no_demand", place("demand"), hint=hint, **names)
+        for user in users:
+            key = (user.robot.name, user.index, binding.demand)
+            if key in self.bonds:
+                line, names = self.bonds[key].place.line, {"user": user.name}
+                demand = binding.demand
+                yield problem(
+                    "D011.bound_twice", place("demand"), demand=demand, line=line, **names
+                )
+                continue
+            offers = yield from self._offers(binding, user, place)
+            of_any = binding.from_ == "any"
+            self.bonds[key] = DemandBinding(
+                user, binding.demand, tuple(offers), of_any, place("demand")
+            )
+            self.offers += len(offers)
+            if self.offers > _MOST_OFFERS:
+                yield problem("D004.too_many", place("from"), limit=_MOST_OFFERS)
+                return
 
-    def _place(self, index: int, key: str) -> Place:
-        return self.file.place(BINDINGS, index, key)
+    def _offers(
+        self, binding: Binding, user: RobotMonitor, place: Callable[[str], Place]
+    ) -> Generator[Problem, None, list[Fulfilment]]:
+        """Return what fulfils a demand; yield which robots do not (D004), or are not heard (D013).
 
+        Of a binding to any robot, it is enough that one does.
+        """
+        robot, of_any = user.robot, binding.from_ == "any"
+        if robot.graph is None:
+            platform = robot.platform.name
+            yield problem("D013.alone", place("demand"), robot=robot.name, platform=platform)
+            return []
+        offers: list[Fulfilment] = []
+        all_reasons: dict[str, None] = {}
 
-def _offers(
-    user: RobotMonitor, binding: Binding, seats: Sequence[RobotMonitor]
-) -> tuple[list[Fulfilment], list[str]]:
-    """Return the guarantees of a robot that fulfil a demand, and why others do not."""
-    offers: list[Fulfilment] = []
-    misses: list[str] = []
-    for seat in seats:
-        provider = seat.monitor.model
-        if seat.monitor.kind is not user.monitor.kind:
-            continue
-        for name in seat.guarantees:
-            if binding.guarantee in (None, name):
-                why = provider.why_not_fulfilled(name, user.monitor.model, binding.demand)
-                if why is None:
-                    offers.append(Fulfilment(seat, name))
-                else:
-                    misses.append(why)
-    return offers, misses
+        def never(who: str, reasons: Sequence[str]) -> Problem:
+            shown = "; ".join(reasons[:_MOST_REASONS]) or "there is no other ConSert"
+            names = {"who": who, "demand": binding.demand, "user": user.name}
+            at, hint = place("demand" if of_any else "from"), _COMPOSE if reasons else None
+            return problem("D004.never", at, hint=hint, shown=shown, **names)
+
+        for other, seats in self.robots.items():
+            if other is robot or (not of_any and other.name not in binding.from_):
+                continue
+            if other.graph != robot.graph:
+                if not of_any:
+                    names = {"robot": robot.name, "other": other.name}
+                    reason = _apart(robot, other)
+                    yield problem("D013.unheard", place("from"), reason=reason, **names)
+                continue
+            own: list[Fulfilment] = []
+            reasons: list[str] = []
+            for seat in seats:
+                if seat.monitor.kind is not user.monitor.kind:
+                    continue
+                for name in seat.guarantees:
+                    if binding.guarantee not in (None, name):
+                        continue
+                    model, demand = seat.monitor.model, binding.demand
+                    why = model.why_not_fulfilled(name, user.monitor.model, demand)
+                    own += [Fulfilment(seat, name)] if why is None else []
+                    reasons += [why] if why is not None else []
+            all_reasons |= dict.fromkeys(reasons)
+            offers += own
+            if not own and not of_any:
+                yield never(other.name, reasons)
+        if not offers and of_any:
+            yield never("any robot that it hears", list(all_reasons))
+        return offers
+
+    def _unknown(self, binding: Binding, place: Callable[[str], Place]) -> Iterator[Problem]:
+        """Report names that nothing has (D011)."""
+        robots = list(dict.fromkeys(robot.name for robot in self.robots))
+        similar = SimilarNames(robots, "the robots are")
+        if binding.robot is not None and binding.robot not in robots:
+            hint = similar.hint(binding.robot)
+            yield problem("D011.no_robot", place("robot"), hint=hint, robot=binding.robot)
+            return
+        for name in binding.from_ if binding.from_ != "any" else ():
+            if name not in robots:
+                yield problem("D011.no_robot", place("from"), hint=similar.hint(name), robot=name)
+            elif name == binding.robot:
+                yield problem("D011.own_demand", place("from"), name=name)
+        monitors = [seat.id for seat in self.seats if binding.robot in (None, seat.robot.name)]
+        guarantees = [name for seat in self.seats for name in seat.guarantees]
+        monitor, guarantee = binding.monitor, binding.guarantee
+        if monitor is not None and monitor not in monitors:
+            hint = SimilarNames(monitors, "the monitors are").hint(monitor)
+            yield problem("D011.no_monitor", place("monitor"), hint=hint, monitor=monitor)
+        if guarantee is not None and guarantee not in guarantees:
+            hint = SimilarNames(guarantees, "the guarantees are").hint(guarantee)
+            yield problem("D011.no_guarantee", place("guarantee"), hint=hint, guarantee=guarantee)
 
 
 def _apart(one: FleetRobot, other: FleetRobot) -> str:

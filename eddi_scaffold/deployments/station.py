@@ -159,7 +159,7 @@ def is_closed(fleet: Fleet) -> bool:
     if not offers:
         return True
     seats = {seat: Member(seat.monitor, seat.robot.form.prefix).participant for seat in fleet.seats}
-    published = {topic for seat in seats.values() for topic in seat.published()}
+    published = {topic for monitor in seats.values() for topic, _ in monitor.published}
     bound: dict[RobotMonitor, set[str]] = {}
     for bond in fleet.bonds:
         bound.setdefault(bond.user, set()).add(bond.demand)
@@ -167,7 +167,7 @@ def is_closed(fleet: Fleet) -> bool:
     def rests_on_others(offer: Fulfilment) -> bool:
         one: WiredMonitor = seats[offer.seat]
         inputs = one.claims[offer.guarantee].rests_on
-        read = {topic for input_ in inputs for topic in one.topics(input_)}
+        read = {topic for input_ in inputs for topic, _ in one.topics_read.get(input_, ())}
         return not (inputs.isdisjoint(bound.get(offer.seat, ())) and read.isdisjoint(published))
 
     return not any(map(rests_on_others, offers))

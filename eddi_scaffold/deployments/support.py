@@ -66,27 +66,53 @@ class WiredMonitor:
         return self.kind.model_class.meanings(self.facts.claims_on(part))
 
     @property
-    def by_words(self) -> Sequence[str]:
-        """Its claims that rest on words of other robots."""
-        words = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
-        fed = {input_.id for input_ in self.facts.inputs if words & set(input_.requires)}
-        return [self.claim(one.id) for one in self.facts.claims if fed & one.rests_on]
+    def claims_on_statements(self) -> Sequence[str]:
+        """Its claims that rest on statements of other robots."""
+        sources = {source.id for source in self.config.config.SimulatorOutputs if source.peers}
+        fed = {input_.id for input_ in self.facts.inputs if sources & set(input_.requires)}
+        return [self.claim(claim.id) for claim in self.facts.claims if fed & claim.rests_on]
 
     def claim(self, output: str) -> str:
         """Return the name of one of its claims among all: its own name, and the output's."""
         return f"{self.name}.{output}" if output else self.name
 
-    def published(self) -> Sequence[str]:
-        """Return the full names of the topics that it publishes."""
-        return [topic for topic, _ in topics_published(self)]
-
-    def topics(self, input_: str) -> Sequence[str]:
-        """Return the full names of the topics that an input reads."""
-        return list(dict.fromkeys(topic for topic, _ in topics_read(self).get(input_, ())))
-
     def topic(self, name: str) -> str:
         """Return the full name of a topic of this monitor's node."""
         return full_topic(name, self.namespace, self.package)
+
+    @cached_property
+    def published(self) -> Sequence[tuple[str, PublishedTopic]]:
+        """The full names of the topics that it publishes, with what is on them."""
+        topics = []
+        for output in self.config.config.EDDIOutputs:
+            path = parse_field(output.field) if output.field is not None else ()
+            item = PublishedTopic(self, output.event, path)
+            names = (f"{output.topic}{name}" for name in ("", "/status", "/evidence"))
+            topics += [(self.topic(name), item) for name in names]
+        return topics
+
+    @cached_property
+    def topics_read(self) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
+        """Input -> full names of the topics that it reads, with the path into each message."""
+        sources = self.config.config.SimulatorOutputs
+        topics = {source.id: self.topic(source.topic) for source in sources}
+        topic_of = {attribute(id_): topic for id_, topic in topics.items()}
+        entries = {entry.id: entry for entry in self.config.config.EDDIInputs}
+        reads: dict[str, list[tuple[str, FieldPath]]] = {}
+        reads_of: dict[str, list[tuple[str, FieldPath]]] = {}  # by attribute
+        for input_ in self.facts.inputs:
+            entry = entries.get(input_.id)
+            own = reads[input_.id] = reads_of[attribute(input_.id)] = []
+            if entry is not None and input_.reads is None:
+                path = parse_field(entry.field) if entry.field is not None else ()
+                own += [(topics[name], path) for name in input_.requires if name in topics]
+            for name in (input_.reads or ()) if entry is not None else ():
+                head = head_of(name)
+                if head in topic_of:
+                    own.append((topic_of[head], path_behind(name)))
+                else:  # another input, which is read by the same expression
+                    own += reads_of.get(head, [])
+        return reads
 
 
 @dataclass(frozen=True)
@@ -97,6 +123,13 @@ class PublishedTopic:
     part: str | None
     path: FieldPath
 
+    def claims(self, path: FieldPath) -> Sequence[str]:
+        """Return the claims that a field carries: the named one, else all of the monitor."""
+        keys = [str(step.wanted) for step in (self.path or path) if isinstance(step, ByKey)]
+        part = next(iter(keys), self.part)
+        names = [part] if part in self.of.claims else list(self.of.claims)
+        return [self.of.claim(str(name)) for name in names]
+
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
     """Return a monitor as the answers of its package have it; ``None`` for other packages."""
@@ -106,18 +139,17 @@ def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor |
         config = config_of(answers["config_json"], package)
         facts = from_json(answers["facts_json"])
         kind, file = kinds()[answers["kind"]], str(answers["model_file"])
-        outputs = [output for output in answers.get("outputs") or () if "topic_text" in output]
-        bare = [
-            output["topic_text"]
-            for output in outputs
-            if output["type_text"].startswith("std_msgs/")
-        ]
-        alone = dict.fromkeys(bare, "the same field")
-        found = WiredMonitor(config.config.Model.id, package, "", kind, config, facts, file, alone)
-        supports([found])  # what it reads can be followed
+        alone = {
+            output["topic_text"]: "the same field"
+            for output in answers.get("outputs") or ()
+            if "topic_text" in output and output["type_text"].startswith("std_msgs/")
+        }
+        name = config.config.Model.id
+        monitor = WiredMonitor(name, package, "", kind, config, facts, file, alone)
+        supports([monitor])  # what it reads can be followed
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError):
         return None
-    return found
+    return monitor
 
 
 def check_rings(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
@@ -139,78 +171,24 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
     """Return for each claim the claims of other monitors that it rests on."""
     by_topic: dict[str, list[PublishedTopic]] = {}
     for participant in participants:
-        for topic, item in topics_published(participant):
+        for topic, item in participant.published:
             by_topic.setdefault(topic, []).append(item)
     graph: dict[str, tuple[str, ...]] = {}
     for participant in participants:
         below = {
-            name: _below(participant, read, by_topic)
-            for name, read in topics_read(participant).items()
+            name: [
+                claim
+                for topic, path in reads
+                for item in by_topic.get(topic, ())
+                if item.of is not participant  # which is refused in any case (K031)
+                for claim in item.claims(path)
+            ]
+            for name, reads in participant.topics_read.items()
         }
         for claim in participant.facts.claims:
             rests = [claims for name, claims in below.items() if name in claim.rests_on]
-            graph[participant.claim(claim.id)] = tuple(
-                dict.fromkeys(c for claims in rests for c in claims)
-            )
+            graph[participant.claim(claim.id)] = tuple(dict.fromkeys(c for of in rests for c in of))
     return graph
-
-
-def topics_published(of: WiredMonitor) -> Iterator[tuple[str, PublishedTopic]]:
-    """Yield the full names of the topics of a participant, with what is on them."""
-    for output in of.config.config.EDDIOutputs:
-        path = parse_field(output.field) if output.field is not None else ()
-        item = PublishedTopic(of, output.event, path)
-        yield of.topic(output.topic), item
-        for name in ("status", "evidence"):
-            yield of.topic(f"{output.topic}/{name}"), item
-
-
-def topics_read(of: WiredMonitor) -> Mapping[str, Sequence[tuple[str, FieldPath]]]:
-    """Return for each input the topics that it reads, with the path into each message."""
-    topics = {one.id: of.topic(one.topic) for one in of.config.config.SimulatorOutputs}
-    entries = {one.id: one for one in of.config.config.EDDIInputs}
-    found: dict[str, list[tuple[str, FieldPath]]] = {}
-    for input_ in of.facts.inputs:
-        entry = entries.get(input_.id)
-        reads = found[input_.id] = []
-        if entry is None:
-            continue
-        if input_.reads is None:
-            path = parse_field(entry.field) if entry.field is not None else ()
-            reads += [(topics[name], path) for name in input_.requires if name in topics]
-            continue
-        named = {attribute(id_): topics[id_] for id_ in topics}
-        by_attribute = {attribute(id_): id_ for id_ in found}
-        for name in input_.reads:
-            word = head_of(name)
-            if word in named:
-                reads.append((named[word], path_behind(name)))
-            elif word in by_attribute:  # another input, which is read by the same expression
-                reads += found[by_attribute[word]]
-    return found
-
-
-def _below(
-    user: WiredMonitor,
-    reads: Sequence[tuple[str, FieldPath]],
-    by_topic: Mapping[str, Sequence[PublishedTopic]],
-) -> Sequence[str]:
-    return [
-        claim
-        for topic, path in reads
-        for item in by_topic.get(topic, ())
-        if item.of is not user  # which is refused in any case (K031)
-        for claim in _claims(item, path)
-    ]
-
-
-def _claims(item: PublishedTopic, path: FieldPath) -> Sequence[str]:
-    """Return the claims that a field carries: the one that it names, else all of the monitor."""
-    outputs = item.of.claims
-    keys = [str(step.wanted) for step in (item.path or path) if isinstance(step, ByKey)]
-    wanted = next(iter(keys), item.part)
-    names = [wanted] if wanted in outputs else list(outputs)
-    return [item.of.claim(str(name)) for name in names]
 
 
 @dataclass(frozen=True)
@@ -255,38 +233,29 @@ class Accepted:
 def acceptances(participants: Sequence[WiredMonitor]) -> list[Accepted]:
     """Return every acceptance on which a claim rests; claims rest on no ring."""
     users = reversed_graph(supports(participants))
-    found = []
-    for participant in participants:
-        for what in participant.facts.acceptances:
-            above = reached(
-                users, [participant.claim(name) for name in _outputs(participant, what)]
-            )
-            if above:
-                claims = tuple(claim for claim in users if claim in above)
-                topics = tuple(participant.topics(what.input)) if what.input else ()
-                found.append(
-                    Accepted(participant.name, what, topics, claims, _place(participant, what))
+    accepted = []
+    for monitor in participants:
+        for what in monitor.facts.acceptances:
+            outputs = what.outputs
+            if outputs is None:
+                rests = {claim.id: claim.rests_on for claim in monitor.facts.claims}
+                outputs = tuple(
+                    id_ for id_, on in rests.items() if (what.input in on if what.input else on)
                 )
-    return found
+            above = reached(users, map(monitor.claim, outputs))
+            if not above:
+                continue
+            claims = tuple(claim for claim in users if claim in above)
+            reads = monitor.topics_read.get(what.input, ()) if what.input else ()
+            topics = tuple(dict.fromkeys(topic for topic, _ in reads))
+            place = monitor.config.place(*what.path)
+            if what.at is not None:
+                place = Place(monitor.model_file, *what.at)
+            accepted.append(Accepted(monitor.name, what, topics, claims, place))
+    return accepted
 
 
 def check_acceptances(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report each acceptance (D009)."""
     for acceptance in acceptances(participants):
         yield problem("D009", acceptance.place, reason=acceptance.as_text())
-
-
-def _outputs(of: WiredMonitor, one: Acceptance) -> Sequence[str]:
-    if one.outputs is not None:
-        return one.outputs
-    return [
-        claim.id
-        for claim in of.facts.claims
-        if (one.input in claim.rests_on if one.input else claim.rests_on)
-    ]
-
-
-def _place(of: WiredMonitor, one: Acceptance) -> Place:
-    if one.at is not None:
-        return Place(of.model_file, *one.at)
-    return of.config.place(*one.path)

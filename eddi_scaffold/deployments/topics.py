@@ -9,12 +9,7 @@ from functools import cached_property
 from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.support import (
-    PublishedTopic,
-    WiredMonitor,
-    topics_published,
-    topics_read,
-)
+from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import (
@@ -41,6 +36,13 @@ class Member:
     def participant(self) -> WiredMonitor:
         """The same, as far as a package remembers it."""
         monitor = self.monitor
+        alone = {
+            # the topic of a threshold has no field of its own in the configuration
+            entry.output.topic: f"`{entry.output.field or f'evidence[{entry.output.id}].active'}`"
+            f" of {entry.message}"
+            for entry in self.publications
+            if entry.path
+        }
         return WiredMonitor(
             self.name,
             monitor.package,
@@ -49,12 +51,13 @@ class Member:
             self.config,
             monitor.facts,
             monitor.model.source.name,
-            {
-                one.output.topic: _field(one)
-                for one in publications(monitor, self.config)[0]
-                if one.path
-            },
+            alone,
         )
+
+    @cached_property
+    def publications(self) -> Sequence[Publication]:
+        """What its node publishes."""
+        return publications(self.monitor, self.config)[0]
 
     @property
     def config(self) -> ConfigFile:
@@ -71,11 +74,6 @@ class Member:
     def topic(self, name: str) -> str:
         """Return the full name of a topic, as ROS resolves it for this monitor's node."""
         return self.participant.topic(name)
-
-
-def _field(one: Publication) -> str:
-    path = one.output.field or f"evidence[{one.output.id}].active"  # the topic of a threshold
-    return f"`{path}` of {one.message}"
 
 
 @dataclass(frozen=True)
@@ -107,36 +105,52 @@ class Deployment:
 
     def publisher(self, member: Member, source: SimulatorOutput) -> Publisher | None:
         """Return who publishes what a member listens to, ``None`` when no other member does."""
-        found = self.publishers.get(member.topic(source.topic), ())
-        return next((one for one in found if one.publication.type == source.type), None)
+        publishers = self.publishers.get(member.topic(source.topic), ())
+        return next((of for of in publishers if of.publication.type == source.type), None)
 
     def other(self, member: Member, source: SimulatorOutput) -> PublishedTopic | None:
         """Return who of the others publishes what a member listens to."""
         topic = member.topic(source.topic)
-        found = (
-            item for other in self.others for at, item in topics_published(other) if at == topic
-        )
-        return next(found, None)
+        items = (item for other in self.others for at, item in other.published if at == topic)
+        return next(items, None)
 
 
 def deployment(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> Deployment:
     """Return the members with what each of them publishes where."""
     publishers: dict[str, list[Publisher]] = {}
     for member in members:
-        for one in publications(member.monitor, member.config)[0]:
-            topic = member.topic(one.output.topic)
-            publishers.setdefault(topic, []).append(Publisher(member, one))
+        for publication in member.publications:
+            topic = member.topic(publication.output.topic)
+            publishers.setdefault(topic, []).append(Publisher(member, publication))
     return Deployment(tuple(members), publishers, tuple(others))
 
 
 def check_topics(deployment: Deployment) -> Iterator[Problem]:
     """Report topics that two monitors publish (D005)."""
-    for topic, found in deployment.publishers.items():
-        publishers = [one for one in found if one.publication.of == "" or one.publication.path]
-        for other in publishers[1:]:
-            if other.member is not publishers[0].member:
-                yield _shared(topic, publishers[0], other)
-    yield from _shared_with_others(deployment)
+    first: dict[str, tuple[WiredMonitor, Place]] = {}
+    for topic, publishers in deployment.publishers.items():
+        results = [of for of in publishers if of.publication.of == "" or of.publication.path]
+        for other in results[1:]:
+            if other.member is not results[0].member:
+                yield _shared(topic, results[0], other)
+        if results:
+            first[topic] = results[0].member.participant, results[0].publication.place
+    new = {member.monitor.package for member in deployment.members}
+    for monitor in deployment.others:
+        config = monitor.config
+        for index, output in enumerate(config.config.EDDIOutputs):
+            topic, at = monitor.topic(output.topic), config.place("EDDIOutputs", index, "topic")
+            known, place = first.setdefault(topic, (monitor, at))
+            if place is at or known.name == monitor.name:  # the same, whose folder was moved
+                continue
+            hint = "give each a topic of its own"
+            if known.package in new:
+                rename = f"--rename {monitor.package}={known.package}"
+                hint += f"; if the model has a new name, add `{rename}`"
+            hint += "; else remove the package that is of no use"
+            # No error: nodes may be started in namespaces of their own, or not at all.
+            names = {"name": known.name, "package": monitor.package, "topic": topic}
+            yield problem("D005.package", place, hint=hint, **names)
 
 
 def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
@@ -147,19 +161,14 @@ def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
         for name, of in participant.alone.items()
     }
     for reader in participants:
-        reads = topics_read(reader)
         for index, entry in enumerate(reader.config.config.EDDIInputs):
-            for topic in dict.fromkeys(topic for topic, _ in reads.get(entry.id, ())):
-                if topic in alone:
-                    publisher, field = alone[topic]
-                    yield problem(
-                        "D001.alone",
-                        reader.config.place("EDDIInputs", index),
-                        input=entry.id,
-                        topic=topic,
-                        field=field,
-                        monitor=publisher.name,
-                    )
+            reads = dict.fromkeys(topic for topic, _ in reader.topics_read.get(entry.id, ()))
+            for topic in (topic for topic in reads if topic in alone):
+                publisher, field = alone[topic]
+                place, names = reader.config.place("EDDIInputs", index), {"monitor": publisher.name}
+                yield problem(
+                    "D001.alone", place, input=entry.id, topic=topic, field=field, **names
+                )
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
@@ -176,14 +185,8 @@ def check_types(deployment: Deployment) -> Iterator[Problem]:
             type_, name = first.setdefault(topic, (source.type, member.name))
             if source.type != type_ and topic not in several:
                 place = member.config.place("SimulatorOutputs", index, "topic")
-                yield problem(
-                    "D005.topic_type",
-                    place,
-                    topic=topic,
-                    type=type_,
-                    name=name,
-                    source_type=source.type,
-                )
+                types = {"type": type_, "source_type": source.type}
+                yield problem("D005.topic_type", place, topic=topic, name=name, **types)
 
 
 def check_spellings(deployment: Deployment) -> Iterator[Problem]:
@@ -204,10 +207,10 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
 def shared_by_robots(members: Sequence[Member]) -> str | None:
     """Report which topics of monitors two robots on one master would share; ``None`` for none."""
     topics = {
-        one.output.topic
+        publication.output.topic
         for member in members
-        for one in publications(member.monitor, member.config)[0]
-        if one.output.topic.startswith("/")
+        for publication in member.publications
+        if publication.output.topic.startswith("/")
     }
     if not topics:
         return None
@@ -219,77 +222,34 @@ def shared_by_robots(members: Sequence[Member]) -> str | None:
 
 def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
     """Warn of topics with messages of ours that no monitor publishes (D006)."""
+    where = "these files and packages" if deployment.others else "these files"
     for member in deployment.members:
-        yield from _absent(deployment, member)
+        config = member.config
+        required = {name for entry in config.config.EDDIInputs for name in entry.requires}
+        required |= {source.id for input_ in member.monitor.inputs for source in input_.requires}
+        for index, source in enumerate(config.config.SimulatorOutputs):
+            if source.id not in required or kind_of_message(source.type) is None or source.peers:
+                continue
+            if deployment.publisher(member, source) or deployment.other(member, source):
+                continue
+            topic = member.topic(source.topic)
+            known = {
+                at: of.member.name
+                for at, publishers in deployment.publishers.items()
+                for of in publishers
+                if of.publication.type == source.type and of.member is not member
+            }
+            similar = most_similar(topic, known)
+            alike = f"did you mean {similar} ({known[similar]})? Else " if similar else ""
+            hint = f"{alike}check it together with the configuration and the model of its publisher"
+            place = config.place("SimulatorOutputs", index, "topic")
+            yield problem("D006", place, hint=hint, topic=topic, files=where)
 
 
 def _shared(topic: str, first: Publisher, second: Publisher) -> Problem:
-    one, two = first.member, second.member
+    names = {"first": first.member.name, "second": second.member.name, "topic": topic}
     place = second.publication.place
-    if one.namespace == two.namespace:
-        return problem("D005.shared", place, first=one.name, second=two.name, topic=topic)
+    if first.member.namespace == second.member.namespace:
+        return problem("D005.shared", place, **names)
     relative = second.publication.output.topic.removeprefix("/")
-    return problem(
-        "D005.robots", place, first=one.name, second=two.name, topic=topic, relative=relative
-    )
-
-
-def _shared_with_others(deployment: Deployment) -> Iterator[Problem]:
-    """Report topics that a package which is there publishes as well."""
-    first: dict[str, tuple[WiredMonitor, Place]] = {}
-    new = {member.monitor.package for member in deployment.members}
-    for topic, found in deployment.publishers.items():
-        publisher = next((o for o in found if o.publication.of == "" or o.publication.path), None)
-        if publisher is not None:
-            first[topic] = publisher.member.participant, publisher.publication.place
-    for other in deployment.others:
-        own = {
-            other.topic(output.topic): other.config.place("EDDIOutputs", index, "topic")
-            for index, output in enumerate(other.config.config.EDDIOutputs)
-        }
-        for topic, at in own.items():
-            one, place = first.setdefault(topic, (other, at))
-            if place is at or one.name == other.name:  # the same monitor, whose folder was moved
-                continue
-            hint = "give each a topic of its own"
-            if one.package in new:
-                hint += (
-                    f"; if the model has a new name, add `--rename {other.package}={one.package}`"
-                )
-            hint += "; else remove the package that is of no use"
-            # No error: nodes may be started in namespaces of their own, or not at all.
-            yield problem(
-                "D005.package", place, hint=hint, name=one.name, package=other.package, topic=topic
-            )
-
-
-def _absent(deployment: Deployment, member: Member) -> Iterator[Problem]:
-    config = member.config
-    required = {name for entry in config.config.EDDIInputs for name in entry.requires}
-    required |= {
-        requirement.id for binding in member.monitor.inputs for requirement in binding.requires
-    }
-    for index, source in enumerate(config.config.SimulatorOutputs):
-        topic = member.topic(source.topic)
-        if source.id not in required or kind_of_message(source.type) is None or source.peers:
-            continue
-        if not (deployment.publisher(member, source) or deployment.other(member, source)):
-            of = "these files and packages" if deployment.others else "these files"
-            place = config.place("SimulatorOutputs", index, "topic")
-            hint = "check it together with the configuration and the model of its publisher"
-            alike = _alike(deployment, member, topic, source.type)
-            if alike is not None:
-                hint = f"{alike} Else {hint}"
-            yield problem("D006", place, hint=hint, topic=topic, files=of)
-
-
-def _alike(deployment: Deployment, member: Member, topic: str, type_: str) -> str | None:
-    """Return the hint at a topic of nearly this name that another member publishes."""
-    known = {
-        at: one.member.name
-        for at, found in deployment.publishers.items()
-        for one in found
-        if one.publication.type == type_ and one.member is not member
-    }
-    near = most_similar(topic, known)
-    return f"did you mean {near} ({known[near]})?" if near is not None else None
+    return problem("D005.robots", place, relative=relative, **names)

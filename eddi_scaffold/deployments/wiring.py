@@ -14,12 +14,11 @@ from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import ByKey
 from eddi_scaffold.config.schema import InputQos, OutputEntry
-from eddi_scaffold.deployments.meanings import FieldReading, check_meanings, readings
+from eddi_scaffold.deployments.meanings import check_meanings, readings
 from eddi_scaffold.deployments.support import WiredMonitor, check_acceptances, check_rings, supports
 from eddi_scaffold.deployments.topics import (
     Deployment,
     Member,
-    Publisher,
     check_alone,
     check_spellings,
     check_topics,
@@ -37,53 +36,38 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
         seen: set[tuple[str, str]] = set()
         for reading in readings(user).fields:
             publisher = deployment.publisher(member, reading.source)
-            output = None if publisher is None else _output(publisher, reading)
-            if publisher is None or output is None or (reading.input, output) in seen:
+            if publisher is None:
+                continue
+            path = publisher.publication.path or reading.path
+            output = next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
+            if output is None or (reading.input, output) in seen:
                 continue
             seen.add((reading.input, output))
-            provider = publisher.member.monitor
-            reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
+            provider = publisher.member.monitor.model
+            reason = provider.why_not_fulfilled(output, user.model, reading.input)
             if reason is not None:
                 yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
 
-def _output(publisher: Publisher, reading: FieldReading) -> str | None:
-    """Return the id of the output that a field names."""
-    path = publisher.publication.path or reading.path
-    return next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
-
-
 def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
-    """Report what is told to other robots and rests by topics on a word of one (D003).
+    """Report what is told to other robots and rests by topics on a statement of a robot (D003).
 
     Args:
         participants: the monitors that read each other's topics.
     """
-    telling = [participant for participant in participants if _tells(participant)]
-    relying = {claim: participant for participant in participants for claim in participant.by_words}
-    if not telling or not relying:
-        return
-    graph = supports(participants)
-    for one in telling:
-        for output in one.claims:
-            claim = one.claim(output)
+    relying = {claim: monitor for monitor in participants for claim in monitor.claims_on_statements}
+    graph = supports(participants) if relying else {}
+    for monitor in participants if relying else ():
+        fleet = monitor.config.config.Fleet
+        if fleet is None or fleet.closed:  # nobody relies on it whose circles were not looked for
+            continue
+        for claim in map(monitor.claim, monitor.claims):
             behind = reached(graph, [claim])
-            hidden = next((c for c, of in relying.items() if c in behind and of is not one), None)
-            if hidden is not None:
-                yield _hidden(one, claim, hidden)
+            hidden = (name for name, of in relying.items() if name in behind and of is not monitor)
+            if (name := next(hidden, None)) is not None:
+                place, names = monitor.config.place("Fleet"), {"monitor": name}
+                yield problem("D003.hidden_circle", place, claim=claim, name=monitor.name, **names)
                 break
-
-
-def _tells(one: WiredMonitor) -> bool:
-    """Return whether other robots may rely on a monitor, among which nobody looked for circles."""
-    fleet = one.config.config.Fleet
-    return fleet is not None and not fleet.closed
-
-
-def _hidden(one: WiredMonitor, claim: str, hidden: str) -> Problem:
-    return problem(
-        "D003.hidden_circle", one.config.place("Fleet"), claim=claim, monitor=hidden, name=one.name
-    )
 
 
 _LESS_THAN = {
@@ -95,47 +79,35 @@ _LESS_THAN = {
 
 def check_qualities(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
     """Report topics of which a monitor asks for more than another one offers (D016)."""
-    written = [
-        (topic, participant, output)
-        for participant in participants
-        for output in participant.config.config.EDDIOutputs
-        for topic in _topics(participant, output)
-    ]
+    written: dict[str, list[tuple[WiredMonitor, OutputEntry]]] = {}
+    for writer in participants:
+        for output in writer.config.config.EDDIOutputs:
+            topic = writer.topic(output.topic)
+            for at in (topic, f"{topic}/{STATUS}")[: 2 if output.field is None else 1]:
+                written.setdefault(at, []).append((writer, output))
     for reader in participants:
         for index, source in enumerate(reader.config.config.SimulatorOutputs):
             topic = reader.topic(source.topic)
-            for at, writer, output in written:
-                for name, asked in _lacking(source.qos, output.qos) if at == topic else ():
-                    message = f"{reader.name} asks for {name} {asked} of {topic}, which"
-                    given = f"{writer.name} publishes {getattr(output.qos, name)}"
-                    place = reader.config.place("SimulatorOutputs", index, "qos")
-                    nothing = f"on ROS 2 it would get nothing: without `{name}`"
+            for writer, output in written.get(topic, ()):
+                for name, asked in _lacking(source.qos, output.qos):
                     yield problem(
                         "D016",
-                        place,
-                        message=message,
-                        actual=given,
-                        nothing=nothing,
+                        reader.config.place("SimulatorOutputs", index, "qos"),
+                        message=f"{reader.name} asks for {name} {asked} of {topic}, which",
+                        actual=f"{writer.name} publishes {getattr(output.qos, name)}",
+                        nothing=f"on ROS 2 it would get nothing: without `{name}`",
                         writer=writer.name,
                         asked=asked,
                     )
-
-
-def _topics(one: WiredMonitor, output: OutputEntry) -> Iterator[str]:
-    """Yield the full names of the topics that have the quality of an output."""
-    topic = one.topic(output.topic)
-    yield topic
-    if output.field is None:
-        yield f"{topic}/{STATUS}"
 
 
 def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
     """Yield what is asked for in vain; nodes read reliably what was kept."""
     if asked.durability == "transient_local" and asked.reliability is None:
         asked = asked.model_copy(update={"reliability": "reliable"})
-    for (name, wanted), less in _LESS_THAN.items():
-        if getattr(asked, name) == wanted and getattr(offered, name) == less:
-            yield name, wanted
+    for (name, quality), less in _LESS_THAN.items():
+        if getattr(asked, name) == quality and getattr(offered, name) == less:
+            yield name, quality
 
 
 def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> list[Problem]:
