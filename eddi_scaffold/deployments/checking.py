@@ -64,13 +64,27 @@ def check_files(
     """
     target = chosen(platform) if platform is not None else None
     read = partial(_named, marks=default_guarantees)
-    files, fleets = _fleets(files)
     problems: list[Problem] = []
-    for fleet in fleets:
-        found, named = check_fleet(fleet, read)
+    named: set[Path] = set()  # these are checked with their deployment file
+    sources: list[Source | EddiError] = []
+    for path in files:
+        try:
+            source = read_source(path)
+        except EddiError as failure:
+            sources.append(failure)
+            continue
+        if not is_fleet(source):
+            sources.append(source)
+            continue
+        found, of_fleet = check_fleet(source, read)
         problems += found
-        files = [file for file in files if file.resolve() not in named]  # these are checked there
-    models, configs, found, are_whole = _read_files(files, default_guarantees, robot, target)
+        named |= of_fleet
+    models, configs, found, are_whole = _read_files(
+        [of for of in sources if isinstance(of, EddiError) or Path(of.name).resolve() not in named],
+        default_guarantees,
+        robot,
+        target,
+    )
     problems += found
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
@@ -85,25 +99,8 @@ def check_files(
     return [one for one in (*problems, *found) if one.code != "W003"]
 
 
-def _fleets(files: Iterable[Path]) -> tuple[list[Path], list[Source]]:
-    """Return the files that are no deployment files, and those that are."""
-    others: list[Path] = []
-    fleets: list[Source] = []
-    for path in files:
-        try:
-            source = read_source(path)
-        except EddiError:  # reported when it is read as what it is
-            others.append(path)
-            continue
-        if is_fleet(source):
-            fleets.append(source)
-        else:
-            others.append(path)
-    return others, fleets
-
-
 def _read_files(
-    files: Iterable[Path],
+    files: Iterable[Source | EddiError],
     marks: Sequence[str],
     robot: RobotAdditions | None,
     target: Platform | None,
@@ -113,43 +110,34 @@ def _read_files(
     configs: list[ConfigFile] = []
     problems: list[Problem] = []
     are_whole = True
-    for path in files:
-        try:
-            source = read_source(path)
-        except EddiError as failure:
-            problems += failure.problems
+    for source in files:
+        if isinstance(source, EddiError):
+            problems += source.problems
             are_whole = False
-            continue
-        if is_config(source):
+        elif is_config(source):
             config, found = read_config(source, robot, partly=True)
             configs += [config] if config is not None else []
             are_whole &= not has_errors(found)
             problems += found
         else:
-            reading = _read(source, marks, target)
+            reading = read_models(source, marks)
+            own = [*reading.problems, *reading.unread, *_static(reading.models)]
+            if is_xml(source) and not reading.models and not has_errors(own):
+                own.append(_requested(no_model(source), target))
             models += reading.models
-            problems += reading.problems
+            problems += own
             are_whole &= bool(reading.models)
     return models, configs, problems, are_whole
 
 
-def _read(source: Source, marks: Sequence[str], target: Platform | None) -> ReadResult:
-    """Read models and report all problems in them."""
-    reading = read_models(source, marks)
-    problems = [*reading.problems, *reading.unread, *_static(reading.models)]
-    if is_xml(source) and not reading.models and not has_errors(problems):
-        problems.append(_wanted(no_model(source), target))
-    return ReadResult(reading.models, tuple(problems))
-
-
-def _wanted(missing: Problem, target: Platform | None) -> Problem:
+def _requested(missing: Problem, target: Platform | None) -> Problem:
     """Return an error where a monitor is asked for; files by themselves may be what they are."""
     return missing if target is not None else replace(missing, level="warning")
 
 
 def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
     """Report what can be found in a configuration without its model."""
-    yield _wanted(without_model(config), target)
+    yield _requested(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
     yield from check_types(config, used)
 

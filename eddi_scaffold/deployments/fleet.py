@@ -1,20 +1,31 @@
-"""Several robots: who meets whom, and whose guarantees may fulfil whose demands."""
+"""Several robots: who meets whom, whose guarantees may fulfil whose demands, and how each runs.
+
+The only module that writes the keys of a configuration by which a robot is one of a fleet.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Problem, has_errors
 from eddi_scaffold.config.deployment_file import FleetFile, read_fleet
 from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.schema import FleetSection, PeersSection, SimulatorOutput
 from eddi_scaffold.deployments.joining import join_pairs
 from eddi_scaffold.deployments.offers import DemandBinding, RobotMonitor, bonds_of
-from eddi_scaffold.deployments.robots import FleetRobot, read_robots
-from eddi_scaffold.kinds import Model, ReadResult, kinds
+from eddi_scaffold.deployments.robots import (
+    FleetRobot,
+    GuaranteeSource,
+    read_robots,
+    with_demand_inputs,
+)
+from eddi_scaffold.kinds import ReadResult, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.robots import MESSAGE, fleet_message
 
 
 @dataclass(frozen=True)
@@ -45,8 +56,9 @@ class Fleet:
         self, robot: FleetRobot, config_of: Callable[[RobotMonitor], ConfigFile]
     ) -> tuple[list[BoundMonitor], list[Problem]]:
         """Return the monitors of a robot with other configurations, and what is wrong with them."""
-        seats = self.seats_of(robot)
-        return join_pairs([(_model(seat), config_of(seat)) for seat in seats])
+        # the model as it was read, without the options of the configuration
+        pairs = [(robot.pairs[seat.index][0], config_of(seat)) for seat in self.seats_of(robot)]
+        return join_pairs(pairs)
 
 
 def read_whole_fleet(
@@ -82,6 +94,73 @@ def read_whole_fleet(
     return Fleet(file, tuple(robots), tuple(seats), tuple(bonds)), problems
 
 
-def _model(seat: RobotMonitor) -> Model:
-    """Return the model as it was read, without the options of the configuration."""
-    return seat.robot.pairs[seat.index][0]
+Digests = Mapping[tuple[str, int], str]
+"""Robot and number of its monitor -> SHA-256 of the data of its model."""
+_NOT_YET = "0" * 64
+
+
+def digests_of(fleet: Fleet) -> Digests:
+    """Return the digests by which robots know each other's models.
+
+    A digest covers how the inputs of a model are made, though not of whose word: of any robot there
+    is a source for each model, and how many these are is known only with the digests of others. It
+    settles after as many rounds as there are robots in the longest chain of demands.
+    """
+    digests: Digests = {}
+    for _ in fleet.seats:
+        before = digests
+        digests = {
+            (robot.name, index): monitor.facts.digest
+            for robot in fleet.robots
+            for index, monitor in enumerate(
+                fleet.monitors(robot, lambda seat: among_others(fleet, seat, before))[0]  # noqa: B023
+            )
+        }
+        if digests == before:
+            break
+    return digests
+
+
+def among_others(
+    fleet: Fleet, seat: RobotMonitor, digests: Digests, *, closed: bool = False
+) -> ConfigFile:
+    """Return the configuration of a monitor on its robot, one of a fleet.
+
+    Args:
+        fleet: of the deployment file.
+        seat: the monitor on its robot.
+        digests: of the models of the others.
+        closed: see ``is_closed``.
+    """
+    shared, config = fleet.file.form.Fleet, seat.config
+    if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
+        return config
+    section = FleetSection(
+        robot=seat.robot.name, topic=shared.topic, lease=shared.lease, closed=closed
+    )
+    place = fleet.file.place("Fleet")
+    places = dict(config.places)
+    places["Fleet",] = place
+    places["Fleet", "lease"] = fleet.file.place("Fleet", "lease")
+    form = config.config.model_copy(update={"Fleet": section})
+    config = replace(config, config=form, places=places)
+    for bond in fleet.bonds_of(seat):
+        found: dict[PeersSection, None] = {}  # of any robot, each model once
+        for offer in bond.offers:
+            robot, model = offer.seat.robot.name, offer.seat.monitor.model.name
+            found[
+                PeersSection(
+                    robots="any" if bond.of_any else (robot,),
+                    model=model,
+                    digest=digests.get((robot, offer.seat.index), _NOT_YET),
+                    guarantee=offer.guarantee,
+                )
+            ] = None
+        sources = []
+        for peers in found:
+            robot = "any" if peers.robots == "any" else peers.robots[0]
+            id_ = f"peer_{robot}_{attribute(peers.guarantee)}"
+            output = SimulatorOutput(id=id_, type=MESSAGE, topic=shared.topic, peers=peers)
+            sources.append(GuaranteeSource(output, peers.guarantee))
+        config = with_demand_inputs(config, bond.demand, sources, shared.lease, bond.place)
+    return config

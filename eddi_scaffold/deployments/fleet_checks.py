@@ -11,8 +11,7 @@ from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import OutputEntry, SimulatorOutput
-from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
-from eddi_scaffold.deployments.fleet_topics import among_others
+from eddi_scaffold.deployments.fleet import Fleet, among_others, read_whole_fleet
 from eddi_scaffold.deployments.joining import packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor

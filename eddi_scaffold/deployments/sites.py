@@ -8,9 +8,8 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors
-from eddi_scaffold.deployments.fleet import read_whole_fleet
+from eddi_scaffold.deployments.fleet import among_others, digests_of, read_whole_fleet
 from eddi_scaffold.deployments.fleet_checks import problems_of
-from eddi_scaffold.deployments.fleet_topics import among_others, digests_of
 from eddi_scaffold.deployments.robots import FleetRobot
 from eddi_scaffold.deployments.station import is_closed, with_station
 from eddi_scaffold.kinds import ReadResult

@@ -11,8 +11,7 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.deployments.fleet import read_whole_fleet
-from eddi_scaffold.deployments.fleet_topics import among_others, digests_of
+from eddi_scaffold.deployments.fleet import among_others, digests_of, read_whole_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.deployments.station import with_station
 from eddi_scaffold.monitors.loading import checked_models
