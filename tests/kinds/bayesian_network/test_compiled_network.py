@@ -15,7 +15,6 @@ pytest.importorskip("hypothesis")
 from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.compiling.formatting import objections
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds.bayesian_network import inference_plan
@@ -37,6 +36,7 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_row,
     threshold,
 )
+from tests.program.formatting import objections
 
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 
