@@ -233,18 +233,27 @@ def _by_rounding(texts: Sequence[str]) -> float:
     return min(sum(0.5 * 10.0**-n for n in places), _MOST_BY_ROUNDING)
 
 
-def unsupported(type_: str, nodes: Sequence[Named], hint: str) -> Problem:
-    """Return one problem for all nodes of a type that no monitor can have (B202).
+def unsupported(
+    nodes: Iterable[tuple[str, Named]], advice: Mapping[str, str], otherwise: str
+) -> list[Problem]:
+    """Return one problem for each type of nodes that no monitor can have (B202).
 
     Args:
-        type_: as the file calls it.
-        nodes: at least one.
-        hint: what to do.
+        nodes: the type of each, as the file calls it, and its name.
+        advice: type -> what to do.
+        otherwise: what to do with all other types.
     """
-    names = ", ".join(repr(node.text) for node in nodes[:_SHOWN])
-    more = f" and {len(nodes) - _SHOWN} more" if len(nodes) > _SHOWN else ""
-    subject = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
-    return problem("B202.node_type", nodes[0].place, hint=hint, subject=subject, type=type_)
+    names: dict[str, list[Named]] = {}
+    for type_, node in nodes:
+        names.setdefault(type_, []).append(node)
+    problems = []
+    for type_, of_type in names.items():
+        shown = ", ".join(repr(node.text) for node in of_type[:_SHOWN])
+        more = f" and {len(of_type) - _SHOWN} more" if len(of_type) > _SHOWN else ""
+        subject = f"the nodes {shown}{more} are" if len(of_type) > 1 else f"the node {shown} is"
+        hint, place = advice.get(type_, otherwise), of_type[0].place
+        problems.append(problem("B202.node_type", place, hint=hint, subject=subject, type=type_))
+    return problems
 
 
 def _shown(parents: Iterable[str], case: Sequence[str]) -> str:

@@ -57,8 +57,7 @@ def read_bif(source: Source) -> tuple[Network | None, list[Problem]]:
     except EddiError as fault:
         return None, list(fault.problems)
     if reader.others:
-        hint = "write it as a discrete variable"
-        return None, [unsupported(of, nodes, hint) for of, nodes in reader.others.items()]
+        return None, unsupported(reader.others, {}, "write it as a discrete variable")
     drafts = reader.drafts()
     network, problems = check_network(reader.name or source.stem, drafts, Place(source.name, 1))
     return (None if reader.problems else network), [*reader.problems, *problems]
@@ -75,7 +74,7 @@ class _BifReader:
         self.name = ""
         self.variables: dict[str, tuple[Place, tuple[Named, ...]]] = {}
         self.tables: dict[str, _Table] = {}
-        self.others: dict[str, list[Named]] = {}
+        self.others: list[tuple[str, Named]] = []
         self.problems: list[Problem] = []
         self._file, self._text = source.name, source.text("B201")
         self._lines = [0, *(match.end() for match in re.finditer("\n", self._text))]
@@ -199,7 +198,7 @@ class _BifReader:
             if type_ == "discrete":
                 states = self._states()
             else:
-                self.others.setdefault(type_, []).append(name)
+                self.others.append((type_, name))
                 self._skip_statement()
         if name.text in self.variables:
             line = self.variables[name.text][0].line
