@@ -193,6 +193,8 @@ class _BifReader:
             if self._next.text != "type":
                 self._skip_property("`type`, `property` or `}`")
                 continue
+            if type_:
+                raise self._fault("B201.two_types", self._next, name=name.text)
             self._take()
             type_ = self._named("the type of the variable").text
             if type_ == "discrete":
