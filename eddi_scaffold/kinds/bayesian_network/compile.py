@@ -313,7 +313,7 @@ class _ProgramText:
         if not self._loops and part.adapted is None:
             steps = Steps(program, self._cards, self._positions, look_up=True)
             hard = self._steps(steps, f"{name}_hard")
-        if not plan.part.given:
+        if not plan.part.always_observed:
             steps = Steps(program, self._cards, self._positions)
             full = (self._loop if self._loops else self._steps)(steps, f"{name}_full")
         edges = [*program.messages]
