@@ -5,12 +5,20 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, product
+from typing import Any
 
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
-from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Node, in_digits
+from eddi_scaffold.kinds.bayesian_network.network import (
+    Draft,
+    Named,
+    Network,
+    Node,
+    Row,
+    in_digits,
+)
 
 LARGEST = 1_000_000
 """Entries of a table that a reader fills: it doubles with each parent of two states."""
@@ -87,50 +95,105 @@ class _TableReader:
 
     def read(self) -> list[Node]:
         """Return the node; nothing when its table has an error."""
-        draft = self._draft
-        of_parents = [parent for parent in self._drafts_of_parents if parent is not None]
+        draft, count = self._draft, len(self._draft.states)
         names = tuple(parent.text for parent in draft.parents)
-        if draft.broken or len({*names}) < len(names) or len(of_parents) < len(names):
+        parents = {
+            parent.id: [state.text for state in parent.states]
+            for parent in self._drafts_of_parents
+            if parent is not None
+        }
+        are_sound = all(states and len({*states}) == len(states) for states in parents.values())
+        if draft.broken or len(parents) < len(names) or (draft.rows is not None and not are_sound):
             return []  # reported before
-        if draft.values is None:
+        rows: list[Row] = []
+        if draft.rows is not None:
+            rows = self._rows(draft.rows, parents)
+        elif draft.values is None:
             self._report("B110.no_table", draft.place, draft=draft.id)
-            return []
-        counts = [*(len(parent.states) for parent in of_parents), len(draft.states)]
-        if len(draft.values) != math.prod(counts):
-            self._report(
-                "B110.table_length",
-                draft.values_place,
-                draft=draft.id,
-                actual=len(draft.values),
-                expected=in_digits(math.prod(counts)),
-                factors=" x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else ""),
-            )
-            return []
-        states = [[state.text for state in parent.states] for parent in of_parents]
-        table = self._table(draft.values, dict(zip(names, states, strict=True)))
+        else:
+            rows = self._cut(draft.values, [*map(len, parents.values()), count])
         if not draft.states or has_errors(self.problems):
+            return []
+        table = self._table(rows, parents)
+        if has_errors(self.problems):
             return []
         own = tuple(state.text for state in draft.states)
         title = draft.title or draft.id
         return [Node(draft.id, title, own, names, table, draft.target, draft.place)]
 
-    def _table(
-        self, texts: Sequence[str], parents: Mapping[str, Sequence[str]]
-    ) -> tuple[float, ...]:
+    def _cut(self, values: Sequence[str], counts: Sequence[int]) -> list[Row]:
+        """Return the rows of a table that is given as a whole."""
+        draft, size, width = self._draft, math.prod(counts), counts[-1]
+        if len(values) != size:
+            factors = " x ".join(map(str, counts[:8])) + (" x ..." if len(counts) > 8 else "")
+            self._report(
+                "B110.table_length",
+                draft.values_place,
+                draft=draft.id,
+                actual=len(values),
+                expected=in_digits(size),
+                factors=factors,
+            )
+            return []
+        starts = range(0, size, width) if width else ()
+        return [(values[k : k + width], draft.values_place) for k in starts]
+
+    def _rows(
+        self, rows: Mapping[tuple[str, ...], Row], parents: Mapping[str, Sequence[str]]
+    ) -> list[Row]:
+        """Return the rows in the order of the table; none after an error."""
         draft, width = self._draft, len(self._draft.states)
+        known = [(parent, {*of}, SimilarNames(of)) for parent, of in parents.items()]
+        for case, (_, place) in rows.items():
+            if len(case) != len(parents):
+                counts = f"{len(case)} states, it has {len(parents)} parents"
+                self._report("B110.row_parents", place, name=draft.id, listed=counts)
+            for (parent, states, similar), state in zip(known, case, strict=False):
+                if state not in states:
+                    fields = {"hint": similar.hint(state), "state": state, "parent": parent}
+                    self._report("B205.unknown_parent_state", place, **fields)
+        for numbers, place in [*rows.values(), *([draft.default] if draft.default else [])]:
+            if len(numbers) != width:
+                actual = len(numbers)
+                self._report("B110.row_length", place, name=draft.id, actual=actual, expected=width)
+        count = math.prod(map(len, parents.values()))
+        if draft.default is not None and count * width > LARGEST:
+            name, size = draft.id, in_digits(count * width)
+            place = draft.values_place
+            self._report("B110.table_too_large", place, name=name, size=size, limit=LARGEST)
+        elif draft.default is None and not has_errors(self.problems) and count > len(rows):
+            lacking = (case for case in product(*parents.values()) if case not in rows)
+            shown = [_shown(parents, case) for case in islice(lacking, 3)]
+            number = count - len(rows)
+            self._report(
+                "B110.missing_rows",
+                draft.values_place,
+                name=draft.id,
+                number=number,
+                rows="row" if number == 1 else "rows",
+                shown="; ".join(shown),
+                rest=", ..." if number > len(shown) else "",
+            )
+        if has_errors(self.problems):
+            return []
+        default = draft.default or ((), draft.values_place)
+        return [rows.get(case, default) for case in product(*parents.values())]
+
+    def _table(
+        self, rows: Sequence[Row], parents: Mapping[str, Sequence[str]]
+    ) -> tuple[float, ...]:
+        draft = self._draft
         table: list[float] = []
         largest, largest_place = 0.0, draft.values_place
-        for row, states in enumerate(product(*parents.values())):
-            place = draft.rows[row] if row < len(draft.rows) else draft.values_place
-            own_texts = texts[row * width : (row + 1) * width]
-            case = ", ".join(f"{name}={s}" for name, s in zip(parents, states, strict=True))
-            numbers = [number for text in own_texts for number in self._number(text, case, place)]
-            if len(numbers) < width or not width:
+        for (texts, place), states in zip(rows, product(*parents.values()), strict=True):
+            case = _shown(parents, states)
+            numbers = [number for text in texts for number in self._number(text, case, place)]
+            if len(numbers) < len(texts):
                 continue
             values = [min(max(number, 0.0), 1.0) for number in numbers]
             total = math.fsum(values)
             off = max(abs(total - 1.0), -min(numbers), max(numbers) - 1.0)
-            if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(own_texts)) + _ROUNDING:
+            if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(texts)) + _ROUNDING:
                 row_of = f"the row {case} of {draft.id!r} sums"
                 what = row_of if case else f"the probabilities of {draft.id!r} sum"
                 most = max(most, TOLERANCE)
@@ -153,7 +216,7 @@ class _TableReader:
         return []
 
     def _report(
-        self, case: str, place: Place, /, *, hint: str | None = None, **fields: object
+        self, case: str, place: Place, /, *, hint: str | None = None, **fields: Any
     ) -> None:
         self.problems.append(problem(case, place, hint=hint, **fields))
 
@@ -170,42 +233,28 @@ def _by_rounding(texts: Sequence[str]) -> float:
     return min(sum(0.5 * 10.0**-n for n in places), _MOST_BY_ROUNDING)
 
 
-def unsupported(type_: str, nodes: Sequence[Named], hint: str) -> Problem:
-    """Return one problem for all nodes of a type that no monitor can have (B202).
-
-    Args:
-        type_: as the file calls it.
-        nodes: at least one.
-        hint: what to do.
-    """
-    names = ", ".join(repr(node.text) for node in nodes[:_SHOWN])
-    more = f" and {len(nodes) - _SHOWN} more" if len(nodes) > _SHOWN else ""
-    subject = f"the node {names} is" if len(nodes) == 1 else f"the nodes {names}{more} are"
-    return problem("B202.node_type", nodes[0].place, hint=hint, subject=subject, type=type_)
-
-
-def missing_rows(
-    name: str,
-    place: Place,
-    parents: Mapping[str, Sequence[str]],
-    rows: Mapping[tuple[str, ...], object],
+def unsupported(
+    nodes: Iterable[tuple[str, Named]], advice: Mapping[str, str], otherwise: str
 ) -> list[Problem]:
-    """Return the problem that not every combination of the parents' states has a row (B110).
+    """Return one problem for each type of nodes that no monitor can have (B202).
 
     Args:
-        name: of the node.
-        place: of its table.
-        parents: parent -> its states.
-        rows: by the states of the parents, all of which exist.
+        nodes: the type of each, as the file calls it, and its name.
+        advice: type -> what to do.
+        otherwise: what to do with all other types.
     """
-    number = math.prod(map(len, parents.values())) - len(rows)
-    if not number:
-        return []
-    cases = (case for case in product(*parents.values()) if case not in rows)
-    shown = [
-        ", ".join(f"{parent}={state}" for parent, state in zip(parents, case, strict=True))
-        for case in islice(cases, 3)
-    ]
-    rest = ", ..." if number > len(shown) else ""
-    fields = {"rows": "row" if number == 1 else "rows", "shown": "; ".join(shown), "rest": rest}
-    return [problem("B110.missing_rows", place, name=name, number=number, **fields)]
+    names: dict[str, list[Named]] = {}
+    for type_, node in nodes:
+        names.setdefault(type_, []).append(node)
+    problems = []
+    for type_, of_type in names.items():
+        shown = ", ".join(repr(node.text) for node in of_type[:_SHOWN])
+        more = f" and {len(of_type) - _SHOWN} more" if len(of_type) > _SHOWN else ""
+        subject = f"the nodes {shown}{more} are" if len(of_type) > 1 else f"the node {shown} is"
+        hint, place = advice.get(type_, otherwise), of_type[0].place
+        problems.append(problem("B202.node_type", place, hint=hint, subject=subject, type=type_))
+    return problems
+
+
+def _shown(parents: Iterable[str], case: Sequence[str]) -> str:
+    return ", ".join(f"{parent}={state}" for parent, state in zip(parents, case, strict=True))

@@ -77,11 +77,11 @@ def _leaves(shape: Shape, part: Component, narrow: int) -> tuple[Leaf, ...]:
     The prior of an observable root goes with its evidence, so that it cancels exactly when the
     node is observed.
     """
-    given, leaves = mask_of(part.given), []
+    fixed, leaves = mask_of(part.always_observed), []
     for node in part.nodes:
         if node in part.outputs or node not in part.inputs or shape.parents[node]:
             family = mask_of(shape.family(node))
-            leaves.append(Leaf(TABLE, node, family & ~given, family & (given | narrow)))
+            leaves.append(Leaf(TABLE, node, family & ~fixed, family & (fixed | narrow)))
     leaves += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
     leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
     return tuple(leaves)

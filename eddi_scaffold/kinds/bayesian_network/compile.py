@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
@@ -74,9 +74,11 @@ def monitor_lines(
     """Return the lines of the class, and of what it uses, for a program."""
     by_number = numbered(network)
     module = _Module(by_number)
-    main = module.program(program, "", loop=False)
+    main = _ProgramText(module, program, "", loop=False).text
     for_any_node = everything(by_number, program)
-    general = None if for_any_node is None else module.program(for_any_node, "all_", loop=True)
+    general = None
+    if for_any_node is not None:
+        general = _ProgramText(module, for_any_node, "all_", loop=True).text
     bases = ["explain.Explaining"] if options.explain else []
     bases += ["threshold_monitor.ThresholdMonitor"] if options.thresholds else []
     specs = []
@@ -158,123 +160,124 @@ class _Module:
     """What stands before the class: numbered by part, so that nothing of a model is a name."""
 
     def __init__(self, network: NumberedNetwork) -> None:
-        self._network = network
-        self._cards, self._names = network.shape.cards, network.shape.names
-        self._blocks: list[list[str]] = []
-        self._used: set[int] = set()
+        self.network, self.cards, self.names = network, network.shape.cards, network.shape.names
+        self.blocks: list[list[str]] = []
+        self.used: set[int] = set()
 
     def lines(self) -> list[str]:
         """Return the lines, with the tables of the nodes that schedules need before them."""
-        blocks = list(self._blocks)
-        if self._used:
-            rows = tuple(self._node(node) for node in sorted(self._used))
+        blocks = list(self.blocks)
+        if self.used:
+            rows = tuple(self._node(node) for node in sorted(self.used))
             blocks.insert(0, assignment("nodes", Group("{", rows, "}"), 0))
         return [line for block in blocks for line in [*block, "", ""]]
 
-    def program(self, program: Program, prefix: str, *, loop: bool) -> Text:
-        """Return a program; its parts are written before the class."""
+    def comment(self, nodes: Iterable[int]) -> str:
+        """Return the names of nodes."""
+        return comment(", ".join(self.names[node] for node in nodes))
+
+    def case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
+        """Return the names of states of nodes."""
+        names = ([*self.network.states[node], "not known"] for node in nodes)
+        return comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
+
+    def _node(self, node: int) -> Item:
+        card, table = self.cards[node], self.network.tables[node]
+        parents = self.network.shape.parents[node]
+        starts = range(0, len(table), card)
+        rows: Text
+        if len(table) > _MANY:
+            texts = [*map(number, table)]
+            lines = (" ".join(texts[k : k + card]) for k in starts)
+            rows = call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
+        else:
+            cases = itertools.product(*(range(self.cards[parent]) for parent in parents))
+            rows = tuple_of(
+                Item(numbers(table[k : k + card]), behind=self.case_comment(parents, case))
+                for k, case in zip(starts, cases, strict=True)
+            )
+        given = f" given {', '.join(self.names[parent] for parent in parents)}" if parents else ""
+        above = comment(f"{self.names[node]}{given}")
+        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=above)
+
+
+class _ProgramText:
+    """A program as text; its parts are written before the class.
+
+    Args:
+        module: where they are written.
+        program: what is inferred.
+        prefix: of their names.
+        loop: steps are tables that the runtime runs through, not functions.
+    """
+
+    def __init__(self, module: _Module, program: Program, prefix: str, *, loop: bool) -> None:
+        self._module, self._network, self._cards = module, module.network, module.cards
+        self._blocks, self._program, self._loops = module.blocks, program, loop
+        self._positions = {node: k for k, node in enumerate(program.observable)}
         is_short = not loop and program.is_short(self._cards)
-        positions = {node: k for k, node in enumerate(program.observable)}
+        self._is_brief = is_short or loop
         names: dict[int, str] = {}
         for part in (*program.parts, *program.when_observed):
             if id(part) not in names:
                 name = names[id(part)] = f"{prefix}part_{len(names)}"
-                self._part(part, name, positions, is_short=is_short, loop=loop)
-        further: dict[str, Text] = {}
+                self._part(part, name)
+        fields: dict[str, Text] = {
+            "outputs": literal(program.outputs),
+            "observable": literal(program.observable),
+            "parts": tuple_of(names[id(part)] for part in program.parts),
+        }
         if program.when_observed != program.parts:
-            further["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
+            fields["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
         if is_short:
-            self._blocks.append(self._cases(program, f"{prefix}cases"))
-            further["cases"] = f"{prefix}cases"
-        return call(
-            f"{_ROOM}.Program",
-            [],
-            outputs=literal(program.outputs),
-            observable=literal(program.observable),
-            parts=tuple_of(names[id(part)] for part in program.parts),
-            **further,
-        )
+            self._cases(f"{prefix}cases")
+            fields["cases"] = f"{prefix}cases"
+        self.text = call(f"{_ROOM}.Program", [], **fields)
 
-    def _comment(self, nodes: Iterable[int]) -> str:
-        return comment(", ".join(self._names[node] for node in nodes))
+    def _write(self, head: str, name: str, part: Text) -> None:
+        self._blocks.append([*([f"# {head}"] if head else []), *assignment(name, part, 0)])
 
-    def _case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
-        names = ([*self._network.states[node], "not known"] for node in nodes)
-        return comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
-
-    def _node(self, node: int) -> Item:
-        card, table = self._cards[node], self._network.tables[node]
-        parents = self._network.shape.parents[node]
-        rows: Text
-        if len(table) > _MANY:
-            texts = [*map(number, table)]
-            lines = (" ".join(texts[k : k + card]) for k in range(0, len(table), card))
-            rows = call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
-        else:
-            cases = itertools.product(*(range(self._cards[parent]) for parent in parents))
-            rows = tuple_of(
-                Item(
-                    numbers(table[k * card : (k + 1) * card]),
-                    behind=self._case_comment(parents, case),
-                )
-                for k, case in enumerate(cases)
-            )
-        given = f" given {', '.join(self._names[parent] for parent in parents)}" if parents else ""
-        above = comment(f"{self._names[node]}{given}")
-        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=above)
-
-    def _cases(self, program: Program, name: str) -> list[str]:
+    def _cases(self, name: str) -> None:
+        program = self._program
         rows = [
             Item(
                 literal(posterior),
                 prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
-                behind=self._case_comment(program.observable, case),
+                behind=self._module.case_comment(program.observable, case),
             )
             for case, posterior in program.cases(self._cards)
         ]
-        head = f"# Posteriors of {self._comment(program.outputs) or 'no node'}"
-        return [head, *assignment(name, Group("{", tuple(rows), "}"), 0)]
+        head = f"Posteriors of {self._module.comment(program.outputs) or 'no node'}"
+        self._write(head, name, Group("{", tuple(rows), "}"))
 
-    def _part(
-        self, part: Part, name: str, positions: Mapping[int, int], *, is_short: bool, loop: bool
-    ) -> None:
+    def _part(self, part: Part, name: str) -> None:
         component = part.plan.part
-        if part.tables is None:
-            inference = self._schedule(part, name, positions, loop=loop)
-            if part.adapted is not None:
-                inference = self._adapted(part.adapted, inference, f"{name}_adapted", positions)
+        if part.tables is not None:
+            inference = self._tables(part.plan, part.tables, name)
         else:
-            is_short = is_short or loop
-            inference = self._tables(part.plan, part.tables, name, positions, is_short=is_short)
+            inference = self._schedule(part, name)
+            if part.adapted is not None:
+                inference = self._adapted(part.adapted, inference, f"{name}_adapted")
         fields: dict[str, Text] = {
-            "inputs": literal(tuple(positions[node] for node in component.inputs)),
+            "inputs": literal(tuple(self._positions[node] for node in component.inputs)),
             "outputs": literal(component.outputs),
             "least": str(part.least),
         }
-        head = f"# {self._comment(component.outputs) or 'evidence alone'}"
-        text = assignment(name, call(f"{_ROOM}.Part", [inference], **fields), 0)
-        self._blocks.append([head, *text])
+        head = self._module.comment(component.outputs) or "evidence alone"
+        self._write(head, name, call(f"{_ROOM}.Part", [inference], **fields))
 
-    def _tables(
-        self,
-        plan: Plan,
-        tables: Sequence[JointTable],
-        name: str,
-        positions: Mapping[int, int],
-        *,
-        is_short: bool,
-    ) -> Text:
+    def _tables(self, plan: Plan, tables: Sequence[JointTable], name: str) -> Text:
         texts, strides_of, above = [], [], []
         for k, table in enumerate(tables):
             own, strides = f"{name}_{k}", table.strides()
-            pairs = [(positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
-            output = "evidence alone" if table.output < 0 else self._names[table.output]
-            inputs = [self._names[node] for node in table.inputs]
+            pairs = [(self._positions[n], by) for n, by in zip(table.inputs, strides, strict=True)]
+            output = "evidence alone" if table.output < 0 else self._module.names[table.output]
+            inputs = [self._module.names[node] for node in table.inputs]
             strides_of.append(pairs)
             above.append(comment(f"{output} by {', '.join(inputs)}" if inputs else output))
             fields: dict[str, Text] = {}
-            if not (is_short and table.few()):
-                self._blocks.append(self._rows(table, output, f"{own}_rows"))
+            if not (self._is_brief and table.few()):
+                self._rows(table, output, f"{own}_rows")
                 fields["rows"] = f"{own}_rows"
             if table.few():
                 counts, states = [count - 1 for count in table.counts], [output]
@@ -288,41 +291,39 @@ class _Module:
             texts.append(call("tables.Table", [literal(tuple(pairs))], **fields))
         self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, above))
         priors = tuple(
-            Item(numbers(prior), prefix=f"{positions[node]}: ")
+            Item(numbers(prior), prefix=f"{self._positions[node]}: ")
             for node, prior in priors_of(self._network, plan).items()
         )
         prior_of = Group("{", priors, "}")
         return call("tables.Tables", [tuple_of(texts), prior_of, f"{name}_look_up"])
 
-    def _rows(self, table: JointTable, output: str, name: str) -> list[str]:
+    def _rows(self, table: JointTable, output: str, name: str) -> None:
         cases = itertools.product(*map(range, table.counts))
-        rows = (
-            Item(numbers(row), behind=self._case_comment(table.inputs, case))
+        rows = tuple_of(
+            Item(numbers(row), behind=self._module.case_comment(table.inputs, case))
             for row, case in zip(table.rows, cases, strict=True)
         )
-        return [f"# P({comment(output)}, evidence)", *assignment(name, tuple_of(rows), 0)]
+        self._write(f"P({comment(output)}, evidence)", name, rows)
 
-    def _schedule(self, part: Part, name: str, positions: Mapping[int, int], *, loop: bool) -> Text:
+    def _schedule(self, part: Part, name: str) -> Text:
         plan, program = part.plan, part.plan.program
         self._messages(plan, name)
         hard: Text = "None"
-        if not loop and part.adapted is None:
-            steps = Steps(program, self._cards, positions, look_up=True)
-            hard = self._steps(steps, f"{name}_hard")
         full: Text = "None"
-        if not plan.part.given:
-            steps = Steps(program, self._cards, positions)
-            full = self._loop(steps, f"{name}_full") if loop else self._steps(steps, f"{name}_full")
+        if not self._loops and part.adapted is None:
+            steps = Steps(program, self._cards, self._positions, look_up=True)
+            hard = self._steps(steps, f"{name}_hard")
+        if not plan.part.always_observed:
+            steps = Steps(program, self._cards, self._positions)
+            full = (self._loop if self._loops else self._steps)(steps, f"{name}_full")
         edges = [*program.messages]
         answers = [program.answers[node] for node in plan.part.outputs] or program.evidence
         fields = [literal(tuple(map(edges.index, answers))), hard, full]
         return call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
 
-    def _adapted(
-        self, plan: Plan, otherwise: Text, name: str, positions: Mapping[int, int]
-    ) -> Text:
+    def _adapted(self, plan: Plan, otherwise: Text, name: str) -> Text:
         self._messages(plan, name)
-        steps = Steps(plan.program, self._cards, positions, adapting=True)
+        steps = Steps(plan.program, self._cards, self._positions, adapting=True)
         inputs = tuple(node for node in plan.part.inputs if node not in plan.part.outputs)
         fields = [f"{name}_messages", self._loop(steps, name), literal(inputs), str(WIDE)]
         return call("patterns.Adapted", [otherwise, *fields])
@@ -330,7 +331,7 @@ class _Module:
     def _messages(self, plan: Plan, name: str) -> None:
         """Write the messages of a plan, for which the runtime makes arrays."""
         for node in plan.part.nodes:
-            self._used.update(self._network.shape.family(node))
+            self._module.used.update(self._network.shape.family(node))
         program, number_of = plan.program, {}
         in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
         rows = []
@@ -348,14 +349,13 @@ class _Module:
             seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
             nodes, inputs = tuple(bits(message.mask)), tuple(bits(seen)) if is_known else ()
             row = literal((kind, parts, nodes, inputs, is_known))
-            rows.append(Item(row, behind=f"{k} {self._comment(nodes)}".rstrip()))
-        text = assignment(f"{name}_messages", tuple_of(rows), 0)
-        self._blocks.append(["# Kind, parts, nodes, inputs, known.", *text])
+            rows.append(Item(row, behind=f"{k} {self._module.comment(nodes)}".rstrip()))
+        self._write("Kind, parts, nodes, inputs, known.", f"{name}_messages", tuple_of(rows))
 
     def _slots(self, steps: Steps, name: str) -> None:
         pairs = zip(steps.slots, steps.names, strict=True)
         rows = tuple_of(Item(literal(row), behind=slot) for row, slot in pairs)
-        self._blocks.append(assignment(f"{name}_slots", rows, 0))
+        self._write("", f"{name}_slots", rows)
 
     def _steps(self, steps: Steps, name: str) -> Text:
         self._slots(steps, name)
@@ -370,24 +370,19 @@ class _Module:
             lines += sum_lines(case, [f"s[{position}] * {by}" for position, by in terms], 8)
         for operation in steps.operations:
             line = f"        {operation.function}({', '.join(operation.operands)})"
-            lines.append(f"{line}  # {self._comment(operation.nodes)}".rstrip(" #"))
+            lines.append(f"{line}  # {self._module.comment(operation.nodes)}".rstrip(" #"))
         lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
         self._blocks.append([*lines, "", "    return step"])
         return call("schedule.Steps", [f"{name}_slots", name])
 
     def _loop(self, steps: Steps, name: str) -> Text:
-        """Write the operations of a step as a table, which the runtime runs through."""
         self._slots(steps, name)
         rows = []
         for operation in steps.operations:
             operands = (int(text[1:]) for text in operation.operands)
             row = literal((operation.message, operation.function, *operands))
-            rows.append(Item(row, behind=self._comment(operation.nodes)))
-        self._blocks.append(assignment(f"{name}_operations", tuple_of(rows), 0))
-        answers = tuple(int(row.partition(".")[0][1:]) for row in steps.rows)
-        return call(
-            "schedule.Steps",
-            [f"{name}_slots"],
-            operations=f"{name}_operations",
-            answers=literal(answers),
-        )
+            rows.append(Item(row, behind=self._module.comment(operation.nodes)))
+        self._write("", f"{name}_operations", tuple_of(rows))
+        answers = literal(tuple(int(row.partition(".")[0][1:]) for row in steps.rows))
+        fields = {"operations": f"{name}_operations", "answers": answers}
+        return call("schedule.Steps", [f"{name}_slots"], **fields)

@@ -37,6 +37,7 @@ TOO_LARGE = 10_000_000
 WIDE = 200_000
 """Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
 _PATTERNS = 24
+_TRIALS = 8
 MAX_CASES = 1024
 """Cases whose posteriors are written out."""
 _LEAST_EXPONENT = -900
@@ -68,7 +69,11 @@ class Width(NamedTuple):
 
 def width_of(shape: Shape, outputs: Sequence[int], observable: Sequence[int]) -> Width:
     """Return what inference costs for nodes with these numbers; no array is made."""
-    return _width(shape, _plans(shape, outputs, observable))
+    return _width(shape, _plans(shape, _set(outputs), _set(observable), _TRIALS))
+
+
+def _set(nodes: Iterable[int]) -> tuple[int, ...]:
+    return tuple(sorted({*nodes}))
 
 
 def _width(shape: Shape, plans: Sequence[Plan]) -> Width:
@@ -85,14 +90,8 @@ def _width(shape: Shape, plans: Sequence[Plan]) -> Width:
     return Width(largest, tuple(shape.names[bit] for bit in bits(widest)), operations, nanoseconds)
 
 
-def _plans(
-    shape: Shape, outputs: Iterable[int], observable: Iterable[int], trials: int = 8
-) -> tuple[Plan, ...]:
-    return _plans_once(shape, tuple(sorted({*outputs})), tuple(sorted({*observable})), trials)
-
-
 @lru_cache(maxsize=16)
-def _plans_once(
+def _plans(
     shape: Shape, outputs: tuple[int, ...], observable: tuple[int, ...], trials: int
 ) -> tuple[Plan, ...]:
     """Search once for a command that configures and compiles: it takes longer than all else."""
@@ -164,7 +163,7 @@ def foreseen(
     observable: Iterable[int],
     *,
     tables: bool = True,
-    trials: int = 8,
+    trials: int = _TRIALS,
 ) -> Program:
     """Return the inference for nodes that are known beforehand.
 
@@ -176,7 +175,8 @@ def foreseen(
         trials: of the search for a good order.
     """
     shape, parts, when_observed = network.shape, [], []
-    for plan in _plans(shape, outputs, observable, trials):
+    asked_for, observed = _set(outputs), _set(observable)
+    for plan in _plans(shape, asked_for, observed, trials):
         own = _parts(network, [plan], tables=tables)
         faster = own
         if own and own[0].tables is None:
@@ -187,7 +187,6 @@ def foreseen(
             faster = _parts(network, split, tables=tables) if is_cheaper and split else own
         parts += own
         when_observed += faster
-    asked_for, observed = (tuple(sorted({*nodes})) for nodes in (outputs, observable))
     return Program(asked_for, observed, tuple(parts), tuple(when_observed))
 
 
@@ -196,7 +195,7 @@ def everything(network: NumberedNetwork, instead_of: Program) -> Program | None:
     nodes = tuple(range(len(network.shape.cards)))
     if instead_of.outputs == instead_of.observable == nodes:
         return None
-    plans = _plans(network.shape, nodes, nodes, trials=2)
+    plans = _plans(network.shape, nodes, nodes, 2)
     if _width(network.shape, plans).largest > LARGE:
         return None
     plans = tuple(plan._replace(program=plan.program.untabulated()) for plan in plans)

@@ -73,7 +73,7 @@ def fits(program: MessageProgram, network: NumberedNetwork, part: Component) -> 
     for node, edge in program.answers.items():
         if size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
             return False
-    inputs = mask_of((*part.inputs, *part.given))
+    inputs = mask_of((*part.inputs, *part.always_observed))
     return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
 
 
@@ -115,7 +115,7 @@ class _Tables:
             return tuple(self._table(factors[program.answers[node]], node) for node in part.outputs)
         first, *others = (factors[edge] for edge in program.evidence)
         second = others[0] if others else _Factor((), [1.0])
-        inputs = mask_of((*part.inputs, *part.given))
+        inputs = mask_of((*part.inputs, *part.always_observed))
         return (self._table(self._product(first, second, 0, inputs), -1),)
 
     def _leaf(self, message: Message) -> _Factor:
@@ -164,7 +164,7 @@ class _Tables:
         values = factor.values
         rows = [values[k : k + card] for k in range(0, len(values), card)]
         inputs, counts = (tuple(n - self._count for n in cases), tuple(map(self._size, cases)))
-        return JointTable(output, card, inputs, counts, rows, not self._plan.part.given)
+        return JointTable(output, card, inputs, counts, rows, not self._plan.part.always_observed)
 
 
 def added(values: Sequence[float]) -> float:

@@ -120,7 +120,7 @@ def plan_of(shape: Shape, part: Component, trials: int) -> Plan:
     def price(tree: Tree) -> int:
         # Mostly hard evidence is seen; the other schedule must not be forgotten for it.
         hard, full, _ = make_program(tree, part, shape.cards).costs(shape.cards)
-        return hard if part.given else 4 * hard + full
+        return hard if part.always_observed else 4 * hard + full
 
     tree = find_tree(shape, part, price, trials)
     return Plan(part, tree, make_program(tree, part, shape.cards))
@@ -141,7 +141,10 @@ def make_program(tree: Tree, part: Component, cards: Sequence[int]) -> MessagePr
     }
     evidence = () if answers else tuple(dict.fromkeys([(first, second), (second, first)]))
     messages = _messages([*answers.values(), *evidence], tree, neighbours)
-    cases = {node: cards[node] + (node not in part.given) for node in (*part.inputs, *part.given)}
+    cases = {
+        node: cards[node] + (node not in part.always_observed)
+        for node in (*part.inputs, *part.always_observed)
+    }
     program = MessageProgram(messages, answers, evidence, set(), cases)
     for edge, message in messages.items():
         parts_are_known = all(

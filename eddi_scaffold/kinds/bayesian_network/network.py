@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 
@@ -95,14 +95,20 @@ class Named:
     place: Place
 
 
+Row = tuple[Sequence[str], Place]
+"""The texts of the numbers of a row, and where it stands."""
+
+
 @dataclass(frozen=True)
 class Draft:
     """A node as a reader found it, before any check.
 
     Attributes:
         id: empty when the file gives none.
-        values: texts of the numbers in the order of the table; ``None``: there are none.
-        rows: place of each row, if the reader knows it; else that of the values.
+        values: texts of the numbers in the order of the table; ``None``: the file gives rows, or
+            no numbers.
+        rows: states of the parents -> a row, in any order; ``None``: the file gives none.
+        default: the row of all other states.
         broken: the reader has reported what is wrong with the table.
     """
 
@@ -113,7 +119,8 @@ class Draft:
     values: tuple[str, ...] | None
     place: Place
     values_place: Place
-    rows: tuple[Place, ...] = ()
+    rows: Mapping[tuple[str, ...], Row] | None = None
+    default: Row | None = None
     target: bool = False
     broken: bool = False
 

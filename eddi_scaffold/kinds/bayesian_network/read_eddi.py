@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -13,8 +12,8 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.findings import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
-from eddi_scaffold.kinds.bayesian_network.checks import check_network, missing_rows
-from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network
+from eddi_scaffold.kinds.bayesian_network.checks import check_network
+from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Row
 
 CLASS = "bayesiannetwork"
 _FEATURES = ("bayesiannetwork", "bayesiannetworks")
@@ -108,59 +107,49 @@ class _Reader:
 
     def _draft(self, node: _Node, targets: Collection[Element]) -> Draft:
         place = self.document.place
-        rows = self.document.children(node.element, vocabulary.ROWS)
-        table = self._table(node, rows) if rows else None
-        values, places = table or (None, ())
+        elements = self.document.children(node.element, vocabulary.ROWS)
+        before = self.findings.errors
+        rows = self._rows(node, elements) if elements else None
         return Draft(
             node.name,
             node.name,
             tuple(Named(name, place(state)) for state, name in node.states.items()),
             tuple(Named(self.nodes[parent].name, where) for parent, where in node.parents),
-            values,
+            None,
             place(node.element),
-            place(rows[0]) if rows else place(node.element),
-            places,
-            node.element in targets,
-            bool(rows) and table is None,
+            place(node.element),
+            rows,
+            target=node.element in targets,
+            broken=self.findings.errors > before,
         )
 
-    def _table(
-        self, node: _Node, rows: Sequence[Element]
-    ) -> tuple[tuple[str, ...], tuple[Place, ...]] | None:
-        """Return the texts of the table in order and the place of each row."""
+    def _rows(self, node: _Node, elements: Sequence[Element]) -> Mapping[tuple[str, ...], Row]:
+        """Return the rows by the names of the parents' states."""
         parents = [self.nodes[parent] for parent in dict.fromkeys(p for p, _ in node.parents)]
-        states = {parent.name: [*parent.states.values()] for parent in parents}
-        if len(states) < len(parents) or any(len({*of}) < len(of) for of in states.values()):
-            return None  # two of one name: reported elsewhere
-        before = self.findings.errors
-        table: dict[tuple[str, ...], tuple[Element, list[str]]] = {}
-        for row in rows:
-            case, values = self._case(node, row, parents), self._values(node, row)
-            if case is None:
+        rows: dict[tuple[Element, ...], tuple[tuple[str, ...], Row]] = {}
+        for element in elements:
+            states, values = self._states(node, element, parents), self._values(node, element)
+            if states is None:
                 continue
-            if case in table:
-                line = self.document.place(table[case][0]).line
-                pairs = [f"{p}={s}" for p, s in zip(states, case, strict=True)]
-                shown = ", ".join(pairs) or "the only row"
+            place = self.document.place(element)
+            names = tuple(parent.states[s] for parent, s in zip(parents, states, strict=True))
+            if states in rows:
+                pairs = zip(parents, names, strict=True)
+                shown = ", ".join(f"{p.name}={s}" for p, s in pairs) or "the only row"
+                line = rows[states][1][1].line
                 name = node.name
-                self.findings.report("B110.duplicate_row", row, row=shown, name=name, line=line)
-            else:
-                table[case] = (row, values)
-        if self.findings.errors == before:  # else which rows are missing would only repeat that
-            place = self.document.place(node.element)
-            self.findings.add(*missing_rows(node.name, place, states, table))
-        if self.findings.errors > before:
-            return None
-        order = [table[case] for case in product(*states.values())]
-        texts = tuple(text for _, values in order for text in values)
-        return texts, tuple(self.document.place(row) for row, _ in order)
+                self.findings.report("B110.duplicate_row", element, row=shown, name=name, line=line)
+            rows.setdefault(states, (names, (values, place)))
+        return dict(rows.values())
 
-    def _case(self, node: _Node, row: Element, parents: Sequence[_Node]) -> tuple[str, ...] | None:
+    def _states(
+        self, node: _Node, row: Element, parents: Sequence[_Node]
+    ) -> tuple[Element, ...] | None:
         """Return the state of each parent that a row is about, in the order of the parents."""
         before = self.findings.errors
         targets, problems, _ = self.document.targets(row, vocabulary.PARENT_STATES)
         self.findings.add(*problems)
-        chosen: dict[str, str] = {}
+        chosen: dict[Element, Element] = {}
         for state in targets:
             parent_element = state.getparent()
             owner = None if parent_element is None else self.nodes.get(parent_element)
@@ -169,16 +158,16 @@ class _Reader:
                 self.findings.report("X009.row_state", row, subject=subject)
             elif owner not in parents:
                 self.findings.report("X009.row_parent", row, parent=owner.name, node=node.name)
-            elif owner.name in chosen:
+            elif owner.element in chosen:
                 self.findings.report("B105.parent_twice", row, node=node.name, parent=owner.name)
             else:
-                chosen[owner.name] = owner.states[state]
-        lacking = [parent.name for parent in parents if parent.name not in chosen]
+                chosen[owner.element] = state
+        lacking = [parent.name for parent in parents if parent.element not in chosen]
         if lacking and self.findings.errors == before:
             self.findings.report("B110.no_state", row, node=node.name, parent=", ".join(lacking))
         if self.findings.errors > before:
             return None
-        return tuple(chosen[parent.name] for parent in parents)
+        return tuple(chosen[parent.element] for parent in parents)
 
     def _values(self, node: _Node, row: Element) -> list[str]:
         """Return the text of each own state; what is not written is 0, as EMF leaves it out."""

@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from itertools import product
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import (
-    EddiError,
-    Place,
-    Problem,
-    SimilarNames,
-    has_errors,
-    problem,
-)
-from eddi_scaffold.kinds.bayesian_network.checks import (
-    LARGEST,
-    check_network,
-    missing_rows,
-    unsupported,
-)
-from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, in_digits
+from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
+from eddi_scaffold.kinds.bayesian_network.checks import check_network, unsupported
+from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Row
 
 _CONTROL = re.compile(r"[\0-\x08\x0e-\x1f\x7f]")
 _TOKENS = re.compile(
@@ -45,10 +31,6 @@ class _Token(NamedTuple):
     text: str
     position: int
     is_name: bool
-
-
-Row = tuple[tuple[str, ...], Place]
-"""The numbers of a row, and where it stands."""
 
 
 @dataclass
@@ -75,8 +57,7 @@ def read_bif(source: Source) -> tuple[Network | None, list[Problem]]:
     except EddiError as fault:
         return None, list(fault.problems)
     if reader.others:
-        hint = "write it as a discrete variable"
-        return None, [unsupported(of, nodes, hint) for of, nodes in reader.others.items()]
+        return None, unsupported(reader.others, {}, "write it as a discrete variable")
     drafts = reader.drafts()
     network, problems = check_network(reader.name or source.stem, drafts, Place(source.name, 1))
     return (None if reader.problems else network), [*reader.problems, *problems]
@@ -93,7 +74,7 @@ class _BifReader:
         self.name = ""
         self.variables: dict[str, tuple[Place, tuple[Named, ...]]] = {}
         self.tables: dict[str, _Table] = {}
-        self.others: dict[str, list[Named]] = {}
+        self.others: list[tuple[str, Named]] = []
         self.problems: list[Problem] = []
         self._file, self._text = source.name, source.text("B201")
         self._lines = [0, *(match.end() for match in re.finditer("\n", self._text))]
@@ -219,7 +200,7 @@ class _BifReader:
             if type_ == "discrete":
                 states = self._states()
             else:
-                self.others.setdefault(type_, []).append(name)
+                self.others.append((type_, name))
                 self._skip_statement()
         if name.text in self.variables:
             line = self.variables[name.text][0].line
@@ -279,71 +260,25 @@ class _BifReader:
             table.rows[states] = self._numbers(), place
 
     def drafts(self) -> list[Draft]:
-        """Return the variables with their tables in the order of all tables."""
-        drafts = [self._draft(name) for name in self.variables]
-        similar = SimilarNames(self.variables)
+        """Return the variables with what is known of their tables."""
+        similar, drafts = SimilarNames(self.variables), []
         for name, table in self.tables.items():
             if name not in self.variables:
                 hint = similar.hint(name)
                 self._report("B205.unknown_variable", table.place, hint=hint, name=name)
+        for name, (place, states) in self.variables.items():
+            table = self.tables.get(name) or _Table(place, ())
+            values = None if table.table is None else _transposed(table.table, len(states))
+            rows = table.rows if table.rows or table.default is not None else None
+            default = None if table.default is None else (table.default, table.place)
+            drafts.append(
+                Draft(
+                    *(name, name, states, table.parents, values, place, table.place),
+                    rows=rows,
+                    default=default,
+                )
+            )
         return drafts
-
-    def _draft(self, name: str) -> Draft:
-        place, states = self.variables[name]
-        table, count = self.tables.get(name), len(states)
-        if table is None:
-            return Draft(name, name, states, (), None, place, place)
-        before, parents = len(self.problems), {}
-        for parent in table.parents:
-            _, of_parent = self.variables.get(parent.text, (place, ()))
-            parents[parent.text] = [state.text for state in of_parent]
-        values: tuple[str, ...] | None = None
-        rows: tuple[Place, ...] = ()
-        is_sound = len(parents) == len(table.parents)  # else it is reported there
-        is_sound = is_sound and all(of and len({*of}) == len(of) for of in parents.values())
-        if table.table is not None:
-            values = _transposed(table.table, count)
-        elif is_sound and (table.rows or table.default is not None):
-            values, rows = self._filled(name, table, parents, count)
-        is_broken = not is_sound or has_errors(self.problems[before:])
-        return Draft(
-            *(name, name, states, table.parents, values, place, table.place),
-            rows=rows,
-            broken=is_broken,
-        )
-
-    def _filled(
-        self, name: str, table: _Table, parents: Mapping[str, list[str]], width: int
-    ) -> tuple[tuple[str, ...], tuple[Place, ...]]:
-        """Return the numbers of all rows with their places; empty after an error."""
-        before = len(self.problems)
-        known = [(parent, {*states}, SimilarNames(states)) for parent, states in parents.items()]
-        default = (table.default or (), table.place)
-        for states, (_, place) in table.rows.items():
-            if len(states) != len(parents):
-                counts = f"{len(states)} states, it has {len(parents)} parents"
-                self._report("B110.row_parents", place, name=name, listed=counts)
-            for (parent, of_parent, similar), state in zip(known, states, strict=False):
-                if state not in of_parent:
-                    fields = {"hint": similar.hint(state), "state": state, "parent": parent}
-                    self._report("B205.unknown_parent_state", place, **fields)
-        for numbers, place in [
-            *table.rows.values(),
-            *([default] if table.default is not None else []),
-        ]:
-            if len(numbers) != width:
-                actual = len(numbers)
-                self._report("B110.row_length", place, name=name, actual=actual, expected=width)
-        size = width * math.prod(map(len, parents.values()))
-        if table.default is not None and size > LARGEST:
-            shown = in_digits(size)
-            self._report("B110.table_too_large", table.place, name=name, size=shown, limit=LARGEST)
-        elif table.default is None and not has_errors(self.problems[before:]):
-            self.problems += missing_rows(name, table.place, parents, table.rows)
-        if has_errors(self.problems[before:]):
-            return (), ()
-        rows = [table.rows.get(states, default) for states in product(*parents.values())]
-        return tuple(n for numbers, _ in rows for n in numbers), tuple(place for _, place in rows)
 
 
 def _transposed(table: tuple[str, ...], width: int) -> tuple[str, ...]:

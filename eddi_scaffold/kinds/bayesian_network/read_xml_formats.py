@@ -29,6 +29,7 @@ _ADVICE = {
     "mau": _NO_DECISION,
     "equation": "GeNIe: discretise it, then change the node type to General",
 }
+_OTHER_ADVICE = "GeNIe: change the node type to General, or remove it"
 
 
 class _Reader:
@@ -46,17 +47,6 @@ class _Reader:
     ) -> None:
         self.problems.append(problem(case, self.place(element), hint=hint, **fields))
 
-    def report_unsupported(self, elements: Mapping[Element, tuple[str, str]]) -> None:
-        """Report elements of types that no monitor can have: one problem for each type."""
-        nodes: dict[str, list[Named]] = {}
-        for element, (type_, name) in elements.items():
-            nodes.setdefault(type_, []).append(Named(name, self.place(element)))
-        default = "GeNIe: change the node type to General, or remove it"
-        if feature_of(self.root) == "BIF":
-            default = _NO_DECISION
-        for type_, of_type in nodes.items():
-            self.problems.append(unsupported(type_, of_type, _ADVICE.get(type_, default)))
-
     def only(self, parent: Element, path: str) -> Element | None:
         """Return what may be there once; report others (B110)."""
         first, problems = only(select(parent, path), "B110.twice", self.place)
@@ -65,9 +55,6 @@ class _Reader:
 
     def place(self, element: Element) -> Place:
         return Place(self._file, line_of(element))
-
-    def named(self, elements: Sequence[Element]) -> tuple[Named, ...]:
-        return tuple(Named(_text(element), self.place(element)) for element in elements)
 
 
 def _text(element: Element | None) -> str:
@@ -102,11 +89,12 @@ class _XdslReader(_Reader):
         several = [parents for parents in lists if len(text_of(parents).split()) > 1]
         if several and select(self.root, 'extensions/genie[starts-with(@app, "aGrUM")]'):
             self.report("B201.pyagrum", several[0])
-        nodes = [(node, feature_of(node)) for node in select(self.root, "nodes/*")]
-        unknown = {
-            node: (type_, node.get("id") or "") for node, type_ in nodes if type_ not in _NUMBERS_OF
-        }
-        self.report_unsupported(unknown)
+        nodes = [
+            (feature_of(node), Named(node.get("id") or "", self.place(node)))
+            for node in select(self.root, "nodes/*")
+        ]
+        unknown = [(type_, node) for type_, node in nodes if type_ not in _NUMBERS_OF]
+        self.problems += unsupported(unknown, _ADVICE, _OTHER_ADVICE)
 
     def drafts(self) -> list[Draft]:
         titles = {
@@ -260,14 +248,13 @@ def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, li
         reader.report("B201.bif_root", root, root=feature_of(root))
         return None, reader.problems
     variables = select(root, "NETWORK/VARIABLE")
-    others = {
-        variable: (variable.get("TYPE") or "", _text(next(iter(select(variable, "NAME")), None)))
-        for variable in variables
-        if (variable.get("TYPE") or "nature") != "nature"
-    }
+    others = []
+    for variable in variables:
+        type_, name = variable.get("TYPE") or "nature", next(iter(select(variable, "NAME")), None)
+        if type_ != "nature":
+            others.append((type_, Named(_text(name), reader.place(variable))))
     if others:  # what depends on these nodes is no problem of its own
-        reader.report_unsupported(others)
-        return None, reader.problems
+        return None, unsupported(others, {}, _NO_DECISION)
     reader.only(root, "NETWORK")
     name = _text(reader.only(root, "NETWORK/NAME")) or stem
     return reader.network(name, reader.drafts(variables))
@@ -292,16 +279,19 @@ class _XmlBifReader(_Reader):
         ]
 
     def _draft(self, variable: Element, name: str, definition: Element | None) -> Draft:
-        states = self.named(select(variable, "OUTCOME"))
+        states = self._named(select(variable, "OUTCOME"))
         parents: tuple[Named, ...] = ()
         table = None
         if definition is not None:
-            parents = self.named(select(definition, "GIVEN"))
+            parents = self._named(select(definition, "GIVEN"))
             table = self.only(definition, "TABLE")
         values = None if table is None else tuple(text_of(table).split())
         place = self.place(variable)
         at_table = place if table is None else self.place(table)
         return Draft(name, name, states, parents, values, place, at_table)
+
+    def _named(self, elements: Sequence[Element]) -> tuple[Named, ...]:
+        return tuple(Named(_text(element), self.place(element)) for element in elements)
 
 
 _DOCTYPE = re.compile(rb"<!DOCTYPE\s+BIF\s*(?:\[(?P<inner>[^\[\]]*)\]\s*)?>")

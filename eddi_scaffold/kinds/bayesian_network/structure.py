@@ -52,14 +52,14 @@ class Component(NamedTuple):
         nodes: numbers of those whose tables belong here, ascending.
         inputs: those that may be observed.
         outputs: those whose posterior is asked for.
-        given: nodes observed in each step: their states select numbers, tables have no axis for
-            them, and what only they connect falls apart.
+        always_observed: nodes observed in each step: their states select numbers, tables have no
+            axis for them, and what only they connect falls apart.
     """
 
     nodes: tuple[int, ...]
     inputs: tuple[int, ...]
     outputs: tuple[int, ...]
-    given: tuple[int, ...] = ()
+    always_observed: tuple[int, ...] = ()
 
 
 def numbered(network: Network) -> NumberedNetwork:
@@ -126,8 +126,8 @@ def with_all_observed(shape: Shape, part: Component) -> tuple[Component, ...]:
 
     An input that is an output too keeps its axis: its row gives the probabilities of its states.
     """
-    given = frozenset(part.inputs).difference(part.outputs)
-    return _split(shape, part.nodes, part.inputs, part.outputs, given)
+    fixed = frozenset(part.inputs).difference(part.outputs)
+    return _split(shape, part.nodes, part.inputs, part.outputs, fixed)
 
 
 def _split(
@@ -135,7 +135,7 @@ def _split(
     nodes: Sequence[int],
     inputs: Collection[int],
     outputs: Collection[int],
-    given: frozenset[int] = frozenset(),
+    fixed: frozenset[int] = frozenset(),
 ) -> tuple[Component, ...]:
     """Group nodes whose tables share a node that is not observed in each step."""
     joined_with = [*range(len(shape.cards))]
@@ -146,10 +146,10 @@ def _split(
             node = joined_with[node]
         return node
 
-    # A table belongs to any of its nodes that are not given: they are all in one group.
+    # A table belongs to any of its nodes that are not fixed: they are all in one group.
     member_of: dict[int, int] = {}
     for node in nodes:
-        free = [member for member in shape.family(node) if member not in given]
+        free = [member for member in shape.family(node) if member not in fixed]
         member_of[node] = free[0] if free else node
         for member in free[1:]:
             first, second = sorted((root(free[0]), root(member)))
@@ -160,9 +160,9 @@ def _split(
     return tuple(
         Component(
             tuple(group),
-            tuple(node for node in group if node in inputs and node not in given),
+            tuple(node for node in group if node in inputs and node not in fixed),
             tuple(node for node in group if node in outputs),
-            tuple(sorted(given & {member for node in group for member in shape.family(node)})),
+            tuple(sorted(fixed & {member for node in group for member in shape.family(node)})),
         )
         for _, group in sorted(groups.items())
     )

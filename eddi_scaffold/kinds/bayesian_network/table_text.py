@@ -32,15 +32,14 @@ def look_up_lines(
     rows = [f"t{k}" for k in range(len(tables))]
     lines = [f"    # t{k}: {of}" for k, of in enumerate(about)]
     lines += [*unpacked(rows, "tables", 4), "", "    def look_up(s):"]
-    places: dict[tuple[tuple[int, int], ...], str] = {}
-    found = []
-    for table, strides in zip(rows, map(tuple, tables), strict=True):
-        if strides not in places:
+    case_of: dict[tuple[tuple[int, int], ...], str] = {}
+    for strides in map(tuple, tables):
+        if strides not in case_of:
             terms = [f"s[{position}] * {by}" for position, by in strides] or ["0"]
-            places[strides] = f"k{len(places)}"
-            lines += sum_lines(places[strides], terms, 8)
-        found.append(Item(f"{table}[{places[strides]}]"))
-    lines += returned(Group("[", tuple(found), "]"), 8)
+            case_of[strides] = f"k{len(case_of)}"
+            lines += sum_lines(case_of[strides], terms, 8)
+    items = (Item(f"{t}[{case_of[tuple(of)]}]") for t, of in zip(rows, tables, strict=True))
+    lines += returned(Group("[", tuple(items), "]"), 8)
     return [f"def {name}(*tables):", *lines, "", "    return look_up"]
 
 
@@ -66,28 +65,27 @@ def total_lines(
     for axis, count in enumerate(counts):
         lines.append(f"    # {axes[axis]}")
         lines += unpacked([f"v{axis}_{k}" for k in range(count)], f"v[{axis}]", 4)
-    made = 0
+    count = 0
 
     def terms(axis: int, offset: int, state: int) -> list[str]:
-        nonlocal made
-        found = []
+        nonlocal count
+        texts = []
         for k in range(counts[axis]):
             place = offset + k * strides[axis]
             if axis + 1 == len(counts):
-                found.append(f"v{axis}_{k} * {number(rows[place][state])}")
+                texts.append(f"v{axis}_{k} * {number(rows[place][state])}")
                 continue
             inner = terms(axis + 1, place, state)
             text = f"({' + '.join(inner)})"
             if len(text) > WIDTH - 30:
-                text, made = f"x{made}", made + 1
+                text, count = f"x{count}", count + 1
                 lines.extend(sum_lines(text, inner, 4))
-            found.append(f"v{axis}_{k} * {text}")
-        return found
+            texts.append(f"v{axis}_{k} * {text}")
+        return texts
 
-    card = len(rows[0])
-    for state in range(card):
+    names = [f"p{state}" for state in range(len(rows[0]))]
+    for state, name_of_sum in enumerate(names):
         lines.append(f"    # {states[state]}")
         of_state = terms(0, 0, state) if counts else [number(rows[0][state])]
-        lines += sum_lines(f"p{state}", of_state, 4)
-    row = tuple(Item(f"p{state}") for state in range(card))
-    return [*lines, *returned(Group("[", row, "]"), 4)]
+        lines += sum_lines(name_of_sum, of_state, 4)
+    return [*lines, *returned(Group("[", tuple(map(Item, names)), "]"), 4)]

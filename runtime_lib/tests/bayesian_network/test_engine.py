@@ -91,7 +91,7 @@ def test_steps_in_which_every_input_is_observed(tables, seed):
     with pytest.MonkeyPatch.context() as patch:
         # A small part would be one table; so it goes the way of a large one.
         patch.setattr(
-            inference_plan, "fits", lambda *of: tables and bool(of[2].given) and fits(*of)
+            inference_plan, "fits", lambda *of: tables and bool(of[2].always_observed) and fits(*of)
         )
         made = engine(net, outputs, observable)
     for _ in range(3):

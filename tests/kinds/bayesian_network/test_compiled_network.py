@@ -15,10 +15,15 @@ pytest.importorskip("hypothesis")
 from eddi_runtime.bayesian_network.engine import Engine
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.compiling.formatting import objections
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds.bayesian_network import inference_plan
+from eddi_scaffold.kinds.bayesian_network.clique_tree import (
+    elimination_order,
+    fewest_edges,
+    smallest_table,
+)
+from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, width_of
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
     BINS,
@@ -27,6 +32,7 @@ from runtime_lib.tests.bayesian_network.networks import (
     exactly,
     furthest,
     give,
+    grid,
     model,
     model_of,
     network,
@@ -37,6 +43,7 @@ from runtime_lib.tests.bayesian_network.networks import (
     random_row,
     threshold,
 )
+from tests.program.formatting import objections
 
 HOSTILE = ['"""', "\\", "\n", "__import__('os')", "a b", "class", "self", "é", "\ud800", "x" * 300]
 
@@ -179,6 +186,40 @@ def test_a_large_table_is_read_as_it_was_written():
         states = {f"n{k}": f"s{row >> (10 - k) & 1}" for k in range(11)}
         want = net.tables[11][2 * row : 2 * row + 2]
         assert list(posterior(step(give(**states)), "n11").values()) == pytest.approx(list(want))
+
+
+@pytest.mark.slow
+def test_a_chain_is_narrow():
+    chain = grid(1, 300)
+    width = width_of(chain, [299], range(299))
+    assert width.largest <= 64
+    assert not width.too_large
+
+
+@pytest.mark.slow
+def test_cost_depends_on_the_width_not_on_the_number_of_nodes():
+    wide = width_of(grid(8, 8), [63], range(0, 60, 4))
+    assert wide.largest <= 2**11
+    assert wide.nanoseconds < 200_000
+    assert wide == width_of(grid(8, 8), [63], range(0, 60, 4))
+
+
+@pytest.mark.slow
+def test_a_wide_network_is_recognised_without_memory():
+    width = width_of(grid(24, 24), [24 * 24 - 1], range(24 * 24 - 1))
+    assert width.too_large
+    assert width.largest > TOO_LARGE > LARGE
+    assert len(width.nodes) > 20
+
+
+@pytest.mark.slow
+def test_elimination_orders_are_complete_and_the_same_each_time():
+    shape = grid(5, 5)
+    masks = [sum(1 << one for one in (*own, k)) for k, own in enumerate(shape.parents)]
+    for rule in (fewest_edges, smallest_table):
+        order = elimination_order(masks, shape.cards, rule)
+        assert sorted(order) == list(range(25))
+        assert order == elimination_order(masks, shape.cards, rule)
 
 
 SCRIPT = """

@@ -63,15 +63,6 @@ def test_the_reference_travels(tmp_path: Path) -> None:
     assert monitor.model.options.plan.spec.single
 
 
-def test_a_large_reference_travels_in_a_file(tmp_path: Path) -> None:
-    rows = [*ROWS, *ROWS, *ROWS, *ROWS]
-    monitor, _ = joined(tmp_path, rows, **FIGURE, calibration="iid")
-    (data,) = monitor.compiled.tables.values()
-    assert hashlib.sha256(data).hexdigest() in monitor.compiled.text
-    table = np.frombuffer(data, "<f8").reshape(2, 1200)
-    np.testing.assert_array_equal(table, np.sort(np.array(rows).T, axis=1))
-
-
 def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
     chance = np.random.default_rng(7)
     rows = chance.normal(size=(100, 45)).tolist()
@@ -158,27 +149,24 @@ def test_axes_come_from_the_other_half(tmp_path: Path) -> None:
 
 
 def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
-    assert plan_of(tmp_path, window_size=15).calibration is not None
+    for metric in ("KolmogorovSmirnovDistance", "CramerVonMisesDistance"):
+        plan = plan_of(tmp_path, window_size=15, distance_metric=metric)
+        assert plan.calibration is not None
+        assert plan.threshold >= max(plan.theoretical, plan.calibration.quantile)
     assert plan_of(tmp_path, window_size=16).calibration is None
 
 
-def test_a_calibrated_threshold_is_never_below_the_theoretical_one(tmp_path: Path) -> None:
-    for metric in ("KolmogorovSmirnovDistance", "CramerVonMisesDistance"):
-        plan = plan_of(tmp_path, calibration="stream", distance_metric=metric)
-        assert plan.calibration is not None
-        assert plan.threshold >= plan.theoretical
-        assert plan.threshold >= plan.calibration.quantile
-
-
-def test_null_and_0_components_are_the_same(tmp_path: Path) -> None:
-    none, zero = ({**FIGURE, "n_components": count} for count in ("null", 0))
-    monitors = [joined(tmp_path, ROWS, **keys)[0] for keys in (none, zero)]
-    assert len({monitor.facts.digest for monitor in monitors}) == 1
-
-
-def test_numbers_that_yaml_takes_for_texts(tmp_path: Path) -> None:
-    texts = {**FIGURE, "significance_level": "1e-1", "window_size": "'10'"}
-    monitors = [joined(tmp_path, ROWS, **keys)[0] for keys in (texts, FIGURE)]
+@pytest.mark.parametrize(
+    ("keys", "same"),
+    [
+        ({"n_components": "null"}, {"n_components": 0}),
+        ({"significance_level": "1e-1", "window_size": "'10'"}, {}),  # YAML takes them for texts
+    ],
+)
+def test_spellings_of_one_value(
+    keys: dict[str, object], same: dict[str, object], tmp_path: Path
+) -> None:
+    monitors = [joined(tmp_path, ROWS, **{**FIGURE, **more})[0] for more in (keys, same)]
     assert len({monitor.facts.digest for monitor in monitors}) == 1
 
 

@@ -83,14 +83,6 @@ def anderson(reference: np.ndarray, window: np.ndarray) -> float:
     return float(found * math.sqrt(moments("ad", len(reference), len(window))[1]) + 1.0)
 
 
-def test_scipy_differs_with_ties_as_the_documentation_says() -> None:
-    stats = pytest.importorskip("scipy.stats", reason="scipy is not installed")
-    same = [2.0] * 6
-    assert stats.cramervonmises_2samp(same, same[:4]).statistic == pytest.approx(0.1375)
-    found = of_windows(Comparison("cvm", np.array([same]), 4), np.array([[same[:4]]]))
-    assert float(found[0, 0]) == 0.0
-
-
 @pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
 def test_a_window_that_can_fire_and_one_that_cannot(metric: str) -> None:
     least = smallest_window(metric, 1000, 0.01)

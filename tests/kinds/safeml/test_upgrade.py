@@ -10,9 +10,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
-import pytest
-
-from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
@@ -85,12 +82,3 @@ def test_newer_templates_leave_a_large_reference(tmp_path: Path) -> None:
     outcome = write_packages(group.root, targets(group, None, [])[0], own_template())
     assert "scope/pyproject.toml" in outcome.changes
     assert [path.name for path in outcome.root.glob("scope/*.bin")] == ["reference.bin"]
-
-
-def test_of_two_packages_the_configuration_says_which(tmp_path: Path) -> None:
-    config = generated(tmp_path / "a", tmp_path / "out", "camera")
-    generated(tmp_path / "b", tmp_path / "out", "lidar")
-    model = lay(tmp_path / "a", ROWS, **{**KEYS, "significance_level": 0.2})
-    with pytest.raises(EddiError, match="several packages here were made of a file"):
-        levels(tmp_path / "out", model)
-    assert levels(tmp_path / "out", model, config) == {"camera": 0.2, "lidar": 0.1}
