@@ -35,12 +35,10 @@ _TERMS = 25
 
 
 class Chain(NamedTuple):
-    """A chain.
+    """A chain of numbered states.
 
     Attributes:
-        states: their names, for people.
-        initial: number of the state at the start.
-        fail: numbers of the fail states; failure is first passage.
+        fail: failure is first passage.
         arcs: (from, to, rate in 1/h); parallel ones add up.
         age: hours that it had run, unobserved, before the start of the mission.
     """
@@ -151,9 +149,9 @@ def _closure(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[int
     return states
 
 
-def _product(left: Matrix, right: Sequence[Sequence[float]]) -> Matrix:
-    columns = list(zip(*right, strict=True))
-    rows = ([(k, value) for k, value in enumerate(row) if value] for row in left)
+def _product(matrix: Matrix, other: Matrix) -> Matrix:
+    columns = list(zip(*other, strict=True))
+    rows = ([(k, value) for k, value in enumerate(row) if value] for row in matrix)
     return [[fsum([v * column[k] for k, v in row]) for column in columns] for row in rows]
 
 

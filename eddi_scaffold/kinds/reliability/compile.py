@@ -78,7 +78,7 @@ def compile_system(
     Args:
         system: the system.
         declaration: whose monitor it is, and its inputs.
-        lowered: its models; None: as they are in the system.
+        lowered: its models, if not as they are in the system.
         states: of the largest chain whose sums are written out; 0: no number is of one horizon.
         nodes: of the largest diagram whose sums are written out.
     """
@@ -167,15 +167,11 @@ def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
 
 @dataclass
 class _Classes:
-    """Writes the classes of a component, and the expression that constructs it.
+    """Writes the classes of a component, numbered by its place, with a comment above.
 
     Attributes:
-        place: of the component in the model.
-        about: a comment.
-        time: quantum and horizon.
         states: of the largest chain whose sums are written out.
         nodes: of the largest diagram whose sums are written out.
-        lines: of the classes.
     """
 
     place: int

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -49,8 +49,7 @@ class Heat(NamedTuple):
     hottest: float
 
 
-@dataclass(frozen=True)
-class Markov:
+class Markov(NamedTuple):
     """A chain; ``observe``: (state, input, negated)."""
 
     chain: Chain
@@ -58,8 +57,7 @@ class Markov:
     repair: bool
 
 
-@dataclass(frozen=True)
-class Propulsion:
+class Propulsion(NamedTuple):
     """Rotors; ``sets``: failed motors of each state but the last; ``inputs``: (id, position)."""
 
     chain: Chain
@@ -68,8 +66,7 @@ class Propulsion:
     repair: bool
 
 
-@dataclass(frozen=True)
-class Battery:
+class Battery(NamedTuple):
     """A battery and the chain that its charge is."""
 
     chain: Chain
@@ -78,8 +75,7 @@ class Battery:
     repair: bool
 
 
-@dataclass(frozen=True)
-class Processor:
+class Processor(NamedTuple):
     """A processor; ``load``: (input, its limit), None for always one."""
 
     mean: float
@@ -89,8 +85,7 @@ class Processor:
     age: float
 
 
-@dataclass(frozen=True)
-class KOutOfN:
+class KOutOfN(NamedTuple):
     """Equal units."""
 
     k: int
@@ -99,8 +94,7 @@ class KOutOfN:
     available: str
 
 
-@dataclass(frozen=True)
-class Series:
+class Series(NamedTuple):
     """Models in series."""
 
     parts: tuple[str, ...]
@@ -183,8 +177,7 @@ _cut_sets = lru_cache(maxsize=8)(minimal_cut_sets)
 Component = Markov | Propulsion | Battery | Processor | KOutOfN | Series | FaultTree
 
 
-@dataclass(frozen=True)
-class LoweredSystem:
+class LoweredSystem(NamedTuple):
     """What the top of a system uses.
 
     Attributes:
@@ -232,34 +225,30 @@ def connected(
     return LoweredSystem(components, places, rules, owners, uses)
 
 
-def _reads(component: Component) -> Iterator[tuple[str, Rule | None]]:
-    """Yield the inputs of a model with what they may hold, and the models that it uses."""
+def _reads(component: Component) -> list[tuple[str, Rule | None]]:
+    """Return the inputs of a model with what they may hold, and the models that it uses."""
     match component:
         case Markov():
-            yield from ((name, _BOOL) for _, name, _ in component.observe)
+            return [(input_, _BOOL) for _, input_, _ in component.observe]
         case Propulsion():
             of_list = Rule("bool[]", length=len(component.inputs))
-            for name, position in component.inputs:
-                yield name, _BOOL if position is None else of_list
+            return [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
         case Battery():
-            yield component.level, _LEVEL
-            if component.heat is not None:
-                yield component.heat.temperature, _TEMPERATURE
+            heat = [] if component.heat is None else [(component.heat.temperature, _TEMPERATURE)]
+            return [(component.level, _LEVEL), *heat]
         case Processor():
-            yield component.heat.temperature, _TEMPERATURE
-            if component.load is not None:
-                yield component.load[0], _LOAD
+            load = [] if component.load is None else [(component.load[0], _LOAD)]
+            return [(component.heat.temperature, _TEMPERATURE), *load]
         case KOutOfN():
             most = 10_000.0 if component.largest is None else float(component.largest)
-            yield component.available, Rule("int", 0.0, most)
+            return [(component.available, Rule("int", 0.0, most))]
         case Series():
-            yield from ((part, None) for part in component.parts)
-        case FaultTree():
-            for event in component.events:
-                if event.model:
-                    yield event.model, None
-                if event.input is not None:
-                    yield event.input, _BOOL
+            return [(part, None) for part in component.parts]
+    reads: list[tuple[str, Rule | None]] = []
+    for event in component.events:
+        reads += [(event.model, None)] if event.model else []
+        reads += [(event.input, _BOOL)] if event.input is not None else []
+    return reads
 
 
 def _lowered(model: ComponentModel) -> Component:
@@ -343,11 +332,11 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
 
 def _event(name: str, key: str, tree: TreeModel) -> Event:
     event = tree.events[key]
-    law = event.law
-    assert law is not None, "a checked tree has the law of each event"
+    assert event.law is not None, "a checked tree has the law of each event"
+    law, place = event.law, event.place.path or ""
     seen = input_id(name, key) if event.observed else None
     age = tree.age if event.age is None else event.age
-    return Event(event.name, law.kind, law.values, law.model, seen, age, event.place.path or "")
+    return Event(event.name, law.kind, law.values, law.model, seen, age, place)
 
 
 def _dynamic(key: str, tree: TreeModel) -> Event:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import count
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -95,13 +96,11 @@ class _Reader:
     def _unique_name(self, element: Element) -> str:
         name = self.document.attribute(element, word.NAME) or self.source.stem
         taken = set(self.names.values())
-        if name not in taken:
-            return name
-        self.findings.report("R013.same_name", element, name=name)
-        number = 2
-        while f"{name}#{number}" in taken:
-            number += 1
-        return f"{name}#{number}"
+        numbered = (f"{name}#{number}" for number in count(2))
+        if name in taken:
+            self.findings.report("R013.same_name", element, name=name)
+            return next(other for other in numbered if other not in taken)
+        return name
 
     def targets_of(self, element: Element, spelling: Spelling) -> list[Element]:
         elements, problems, _ = self.document.targets(element, spelling)
@@ -116,8 +115,6 @@ class _Reader:
 
     def _is(self, element: Element, spelling: Spelling) -> bool:
         return (self.document.attribute(element, spelling) or "").strip().lower() in ("true", "1")
-
-    # chains
 
     def _read_chain(self, element: Element, name: str) -> None:
         states: dict[Element, str] = {}
@@ -203,11 +200,9 @@ class _Reader:
         """Return the chain of which some states are a failure."""
         states = self.states_of.get(failure, [])
         if len({self.states[state][0] for state in states}) > 1:
-            failure_ = self.document.describe(failure)
-            self.findings.report("X011.several_chains", failure, failure=failure_)
+            subject = self.document.describe(failure)
+            self.findings.report("X011.several_chains", failure, failure=subject)
         return self.chain_with(states) if states else None
-
-    # trees
 
     def _systems_of_tree(
         self, tree: Element, name: str, used: set[Element]

@@ -210,16 +210,16 @@ class _Reader:
     def _reference(self, element: Element, path: _Path) -> str:
         if feature_of(element) == "constant":
             is_true = element.get("value") == "true"
-            key = f"constant {str(is_true).lower()}"
-            event = BasicEvent(key, Law("fixed", (float(is_true),)), place=self._place(element))
-            self.events.setdefault(key, event)
-            return key
+            constant = f"constant {str(is_true).lower()}"
+            law, place = Law("fixed", (float(is_true),)), self._place(element)
+            self.events.setdefault(constant, BasicEvent(constant, law, place=place))
+            return constant
         name = (element.get("name") or "").strip()
-        found = self.names.find(name, path)
-        if found is None:
+        key = self.names.find(name, path)
+        if key is None:
             hint = self.similar.hint(name) or _ONE_FILE
             raise self._fault("R001.unknown_gate", element, hint=hint, name=name)
-        return found
+        return key
 
     def systems(self) -> Iterator[ReliabilitySystem]:
         """Yield the tops of each tree, with what they reach."""
