@@ -133,7 +133,8 @@ def reached(chain: Chain) -> set[int]:
 
 
 def _used_arcs(chain: Chain) -> Iterable[Arc]:
-    return (arc for arc in chain.arcs if arc[0] not in chain.fail and arc[0] != arc[1] and arc[2])
+    fail = set(chain.fail)
+    return (arc for arc in chain.arcs if arc[0] not in fail and arc[0] != arc[1] and arc[2] > 0.0)
 
 
 def _closure(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[int]:

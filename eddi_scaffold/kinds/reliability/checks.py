@@ -144,7 +144,8 @@ def _parts_of_tree(component: ComponentModel, tree: FaultTree) -> Iterator[Probl
             place = tree.events[key].place
             hint = _IN_YAML if place.path is None else _IN_EDDI
             yield problem("R002.none", place, hint=hint, event=tree.events[key].name)
-    unused = [key for key in (*tree.gates, *tree.events) if key not in set(names)]
+    reached = set(names)
+    unused = [key for key in (*tree.gates, *tree.events) if key not in reached]
     if unused:
         parts = _first_few(unused)
         yield problem("R013.unused", component.place, tree=component.name, parts=parts)

@@ -37,37 +37,24 @@ _K = ("k", "voteThreshold", "vote", "n")
 def read_eddi(
     document: EddiDocument, source: Source
 ) -> tuple[list[ReliabilitySystem], list[Problem]]:
-    """Read every chain and every top event of a document, in document order.
-
-    Returns:
-        One system for each, with the models that it uses, and all problems found.
-    """
+    """Return a system for every chain and every top event of a document, in its order."""
     findings = EddiFindings(document)
     systems = _Reader(document, source, findings).systems()
     return systems, findings.problems()
 
 
 class _Reader:
-    """Reads a document.
-
-    Attributes:
-        names: chain or tree -> its name.
-        chains: by name, also those of which only a state counts.
-        states: state -> its chain and its name there.
-        states_of: failure -> the states that are it.
-        tree_of: cause -> its tree.
-        below: cause -> those that it refers to.
-    """
+    """Reads a document."""
 
     def __init__(self, document: EddiDocument, source: Source, findings: EddiFindings) -> None:
         self.document, self.source, self.findings = document, source, findings
         self.laws, self.common_causes = Laws(findings), CommonCauses(findings)
-        self.names: dict[Element, str] = {}
-        self.chains: dict[str, ComponentModel] = {}
-        self.states: dict[Element, tuple[str, str]] = {}
-        self.states_of: dict[Element, list[Element]] = {}
-        self.tree_of: dict[Element, Element] = {}
-        self.below: dict[Element, list[Element]] = {}
+        self.names: dict[Element, str] = {}  # of chains and trees
+        self.chains: dict[str, ComponentModel] = {}  # also those of which only a state counts
+        self.states: dict[Element, tuple[str, str]] = {}  # state -> its chain, its name there
+        self.states_of: dict[Element, list[Element]] = {}  # failure -> the states that are it
+        self.tree_of: dict[Element, Element] = {}  # cause -> its tree
+        self.below: dict[Element, list[Element]] = {}  # cause -> those that it refers to
 
     def systems(self) -> list[ReliabilitySystem]:
         elements = [e for root in self.document.roots for e in select(root, CHAINS_AND_TREES)]
@@ -237,21 +224,15 @@ class _Reader:
 
 
 class _TreeReader:
-    """Reads what one top event reaches.
-
-    Attributes:
-        events: by id.
-        gates: by id.
-        failures: failure -> the ids of its events.
-    """
+    """Reads what one top event reaches."""
 
     def __init__(self, reader: _Reader, element: Element, top: Element) -> None:
         self.reader, self.element, self.top = reader, element, top
         self.document, self.findings = reader.document, reader.findings
+        self.ids: dict[Element, str] = {}
         self.events: dict[str, BasicEvent] = {}
         self.gates: dict[str, Gate] = {}
-        self.failures: dict[Element, list[str]] = {}
-        self.ids: dict[Element, str] = {}
+        self.failures: dict[Element, list[str]] = {}  # failure -> its events
 
     def tree(self) -> FaultTree:
         reached: dict[Element, None] = {}
@@ -262,8 +243,15 @@ class _TreeReader:
                 reached[cause] = None
                 below = self.reader.below.get(cause, ())
                 waiting += reversed([b for b in below if b in self.reader.tree_of])
-        for i, cause in enumerate(reached):
-            self._give_id(cause, i)
+        taken: set[str] = set()
+        for i, cause in enumerate(
+            reached
+        ):  # its own name where that is unique, else its model's too
+            name, owner = self.reader.name_of(cause, f"cause{i}"), self.reader.tree_of[cause]
+            long = f"{self.reader.names[owner]}/{name}"
+            candidates = [*([name] if owner is self.element else []), long, f"{long}#{i}"]
+            self.ids[cause] = next(id_ for id_ in candidates if id_ not in taken)
+            taken.add(self.ids[cause])
         for cause, id_ in self.ids.items():
             stated = self.document.attribute(cause, word.CAUSE_TYPE) or _CAUSE_TYPES[0]
             if fold(stated) not in map(fold, _CAUSE_TYPES):
@@ -278,15 +266,6 @@ class _TreeReader:
         top = self._join_common_causes().get(self.ids[self.top], self.ids[self.top])
         self._check_independence()
         return FaultTree(top, self.events, self.gates, cut_sets=self._cut_sets())
-
-    def _give_id(self, cause: Element, index: int) -> None:
-        """Name a cause: as itself where that is unique, else with its model's name."""
-        name = self.reader.name_of(cause, f"cause{index}")
-        owner = self.reader.tree_of[cause]
-        long = f"{self.reader.names[owner]}/{name}"
-        candidates = [*([name] if owner is self.element else []), long, f"{long}#{index}"]
-        taken = set(self.ids.values())
-        self.ids[cause] = next(candidate for candidate in candidates if candidate not in taken)
 
     def _gate(self, cause: Element, id_: str) -> Gate:
         below = []
