@@ -32,10 +32,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from benchmarks.timing import per_call  # noqa: E402 - from the checkout
-from eddi_scaffold.kinds.reliability.chains import Chain, rates_of, rotors_chain  # noqa: E402
+from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rates_of, rotors_chain  # noqa: E402
+from eddi_scaffold.kinds.reliability.decision_diagram import build as diagram_of  # noqa: E402
 from eddi_scaffold.kinds.reliability.fault_tree import Gate  # noqa: E402
-from eddi_scaffold.kinds.reliability.fault_tree import build as diagram_of  # noqa: E402
-from eddi_scaffold.kinds.reliability.lowering import battery_chain  # noqa: E402
 from runtime_lib.tests.reliability.reliability_models import monitor as monitor_of  # noqa: E402
 from tests.kinds.reliability.trees import compiled  # noqa: E402
 

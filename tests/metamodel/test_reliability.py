@@ -205,23 +205,6 @@ def test_what_would_change_a_chain_is_said(name: str, given: str) -> None:
     assert name in said.message
 
 
-@pytest.mark.parametrize(
-    "odd", ['isNegated="true"', 'state="//@odeProductPackages.0/@failureModels.0/@causes.1"']
-)
-def test_cut_sets_of_more_than_failures_are_not_compared(odd: str) -> None:
-    old = '<causes name="Power" failure='
-    (said,) = changed("08_fault_tree.xml", (old, old.replace("failure", f"{odd} failure")))
-    assert (said.code, said.level) == ("R013", "info")
-
-
-def test_cut_sets_of_another_gate_are_said_to_be_unused() -> None:
-    group = '<minimalCutsets name="Loss of flow cut sets"'
-    other = 'failure="//@odeProductPackages.0/@failureModels.0/@failures.0"'
-    (said,) = changed("08_fault_tree.xml", (group, f"{group} {other}"))
-    assert (said.code, said.level) == ("R013", "info")
-    assert "not of its top" in said.message
-
-
 def test_other_cut_sets_are_a_warning() -> None:
     text = (FOLDER / "08_fault_tree.xml").read_text("utf-8")
     other = text.replace('<causes name="Power" failure', '<causes name="Power" other')

@@ -1,4 +1,4 @@
-"""Continuous-time Markov chains without subtractions, so that 1e-18 keeps its digits.
+"""Continuous-time Markov chains without subtractions, so that 1e-18 keeps its digits; their text.
 
 Plain loops, products, quotients, and sums that are rounded once, as ``sum`` is not before Python
 3.12: the same digits on every machine. Sources: uniformisation (Jensen 1953), scaling and squaring
@@ -12,9 +12,22 @@ same group; motors are numbered as in the name, from 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
+from math import fsum, inf
 from typing import NamedTuple
+
+from eddi_scaffold.program.python_text import (
+    WIDTH,
+    Item,
+    Part,
+    assignment,
+    comment,
+    literal,
+    number,
+    tuple_of,
+)
 
 Arc = tuple[int, int, float]
 Matrix = list[list[float]]
@@ -22,12 +35,10 @@ _TERMS = 25
 
 
 class Chain(NamedTuple):
-    """A chain.
+    """A chain of numbered states.
 
     Attributes:
-        states: their names, for people.
-        initial: number of the state at the start.
-        fail: numbers of the fail states; failure is first passage.
+        fail: failure is first passage.
         arcs: (from, to, rate in 1/h); parallel ones add up.
         age: hours that it had run, unobserved, before the start of the mission.
     """
@@ -42,7 +53,7 @@ class Chain(NamedTuple):
 def rates_of(chain: Chain) -> Matrix:
     """Return the rates in 1/h from row to column; those from fail states are left out."""
     rates = [[0.0] * len(chain.states) for _ in chain.states]
-    for source, target, rate in _used(chain):
+    for source, target, rate in _used_arcs(chain):
         rates[source][target] += rate
     return rates
 
@@ -53,7 +64,7 @@ def propagator(rates: Matrix, hours: float) -> Matrix:
     By Horner in a non-negative matrix and squarings. Entries are non-negative and rows sum to one
     by construction; each entry keeps its relative accuracy, however small it is.
     """
-    exits = [math.fsum(row) for row in rates]
+    exits = [fsum(row) for row in rates]
     fastest = max(exits)
     size = range(len(rates))
     if fastest * hours <= 0.0:
@@ -83,7 +94,7 @@ def mean_times(chain: Chain) -> list[float]:
     """
     rates, fail = rates_of(chain), sorted(set(chain.fail))
     sure = certain(chain)
-    tau = [math.inf] * len(rates)
+    tau = [inf] * len(rates)
     for state in fail:
         tau[state] = 0.0
     order = [state for state in range(len(rates)) if state in sure and state not in chain.fail]
@@ -91,7 +102,7 @@ def mean_times(chain: Chain) -> list[float]:
     exits = {}
     for position in range(len(order) - 1, -1, -1):
         state, rest = order[position], order[:position]
-        exits[state] = math.fsum(rates[state][other] for other in (*rest, *fail))
+        exits[state] = fsum(rates[state][other] for other in (*rest, *fail))
         for other in rest:
             share = rates[other][state] / exits[state]
             if share:
@@ -100,7 +111,7 @@ def mean_times(chain: Chain) -> list[float]:
                     mine + share * its for mine, its in zip(rates[other], rates[state], strict=True)
                 ]
     for position, state in enumerate(order):
-        later = math.fsum(rates[state][other] * tau[other] for other in order[:position])
+        later = fsum(rates[state][other] * tau[other] for other in order[:position])
         tau[state] = (cost[state] + later) / exits[state]
     return tau
 
@@ -113,73 +124,83 @@ def certain(chain: Chain) -> set[int]:
 
 def reaching(chain: Chain, targets: Iterable[int]) -> set[int]:
     """Return the states from which one of the targets can be reached."""
-    return _connected(((b, a) for a, b, _ in _used(chain)), targets)
+    return _closure(((target, source) for source, target, _ in _used_arcs(chain)), targets)
 
 
 def reached(chain: Chain) -> set[int]:
     """Return the states that can be reached from the initial one."""
-    return _connected(((a, b) for a, b, _ in _used(chain)), [chain.initial])
+    return _closure(((source, target) for source, target, _ in _used_arcs(chain)), [chain.initial])
 
 
-def _used(chain: Chain) -> Iterable[Arc]:
+def _used_arcs(chain: Chain) -> Iterable[Arc]:
     fail = set(chain.fail)
     return (arc for arc in chain.arcs if arc[0] not in fail and arc[0] != arc[1] and arc[2] > 0.0)
 
 
-def _connected(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[int]:
-    after: dict[int, list[int]] = {}
+def _closure(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[int]:
+    after: dict[int, set[int]] = {}
     for source, target in pairs:
-        after.setdefault(source, []).append(target)
-    found = set(starts)
-    waiting = list(found)
+        after.setdefault(source, set()).add(target)
+    states = set(starts)
+    waiting = list(states)
     while waiting:
-        new = set(after.get(waiting.pop(), ())) - found
-        found |= new
+        new = after.get(waiting.pop(), set()) - states
+        states |= new
         waiting += new
-    return found
+    return states
 
 
-def _product(one: Matrix, other: Sequence[Sequence[float]]) -> Matrix:
+def _product(matrix: Matrix, other: Matrix) -> Matrix:
     columns = list(zip(*other, strict=True))
-    found = []
-    for row in one:
-        used = [(k, value) for k, value in enumerate(row) if value]
-        found.append([math.fsum([value * column[k] for k, value in used]) for column in columns])
-    return found
+    rows = ([(k, value) for k, value in enumerate(row) if value] for row in matrix)
+    return [[fsum([v * column[k] for k, v in row]) for column in columns] for row in rows]
 
 
 def _normalised(matrix: Matrix) -> Matrix:
-    wholes = map(math.fsum, matrix)
-    return [[value / whole for value in row] for row, whole in zip(matrix, wholes, strict=True)]
+    totals = map(fsum, matrix)
+    return [[value / total for value in row] for row, total in zip(matrix, totals, strict=True)]
+
+
+def battery_chain(failure: float, alpha: float, beta: float, degradation: float) -> Chain:
+    """Return the chain of charge (rates in 1/h): bands of use and of recovery, empty, failed."""
+    arcs = []
+    for b in (0, 2, 4):
+        arcs += [(b, b + 1, alpha), (b + 1, b, beta), (b, b + 2, degradation), (b, 7, failure)]
+    return Chain(("B4", "C4", "B3", "C3", "B2", "C2", "Empty", "F"), 0, (6, 7), tuple(arcs))
+
+
+def order_chain(gate: str, rates: Sequence[float], age: float) -> Chain:
+    """Return the chain over orders of occurrence of a dynamic gate, PAND or POR."""
+    if gate == "POR":
+        arcs = ((0, 1, rates[0]), (0, 2, fsum(rates[1:])))
+        return Chain(("nothing yet", "the first came first", "another did"), 0, (1,), arcs, age)
+    lost = len(rates) + 1
+    ordered = []
+    for done in range(len(rates)):
+        ordered.append((done, done + 1, rates[done]))
+        ordered += [(done, lost, rate) for rate in rates[done + 1 :]]
+    names = (*(f"{done} in order" for done in range(lost)), "out of order")
+    return Chain(names, 0, (len(rates),), tuple(ordered), age)
 
 
 Failed = frozenset[int]
-_RING = (frozenset({0, 2, 4}), frozenset({1, 3, 5}))
-CONFIGURATIONS = {"PNPN": 4, "PNPNPN": 6, "PPNNPN": 6, "PPNNPPNN": 8}
-"""Name by direction of rotation (P and N) -> number of motors."""
+CONFIGURATIONS: Mapping[str, Sequence[set[int]]] = {
+    "PNPN": [{0}, {1}, {2}, {3}],
+    "PNPNPN": [{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}],
+    "PPNNPN": [{4}, {5}, {0, 1}, {2, 3}],
+    "PPNNPPNN": [{0, 1}, {2, 3}, {4, 5}, {6, 7}],
+}
+"""Direction of rotation of each motor (P and N) -> least sets of motors whose loss is fatal."""
 
 
-def motors_of(configuration: str) -> int | None:
-    """Return the number of motors of a configuration, None for an unknown one.
-
-    The mirrored frame, where P and N are exchanged, is the same structure.
-    """
-    return CONFIGURATIONS.get(_usual(configuration))
+def is_configuration(configuration: str) -> bool:
+    """Return whether a frame is known, or its mirror image, where P and N are exchanged."""
+    return _usual(configuration) in CONFIGURATIONS
 
 
 def operational(configuration: str, failed: Failed) -> bool:
     """Return whether a frame flies with these motors failed."""
-    name = _usual(configuration)
-    if name == "PNPN":
-        return not failed
-    if name == "PNPNPN":
-        if len(failed) < 2 or any(failed <= half for half in _RING):
-            return True
-        a, b = sorted(failed)[:2]
-        return len(failed) == 2 and b - a not in (1, 5)
-    pairs = ({0, 1}, {2, 3}) if name == "PPNNPN" else ({0, 1}, {2, 3}, {4, 5}, {6, 7})
-    critical = {4, 5} if name == "PPNNPN" else set()
-    return not failed & critical and not any(pair <= failed for pair in pairs)
+    return not any(fatal <= failed for fatal in CONFIGURATIONS[_usual(configuration)])
 
 
 def _usual(configuration: str) -> str:
@@ -190,27 +211,135 @@ def _usual(configuration: str) -> str:
 def rotors_chain(configuration: str, rates: Sequence[float]) -> Chain:
     """Return the chain over sets of failed motors; the last state is the loss of the frame."""
     sets = survived(configuration)
-    number = {failed: i for i, failed in enumerate(sets)}
+    state_of = {failed: i for i, failed in enumerate(sets)}
     loss = len(sets)
-    arcs: list[Arc] = []
-    for failed, i in number.items():
-        for motor, rate in enumerate(rates):
-            if motor not in failed:
-                arcs.append((i, number.get(failed | {motor}, loss), rate))
+    arcs = tuple(
+        (i, state_of.get(failed | {motor}, loss), rate)
+        for failed, i in state_of.items()
+        for motor, rate in enumerate(rates)
+        if motor not in failed
+    )
     names = [", ".join(map(str, sorted(failed))) or "none" for failed in sets]
-    return Chain((*names, "loss"), 0, (loss,), tuple(arcs))
+    return Chain((*names, "loss"), 0, (loss,), arcs)
 
 
 @cache
 def survived(configuration: str) -> tuple[Failed, ...]:
     """Return the sets of failed motors that one failure after the other can lead to."""
-    found: dict[Failed, None] = {frozenset(): None}
-    waiting: list[Failed] = [frozenset()]
-    while waiting:
-        failed = waiting.pop(0)
-        for motor in range(motors_of(configuration) or 0):
-            after = failed | {motor}
-            if after not in found and operational(configuration, after):
-                found[after] = None
-                waiting.append(after)
-    return tuple(found)
+    sets: list[Failed] = [frozenset()]
+    for failed in sets:
+        after = (failed | {motor} for motor in range(len(configuration)))
+        sets += [s for s in after if s not in sets and operational(configuration, s)]
+    return tuple(sets)
+
+
+STATES_WRITTEN_OUT = 8
+"""States up to which the sums are written out."""
+GRID = 256
+"""How many horizons are prepared when the mission's end is an input."""
+
+
+@dataclass(frozen=True)
+class Time:
+    """Quantum and horizon, in hours; ``moving``: the mission's end is an input."""
+
+    quantum: float
+    horizon: float
+    moving: bool
+
+
+def chain_table_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
+    """Yield the class of a chain whose exponentials are found when the monitor starts."""
+    endless = sorted(set(range(len(chain.states))) - certain(chain) - set(chain.fail))
+    yield f"class {name}(large_chain.LargeChain):"
+    yield f"    count = {len(chain.states)}"
+    if chain.initial:
+        yield f"    initial = {chain.initial}"
+    yield from assignment("fail", literal(chain.fail), 4)
+    if endless:
+        yield from assignment("endless", literal(tuple(endless)), 4)
+    if chain.age:
+        yield f"    age = {number(chain.age)}  # h"
+    yield f"    hours = {number(time.quantum)}  # one quantum"
+    yield f"    horizon = {number(time.horizon / GRID if time.moving else time.horizon)}"
+    if time.moving:
+        yield f"    steps = {GRID}"
+    arcs = (
+        Item(literal(arc), behind=comment(f"{chain.states[arc[0]]} to {chain.states[arc[1]]}"))
+        for arc in chain.arcs
+    )
+    yield from assignment("arcs", tuple_of(arcs), 4)
+
+
+def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
+    """Return for each state: failed and alive at the horizon, mean life in hours."""
+    fail = [float(state in chain.fail) for state in range(len(chain.states))]
+    rows = []
+    for row, life in zip(propagator(rates_of(chain), hours), mean_times(chain), strict=True):
+        failed = fsum(p * is_failed for p, is_failed in zip(row, fail, strict=True))
+        alive = fsum(p * (1.0 - is_failed) for p, is_failed in zip(row, fail, strict=True))
+        rows.append((min(failed, 1.0), alive, life))
+    return rows
+
+
+def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...]]) -> Part:
+    """Return a row for each state as a tuple, with its name behind it."""
+    pairs = zip(rows, chain.states, strict=True)
+    return tuple_of(Item(literal(row), behind=comment(state)) for row, state in pairs)
+
+
+def chain_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
+    """Yield the class of a chain with its numbers: one quantum, and what lies ahead."""
+    rates, states = rates_of(chain), range(len(chain.states))
+    yield f"class {name}(chain.Chain):"
+    yield from assignment("fail", literal(chain.fail), 4)
+    yield from assignment("first", literal(tuple(propagator(rates, chain.age)[chain.initial])), 4)
+    yield "    # Failed and alive at the horizon, mean life in hours."
+    ahead = rows_ahead(chain, 0.0 if time.moving else time.horizon)
+    yield from assignment("ahead", rows_of_states(chain, ahead), 4)
+    if time.moving:
+        grid = map(tuple, propagator(rates, time.horizon / GRID))
+        yield f"    # Transitions in one of {GRID} parts of the longest horizon."
+        yield from assignment("grid", rows_of_states(chain, grid), 4)
+        yield f"    steps = {GRID}"
+    names = [f"b{i}" for i in states]
+    unpacked = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = belief"
+    step = propagator(rates, time.quantum)
+    yield from ("", "    def quantum(self, belief):", unpacked)
+    yield from sums(
+        ([row[state] for row in step], comment(chain.states[state])) for state in states
+    )
+    if not time.moving:
+        failed, alive, lives = zip(*ahead, strict=True)
+        yield from ("", "    def look(self, belief, at):", unpacked)
+        yield from sums(
+            [
+                (failed, "failed"),
+                (alive, "alive"),
+                ([0.0 if life == inf else life for life in lives], "mean life"),
+                ([float(life == inf) for life in lives], "lives for ever"),
+                ([1.0 for _ in lives], "weight"),
+            ]
+        )
+
+
+def sums(rows: Iterable[tuple[Sequence[float], str]]) -> Iterator[str]:
+    """Yield ``return`` of a tuple of sums of weighted ``b0``, ``b1``, ..., each with a comment."""
+    yield "        return ("
+    for weights, about in rows:
+        parts = [
+            f"b{i}" if weight == 1.0 else f"b{i} * {number(weight)}"
+            for i, weight in enumerate(weights)
+            if weight != 0.0
+        ] or ["0.0"]
+        flat = f"            {' + '.join(parts)},"
+        behind = f"  # {about}" if about else ""
+        if len(flat) > WIDTH:
+            yield f"            {parts[0]}"
+            yield from (f"            + {part}" for part in parts[1:-1])
+            yield f"            + {parts[-1]},{behind}"
+        elif len(flat + behind) > WIDTH:
+            yield from (f"            # {about}", flat)
+        else:
+            yield flat + behind
+    yield "        )"

@@ -1,22 +1,25 @@
-"""Fault trees as binary decision diagrams: exact however often an event is shared.
+"""Fault trees made smaller (constants, chains of gates, modules), and their minimal cut sets.
 
-A tree is made smaller first: constants, chains of gates, modules. Nodes of a diagram are triples
-(variable, high, low); 0 and 1 are the leaves false and true, node ``i`` has the number ``i + 2``.
-Sources: Bryant 1986, Dutuit and Rauzy 1996 (modules), Niemelä 1997 (simplification). Nothing here
-recurses, since trees may be deep.
+Sources: Dutuit and Rauzy 1996 (modules), Niemelä 1997 (simplification), Fussell and Vesely 1972
+(cut sets). Nothing here recurses, since trees may be deep.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import lru_cache
-from itertools import count
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import count, groupby
 from typing import NamedTuple
 
 NEVER, ALWAYS = -1, -2
 """Numbers of what cannot happen, and of what is certain."""
+
+
+COHERENT = frozenset({"OR", "AND", "VOTE"})
+CUT_SETS = 10_000
+"""Sets below any gate."""
+WORK = 8_000_000
+"""Sets that are made and compared for one tree, about half a second."""
 
 
 class Gate(NamedTuple):
@@ -31,11 +34,10 @@ class Tree(NamedTuple):
     """A tree that was made smaller.
 
     Attributes:
-        gates: by number, each behind those that it refers to; what was not there before has
-            numbers above all others.
+        gates: by number, each behind those that it refers to.
         top: number of a gate or event, ``NEVER`` or ``ALWAYS``.
         modules: gates whose events occur nowhere else, inner ones first, the top among them.
-        origin: gate with a new number -> the one of the tree as it was given.
+        origin: new gate, above all others -> the gate of the original tree.
     """
 
     gates: dict[int, Gate]
@@ -47,76 +49,62 @@ class Tree(NamedTuple):
 def simplified(
     events: int, gates: Sequence[Gate], top: int, known: Mapping[int, bool], *, split: bool
 ) -> Tree:
-    """Return a tree of the same value.
-
-    Args:
-        events: how many basic events there are.
-        gates: each refers to events and to gates before it.
-        top: number of the top event.
-        known: events that are certain, or cannot happen.
-        split: find modules; else the top is the only one.
-    """
+    """Return a tree of the same value, as ``build`` takes it; unless split, of one module."""
     below = {events + i: gate for i, gate in enumerate(gates)}
-    parents = Counter(
-        n for number in reached(below, top) if number in below for n in below[number].of
-    )
+    used = [n for n in sorted(reached(below, top)) if n in below]
+    parents = Counter(n for number in used for n in below[number].of)
     meaning = {i: i for i in range(events)}
     meaning.update((event, ALWAYS if sure else NEVER) for event, sure in known.items())
     fresh, origin = count(events + len(gates)), dict[int, int]()
-    made: dict[int, Gate] = {}
-    same: dict[Gate, int] = {}
+    kept: dict[int, Gate] = {}
+    number_of: dict[Gate, int] = {}
 
     def numbered(gate: Gate, number: int) -> int:
-        """Return the number of a gate; one input of OR or AND is that input."""
+        """Return the number of a gate, which may exist; one input of OR or AND is that input."""
         if len(gate.of) == 1 and gate.type in ("OR", "AND"):
             return gate.of[0]
-        found = same.setdefault(gate, number)
-        made.setdefault(found, gate)
-        return found
+        first = number_of.setdefault(gate, number)
+        kept.setdefault(first, gate)
+        return first
 
     def negated(node: int, number: int) -> int:
         if node in (NEVER, ALWAYS):
             return NEVER + ALWAYS - node
-        inner = made.get(node)
-        return (
-            inner.of[0] if inner and inner.type == "NOT" else numbered(Gate("NOT", (node,)), number)
-        )
+        inner = kept.get(node)
+        is_negation = inner is not None and inner.type == "NOT"
+        return inner.of[0] if inner and is_negation else numbered(Gate("NOT", (node,)), number)
 
-    for number in sorted(n for n in reached(below, top) if n in below):
+    for number in used:
         gate = below[number]
         inputs = [meaning[n] for n in gate.of]
-        left = [n for n in inputs if n not in (NEVER, ALWAYS)]
+        unsure = tuple(n for n in inputs if n not in (NEVER, ALWAYS))
         sure = inputs.count(ALWAYS)
         if gate.type == "NOT":
             meaning[number] = negated(inputs[0], number) if inputs else NEVER
         elif gate.type == "XOR":
-            odd = (
-                numbered(Gate("XOR", tuple(left)), number)
-                if len(left) > 1
-                else (left or [NEVER])[0]
-            )
+            several = len(unsure) > 1
+            odd = numbered(Gate("XOR", unsure), number) if several else (*unsure, NEVER)[0]
             meaning[number] = odd
             if sure % 2:  # the opposite, which is a gate of its own
                 origin[new := next(fresh)] = number
                 meaning[number] = negated(odd, new)
         else:
             needed = {"OR": 1, "AND": max(1, len(inputs))}.get(gate.type, gate.k) - sure
-            kind = "OR" if needed == 1 else "AND" if needed == len(left) else "VOTE"
-            if needed <= 0 or needed > len(left):
+            kind = "OR" if needed == 1 else "AND" if needed == len(unsure) else "VOTE"
+            if not 0 < needed <= len(unsure):
                 meaning[number] = ALWAYS if needed <= 0 else NEVER
             elif kind == "VOTE":
-                meaning[number] = numbered(Gate(kind, tuple(left), needed), number)
+                meaning[number] = numbered(Gate(kind, unsure, needed), number)
             else:
                 flat: dict[int, None] = {}
-                for n, given in zip(inputs, gate.of, strict=True):
-                    inner = made.get(n)
-                    if inner and inner.type == kind and parents[given] == 1:
-                        flat.update(dict.fromkeys(inner.of))
-                    elif n >= 0:
-                        flat[n] = None
+                for n, original in zip(inputs, gate.of, strict=True):
+                    inner = kept.get(n)
+                    is_flat = inner and inner.type == kind and parents[original] == 1
+                    flat.update(dict.fromkeys(inner.of if inner and is_flat else (n,)))
+                flat = {n: None for n in flat if n >= 0}
                 meaning[number] = numbered(Gate(kind, tuple(flat)), number)
-    tree = Tree(made, meaning[top], (meaning[top],), origin)
-    return _split(tree, fresh) if split and tree.top in made else tree
+    tree = Tree(kept, meaning[top], (meaning[top],), origin)
+    return _split(tree, fresh) if split and tree.top in kept else tree
 
 
 def reached(
@@ -126,70 +114,69 @@ def reached(
     *,
     behind: bool = False,
 ) -> list[int]:
-    """Return the numbers below the top, depth first.
+    """Return the numbers below the top, depth first, in the order of their first visit.
 
     Args:
         gates: by number.
         top: where to begin.
         borders: gates below which nothing is visited, if they are not the top.
-        behind: each behind those that it refers to; else in the order of their first visit.
+        behind: each behind those that it refers to.
     """
-    found: dict[int, None] = {}
-    left: dict[int, None] = {}
+    entered: dict[int, None] = {}
+    finished: dict[int, None] = {}
     waiting = [top]
     while waiting:
         node = waiting.pop()
         if node < 0:
-            left[~node] = None
-        elif node not in found:
-            found[node] = None
+            finished[~node] = None
+        elif node not in entered:
+            entered[node] = None
             waiting.append(~node)
             if node in gates and (node == top or node not in borders):
                 waiting += reversed(gates[node].of)
-    return list(left if behind else found)
+    return list(finished if behind else entered)
 
 
 def _split(tree: Tree, fresh: count[int]) -> Tree:
     """Find the modules; inputs of an OR or AND that only share events among each other are one."""
     gates, origin = dict(tree.gates), dict(tree.origin)
-    found = _modules(gates, tree.top)
+    borders = _modules(gates, tree.top)
     modules: list[int] = []
-    for module in (n for n in tree.gates if n in found):
+    for module in (n for n in tree.gates if n in borders):
         gate = gates[module]
-        parts: list[tuple[set[int], list[int]]] = []
-        if gate.type in ("OR", "AND"):
-            for n in gate.of:
-                events = {
-                    one for one in reached(gates, n, found) if one not in gates or one in found
-                }
-                if n in found:
-                    events = {n}
-                inputs = [n]
-                apart = []
-                for other in parts:
-                    if events.isdisjoint(other[0]):
-                        apart.append(other)
-                    else:
-                        events |= other[0]
-                        inputs = other[1] + inputs
-                parts = [*apart, (events, inputs)]
-        if len(parts) > 1:
-            place = {n: i for i, n in enumerate(gate.of)}
+        groups = _groups(gates, gate, borders) if gate.type in ("OR", "AND") else []
+        if len(groups) > 1:
             of = []
-            for inputs in sorted(
-                (sorted(part[1], key=place.__getitem__) for part in parts),
-                key=lambda one: place[one[0]],
-            ):
-                if len(inputs) > 1:
+            for group in groups:
+                if len(group) > 1:
                     origin[new := next(fresh)] = module
-                    gates[new] = Gate(gate.type, tuple(inputs))
+                    gates[new] = Gate(gate.type, tuple(group))
                     modules.append(new)
-                    of.append(new)
-                else:
-                    of += inputs
+                of.append(new if len(group) > 1 else group[0])
             gates[module] = Gate(gate.type, tuple(of))
         modules.append(module)
     return Tree(gates, tree.top, tuple(modules), origin)
+
+
+def _groups(gates: Mapping[int, Gate], gate: Gate, borders: frozenset[int]) -> list[list[int]]:
+    """Return the inputs of a gate, those that share an event in one group."""
+    first = list(range(len(gate.of)))  # input -> an earlier one of its group, or itself
+    user: dict[int, int] = {}  # event -> the first input above it
+
+    def leader(place: int) -> int:
+        while first[place] != place:
+            first[place] = place = first[first[place]]
+        return place
+
+    for place, n in enumerate(gate.of):
+        for event in (n,) if n in borders else reached(gates, n, borders):
+            if event not in gates or event in borders:
+                early, late = sorted((leader(user.setdefault(event, place)), leader(place)))
+                first[late] = early
+    groups: dict[int, list[int]] = {}
+    for place, n in enumerate(gate.of):
+        groups.setdefault(leader(place), []).append(n)
+    return list(groups.values())
 
 
 def _modules(gates: Mapping[int, Gate], top: int) -> frozenset[int]:
@@ -197,296 +184,129 @@ def _modules(gates: Mapping[int, Gate], top: int) -> frozenset[int]:
     enter: dict[int, int] = {}
     leave: dict[int, int] = {}
     last: dict[int, int] = {}
+    waiting = [top]
     clock = 0
-    waiting: list[tuple[int, bool]] = [(top, False)]
     while waiting:
-        node, done = waiting.pop()
         clock += 1
+        node = waiting.pop()
+        if node < 0:
+            last[~node] = leave[~node] = clock
+            continue
         last[node] = clock
-        if done:
-            leave[node] = clock
-        elif node not in enter:
+        if node not in enter:
             enter[node] = clock
             if node in gates:
-                waiting.append((node, True))
-                waiting += [(below, False) for below in reversed(gates[node].of)]
+                waiting += [~node, *reversed(gates[node].of)]
     low: dict[int, int] = {}
     high: dict[int, int] = {}
-    found = {top}
+    modules = {top}
     for node, gate in gates.items():
         if node in enter:
             low[node] = min(min(enter[b], low.get(b, enter[b])) for b in gate.of)
             high[node] = max(max(last[b], high.get(b, 0)) for b in gate.of)
-            if len(gate.of) > 1 and low[node] > enter[node] and high[node] < leave[node]:
-                found.add(node)
-    return frozenset(found)
+            if len(gate.of) > 1 and enter[node] < low[node] and high[node] < leave[node]:
+                modules.add(node)
+    return frozenset(modules)
 
 
-FALSE, TRUE = 0, 1
-NODE_LIMIT = 2_000_000
-_FIRST_LIMIT = 20_000
-"""Nodes up to which all orders of the variables are tried; ten times more as long as none fits."""
-_LARGEST = 2**60
-COHERENT = frozenset({"OR", "AND", "VOTE"})
+class _TooMuchError(Exception):
+    """More sets, or more work on them, than there may be."""
 
 
-class TooLargeError(ValueError):
-    """A diagram has more nodes than the limit.
-
-    Attributes:
-        gate: number of the gate of the module concerned, counted behind the events.
-        count: nodes reached.
-    """
-
-    def __init__(self, gate: int, count: int) -> None:
-        super().__init__(f"the diagram has {count} nodes")
-        self.gate, self.count = gate, count
-
-
-class Module(NamedTuple):
-    """The diagram of one independent part of a tree.
-
-    Attributes:
-        variable: number of the pseudo-event that it gives.
-        nodes: (event or pseudo-event, high, low), lower ones first, those of a variable together.
-        root: number of the node at the top.
-    """
-
-    variable: int
-    nodes: tuple[tuple[int, int, int], ...]
-    root: int
-
-
-class Diagram(NamedTuple):
-    """The diagrams of a tree, inner modules first; the last one is the top event."""
-
-    events: int
-    modules: tuple[Module, ...]
-    coherent: bool
-
-    @property
-    def size(self) -> int:
-        """Number of nodes."""
-        return sum(len(module.nodes) for module in self.modules)
-
-
-def build(
+def minimal_cut_sets(
     events: int,
     gates: Sequence[Gate],
     top: int,
-    first: frozenset[int] = frozenset(),
-    limit: int = NODE_LIMIT,
-    known: Mapping[int, bool] | None = None,
-) -> Diagram:
-    """Return the diagram of a tree.
+    known: Iterable[tuple[int, bool]] = (),
+    *,
+    work: int = WORK,
+) -> tuple[frozenset[int], ...] | None:
+    """Return the minimal cut sets as sets of events, shortest first.
 
     Args:
         events: how many basic events there are.
         gates: each refers to events and to gates before it.
         top: number of the top event.
-        first: events that come first in the order of a tree that is not coherent: those that may
-            be unknown at run time, so that their intervals are exact.
-        limit: how many nodes there may be, also on the way.
-        known: events that are certain, or cannot happen.
+        known: events that are certain, or cannot happen: they are in no set.
+        work: how many sets may be made and compared on the way.
 
-    Raises:
-        TooLargeError: there would be more.
+    Returns:
+        The complete list; None where the tree has NOT or XOR, so that no set of events is
+        sufficient, where a gate has more than ``CUT_SETS`` sets, or where it takes more work.
     """
-    return _built(events, tuple(gates), top, first, limit, tuple((known or {}).items()))
-
-
-@lru_cache(maxsize=8)
-def _built(
-    events: int,
-    gates: tuple[Gate, ...],
-    top: int,
-    first: frozenset[int],
-    limit: int,
-    known: tuple[tuple[int, bool], ...],
-) -> Diagram:
-    tree = simplified(events, gates, top, dict(known), split=True)
-    used = reached(tree.gates, tree.top)
-    coherent = all(tree.gates[n].type in COHERENT for n in used if n in tree.gates)
-    if not coherent and first.intersection(used):  # the intervals of modules are none of events
-        tree = simplified(events, gates, top, dict(known), split=False)
-    else:
-        first = frozenset()
-    modules: list[Module] = []
-    left, borders = limit, frozenset(tree.modules)
-    if tree.top not in tree.gates:  # a basic event, or a constant
-        leaf = {NEVER: FALSE, ALWAYS: TRUE}.get(tree.top)
-        nodes = ((tree.top, TRUE, FALSE),) if leaf is None else ()
-        return Diagram(
-            events, (Module(events + len(gates), nodes, 2 if leaf is None else leaf),), coherent
-        )
-    for module in tree.modules:
-        modules.append(_smallest(tree, module, borders, first, left))
-        left -= len(modules[-1].nodes)
-    return Diagram(events, tuple(modules), coherent)
-
-
-def _smallest(
-    tree: Tree, top: int, borders: frozenset[int], first: frozenset[int], limit: int
-) -> Module:
-    """Return the smallest diagram of a module in several orders of its variables."""
-    inner = reached(tree.gates, top, borders, behind=True)
-    gates = {n: tree.gates[n] for n in inner if n in tree.gates and (n == top or n not in borders)}
-    orders = list(dict.fromkeys(_orders(gates, top, first)))
-    allowed = min(_FIRST_LIMIT, limit)
-    while True:
-        found = [one for order in orders if (one := _module(gates, order, top, allowed))]
-        if found:
-            return min(found, key=lambda one: len(one.nodes))
-        if allowed == limit:
-            raise TooLargeError(tree.origin.get(top, top), limit)
-        allowed = min(10 * allowed, limit)
-
-
-def _module(gates: Mapping[int, Gate], order: Sequence[int], top: int, limit: int) -> Module | None:
-    """Return the diagram of a module in one order; None: it is above the limit."""
-    try:
-        return _Builder(gates, order, limit).module(top)
-    except TooLargeError:
+    used = sorted(reached({events + i: gate for i, gate in enumerate(gates)}, top))
+    if any(gates[n - events].type not in COHERENT for n in used if n >= events):
         return None
+    sets_of = {n: [1 << n] for n in used if n < events}
+    sets_of.update((n, [0] if is_certain else []) for n, is_certain in known)
+    search = _Search(work)
+    try:
+        for n in used:
+            if n >= events:
+                gate = gates[n - events]
+                sets_of[n] = search.sets_of_gate(gate, [sets_of[below] for below in gate.of])
+    except _TooMuchError:
+        return None
+    sets = [_members(cut_set) for cut_set in sets_of[top]]
+    return tuple(frozenset(cut_set) for cut_set in sorted(sets, key=lambda s: (len(s), s)))
 
 
-def _orders(
-    gates: Mapping[int, Gate], top: int, first: frozenset[int]
-) -> Iterator[tuple[int, ...]]:
-    """Yield orders of the variables below a gate: first visit of the inputs.
+class _Search:
+    """Combines cut sets, whose bit ``i`` is event ``i``, with at most so much work."""
 
-    These as given, small ones first, and those that most gates share first.
-    """
-    size: dict[int, int] = {}
-    for number, gate in gates.items():
-        size[number] = min(sum(size.get(n, 1) for n in gate.of), _LARGEST)
-    uses = Counter(n for gate in gates.values() for n in gate.of)
-    keys: tuple[Callable[[int], tuple[int, ...]], ...] = (
-        lambda _: (),
-        lambda n: (size.get(n, 1),),
-        lambda n: (-uses[n], size.get(n, 1)),
-    )
-    for key in keys:
-        sorted_gates = {
-            number: Gate(gate.type, tuple(sorted(gate.of, key=key)))
-            for number, gate in gates.items()
-        }
-        order = (n for n in reached(sorted_gates, top) if n not in gates)
-        yield tuple(sorted(order, key=lambda n: n not in first) if first else order)
+    def __init__(self, work: int) -> None:
+        self._work = work
+
+    def sets_of_gate(self, gate: Gate, below: list[list[int]]) -> list[int]:
+        needed = {"OR": 1, "AND": len(below)}.get(gate.type, gate.k)
+        if needed == 1 or not below:
+            self._spend(sum(map(len, below)))
+            return self._minimal(cut_set for sets in below for cut_set in sets)
+        rows: list[list[int]] = [[0]] + [[] for _ in range(needed)]  # at least j of those so far
+        for done, sets in enumerate(below, 1):
+            # a row that the inputs that remain cannot fill up is of no use
+            for j in range(min(needed, done), max(0, needed - (len(below) - done) - 1), -1):
+                self._spend(len(rows[j - 1]) * len(sets) + len(rows[j]))
+                both = [fewer | cut_set for fewer in rows[j - 1] for cut_set in sets]
+                rows[j] = self._minimal(rows[j] + both)
+        return rows[needed]
+
+    def _spend(self, work: int) -> None:
+        self._work -= work
+        if self._work < 0:
+            raise _TooMuchError
+
+    def _minimal(self, sets: Iterable[int]) -> list[int]:
+        """Return the sets that contain no other one."""
+        kept: list[int] = []
+        by_lowest: dict[int, list[int]] = {}
+        ordered = sorted(set(sets), key=lambda cut_set: (cut_set.bit_count(), cut_set))
+        for _, same_size in groupby(ordered, int.bit_count):  # none of them contains another
+            new = [s for s in same_size if not self._contains_another(s, by_lowest)]
+            kept += new
+            for cut_set in new:
+                by_lowest.setdefault(cut_set & -cut_set, []).append(cut_set)
+        if len(kept) > CUT_SETS:
+            raise _TooMuchError
+        return kept
+
+    def _contains_another(self, cut_set: int, by_lowest: Mapping[int, list[int]]) -> bool:
+        rest = cut_set
+        while True:
+            lowest = rest & -rest
+            others = by_lowest.get(lowest, ())
+            self._spend(1 + len(others))
+            if any(other & cut_set == other for other in others):
+                return True
+            if not rest:
+                return False
+            rest ^= lowest
 
 
-class _Builder:
-    """Builds one module; the leaves are below all levels.
-
-    Args:
-        gates: of the module, each behind those that it refers to.
-        order: of the variables, the top one first.
-        limit: how many nodes there may be.
-    """
-
-    def __init__(self, gates: Mapping[int, Gate], order: Sequence[int], limit: int) -> None:
-        self._gates, self._variables, self._limit = gates, order, limit
-        self._level = [len(order)] * 2
-        self._high, self._low = [FALSE, TRUE], [FALSE, TRUE]
-        self._unique: list[dict[int, int]] = [{} for _ in order]
-        self._memo: dict[tuple[int, int, int], int] = {}
-
-    def module(self, top: int) -> Module:
-        done = {v: self._node(level, TRUE, FALSE) for level, v in enumerate(self._variables)}
-        for number, gate in self._gates.items():
-            done[number] = self._gate(gate, [done[n] for n in gate.of])
-            if len(self._memo) > self._limit:
-                self._memo.clear()
-        nodes, root = self._kept(done[top])
-        return Module(top, nodes, root)
-
-    def _gate(self, gate: Gate, below: list[int]) -> int:
-        # from behind: each step mostly adds nodes on top
-        below.sort(key=lambda node: self._level[node], reverse=True)
-        if gate.type == "NOT":
-            return self._ite(below[0], FALSE, TRUE)
-        if gate.type == "VOTE":
-            row = [TRUE] + [FALSE] * gate.k  # at least j of those so far
-            for one in below:
-                pairs = itertools.pairwise(row)
-                row = [TRUE, *(self._ite(one, fewer, same) for fewer, same in pairs)]
-            return row[gate.k]
-        result = TRUE if gate.type == "AND" else FALSE
-        for one in below:
-            if gate.type == "AND":
-                result = self._ite(one, result, FALSE)
-            elif gate.type == "XOR":
-                result = self._ite(one, self._ite(result, FALSE, TRUE), result)
-            else:
-                result = self._ite(one, TRUE, result)
-        return result
-
-    def _node(self, level: int, high: int, low: int) -> int:
-        if high == low:
-            return high
-        key = high << 32 | low
-        found = self._unique[level].get(key)
-        if found is None:
-            found = self._unique[level][key] = len(self._level)
-            if found - 2 >= self._limit:
-                raise TooLargeError(0, self._limit)
-            self._level.append(level)
-            self._high.append(high)
-            self._low.append(low)
-        return found
-
-    def _ite(self, f: int, g: int, h: int) -> int:
-        """Return if f then g else h, with a stack of its own."""
-        level, high, low, memo = self._level, self._high, self._low, self._memo
-        results: list[int] = []
-        keys: list[tuple[int, int, int]] = []
-        tasks: list[tuple[int, int, int] | int] = [(f, g, h)]
-        while tasks:
-            task = tasks.pop()
-            if isinstance(task, int):  # the level of a node whose branches are done
-                down, up = results.pop(), results.pop()
-                memo[keys.pop()] = node = self._node(task, up, down)
-                results.append(node)
-                continue
-            f, g, h = task
-            g, h = TRUE if g == f else g, FALSE if h == f else h
-            if f <= TRUE or g == h:
-                results.append(g if f else h)
-                continue
-            if (g, h) == (TRUE, FALSE):
-                results.append(f)
-                continue
-            if h == FALSE and TRUE < g < f:  # both ways round are one
-                f, g = g, f
-            elif g == TRUE and h < f:
-                f, h = h, f
-            task = (f, g, h)
-            known = memo.get(task)
-            if known is not None:
-                results.append(known)
-                continue
-            of_f, of_g, of_h = level[f], level[g], level[h]
-            top = min(of_f, of_g, of_h)
-            f1, f0 = (high[f], low[f]) if of_f == top else (f, f)
-            g1, g0 = (high[g], low[g]) if of_g == top else (g, g)
-            h1, h0 = (high[h], low[h]) if of_h == top else (h, h)
-            keys.append(task)
-            tasks += top, (f0, g0, h0), (f1, g1, h1)
-        return results[0]
-
-    def _kept(self, root: int) -> tuple[tuple[tuple[int, int, int], ...], int]:
-        """Return the nodes below the root, lower ones first, with events as variables."""
-        below = set()
-        waiting = [root]
-        while waiting:
-            node = waiting.pop()
-            if node > TRUE and node not in below:
-                below.add(node)
-                waiting += (self._high[node], self._low[node])
-        number = {FALSE: FALSE, TRUE: TRUE}
-        kept = []
-        for node in sorted(below, key=lambda one: (-self._level[one], one)):
-            number[node] = len(number)
-            variable = self._variables[self._level[node]]
-            kept.append((variable, number[self._high[node]], number[self._low[node]]))
-        return tuple(kept), number[root]
+def _members(cut_set: int) -> list[int]:
+    events = []
+    while cut_set:
+        lowest = cut_set & -cut_set
+        events.append(lowest.bit_length() - 1)
+        cut_set ^= lowest
+    return events

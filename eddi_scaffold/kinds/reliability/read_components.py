@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
-from eddi_scaffold.common.problems import problem
 from eddi_scaffold.common.units import duration, rate
 from eddi_scaffold.kinds.reliability.system import (
     GATES,
@@ -18,27 +18,16 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
-_TREE_KEYS = (
-    "type",
-    "model",
-    "top",
-    "gates",
-    "events",
-    "repair",
-    "node_limit",
-    "approximation",
-    "age",
-)
-_WORDS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
+_NO_INPUTS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
 """What an input of ``observe`` cannot be called: it was meant otherwise."""
-_CHAIN_KEYS = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
 
 
-def read_chain(name: str, entry: Values, before: Chain | None) -> Chain | None:
-    """Read a chain; ``before`` is that of the EDDI, of which the last three keys may change."""
+def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
+    """Read a chain; of that of an EDDI, ``before``, only what follows its arcs may change."""
     errors = entry.errors
-    entry.only(_CHAIN_KEYS)
-    chain = before if before is not None else _chain(entry, errors)
+    keys = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
+    entry.only(*keys)
+    chain = before or _chain(entry, errors)
     # the names of states are only known where what makes them could be read
     if entry.has("observe") and (entry.errors == errors or entry.has("states") or before):
         chain = replace(chain, observe=_observe(name, entry, chain))
@@ -52,7 +41,7 @@ def _chain(entry: Values, errors: int) -> Chain:
     """Read a chain of an entry that had so many errors before anything of it was looked at."""
     arcs: list[Arc] = []
     for map_ in entry.maps("arcs"):
-        map_.only(("from", "to", "rate"))
+        map_.only("from", "to", "rate")
         source, target = map_.text("from", required=True), map_.text("to", required=True)
         value = map_.quantity("rate", rate, required=True)
         if source is None or target is None or value is None:
@@ -67,86 +56,63 @@ def _chain(entry: Values, errors: int) -> Chain:
         for key, state in (("from", arc.source), ("to", arc.target)):
             if state not in states:
                 entry.report("R001.state", "arcs", i, key, key=key, state=state)
-    initial, fail = entry.texts("initial"), entry.texts("fail")
-    if entry.errors > errors and not entry.has("states"):
-        return Chain(states, initial, fail, tuple(arcs))
-    for key, names in (("initial", initial), ("fail", fail)):
-        for state in names:
-            if state not in states:
-                entry.unknown(key, state, "state", states)
-    if len(initial) == 1 and initial[0] in fail:
-        entry.report("R007.starts_failed", "initial", state=initial[0])
-    return Chain(states, initial, fail, tuple(arcs))
+    chain = Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
+    if entry.errors == errors or entry.has("states"):
+        for key, names in (("initial", chain.initial), ("fail", chain.fail)):
+            for state in names:
+                if state not in states:
+                    entry.unknown("state", state, states, key)
+        if len(chain.initial) == 1 and chain.initial[0] in chain.fail:
+            entry.report("R007.starts_failed", "initial", state=chain.initial[0])
+    return chain
 
 
 def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
-    found: list[Observation] = []
-    errors = entry.errors
-    observe = entry.map("observe")
+    observe, errors = entry.map("observe"), entry.errors
     if observe is None:
         return ()
-    for state in observe.names():
+    observations: list[Observation] = []
+    for state in map(str, observe.data):
         text = observe.text(state)
         if state not in chain.states:
-            observe.unknown(state, state, f"state of {name!r}", chain.states, is_key=True)
+            observe.unknown(f"state of {name!r}", state, chain.states, state, KEY)
         elif text is not None:
-            words = text.split()
-            negated = len(words) == 2 and words[0].casefold() == "not"
-            is_one = len(words) == 1 or negated
-            if not is_one or words[-1].casefold() in _WORDS:
+            *words, input_ = text.split() or [""]
+            is_negated = [word.casefold() for word in words] == ["not"]
+            if (words and not is_negated) or input_.casefold() in ("", *_NO_INPUTS):
                 observe.report("R002.input", state, value=text)
             else:
-                found.append(Observation(state, words[-1], negated))
-    if entry.errors == errors:
-        _shows_failure(name, entry, chain, found)
-    return tuple(found)
-
-
-def _shows_failure(name: str, entry: Values, chain: Chain, found: list[Observation]) -> None:
-    """Warn of fail states that no input can exclude (R013)."""
-    unseen = [state for state in chain.fail if all(one.state != state for one in found)]
-    if not found or not unseen:
-        return
-    shown = ", ".join(unseen)
-    first = min(found, key=lambda one: one.state not in chain.initial)
-    input_ = first.input if first.negated else f"not {first.input}"
-    entry.problems.append(
-        problem(
-            "R013.observe",
-            entry.place("observe", KEY),
-            name=name,
-            shown=shown,
-            unseen=unseen[0],
-            input=input_,
-        )
-    )
+                observations.append(Observation(state, input_, is_negated))
+    seen = {observation.state for observation in observations}
+    unseen = [state for state in chain.fail if state not in seen]
+    if observations and unseen and entry.errors == errors:
+        first = min(observations, key=lambda observation: observation.state not in chain.initial)
+        input_ = first.input if first.negated else f"not {first.input}"
+        fields = {"shown": ", ".join(unseen), "unseen": unseen[0], "input": input_}
+        entry.report("R013.observe", "observe", KEY, name=name, **fields)
+    return tuple(observations)
 
 
 def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
-    """Read a tree; ``before`` is that of the EDDI, of which events may change."""
+    """Read a tree; of that of an EDDI, ``before``, its events and what follows may change."""
     errors = entry.errors
-    entry.only(_TREE_KEYS)
-    is_whole = entry.errors == errors
-    gates = dict(before.gates) if before else _gates(entry)
+    keys = ("type", "model", "top", "gates", "events", "repair", "node_limit", "approximation")
+    entry.only(*keys, "age")
+    has_own_keys = entry.errors == errors
+    gates = before.gates if before else _gates(entry)
     events = dict(before.events) if before else {}
-    given = entry.map("events")
-    for one in given.names() if given else ():
-        assert given is not None
-        if before and one not in before.events:
-            given.unknown(one, one, f"event of {name!r}", before.events, is_key=True)
-            continue
-        event = given.map(one)
-        if event is not None:
-            events[one] = _event(one, event, events.get(one))
-    top = before.top if before else entry.text("top")
-    if not is_whole:
+    for id_, map_ in entry.entries("events"):
+        if before and id_ not in before.events:
+            map_.unknown(f"event of {name!r}", id_, before.events, KEY)
+        else:
+            events[id_] = _event(id_, map_, events.get(id_))
+    if not has_own_keys:
         return before  # gates or events may be missing only because their key is misspelt
-    if top is None:
-        top = _only_top(name, entry, gates)
+    top = before.top if before else entry.text("top") or _only_top(name, entry, gates)
     if top is None:
         return None
     if not before:
-        _declare(entry, gates, events, top)
+        _report_undefined(entry, gates, events, top)
     tree = before or FaultTree(top, events, gates)
     age = entry.quantity("age", duration)
     limit = entry.whole("node_limit", 1, 10_000_000)
@@ -163,74 +129,62 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
 
 
 def _gates(entry: Values) -> dict[str, Gate]:
-    found: dict[str, Gate] = {}
-    gates = entry.map("gates")
-    for name in gates.names() if gates else ():
-        assert gates is not None
-        one = gates.map(name)
-        if one is None:
-            continue
-        one.only(("type", "of", "k"))
-        given = (one.text("type") or "OR").upper()
-        if given not in GATES:
-            one.unknown("type", given, "type of gate", GATES)
-        k = one.whole("k", -(10**9), 10**9)
-        found[name] = Gate(name, given, one.texts("of"), k, one.place())
-    return found
+    gates: dict[str, Gate] = {}
+    for name, map_ in entry.entries("gates"):
+        map_.only("type", "of", "k")
+        kind = (map_.text("type") or "OR").upper()
+        if kind not in GATES:
+            map_.unknown("type of gate", kind, GATES, "type")
+        k = map_.whole("k", -(10**9), 10**9)
+        gates[name] = Gate(name, kind, map_.texts("of"), k, map_.place())
+    return gates
 
 
-def _only_top(name: str, entry: Values, gates: dict[str, Gate]) -> str | None:
+def _only_top(name: str, entry: Values, gates: Mapping[str, Gate]) -> str | None:
     used = {below for gate in gates.values() for below in gate.of}
     tops = [gate for gate in gates if gate not in used]
     if len(tops) == 1:
         return tops[0]
-    found = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
-    entry.report("R012.top", name=name, tops=found)
+    shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
+    entry.report("R012.top", name=name, tops=shown)
     return None
 
 
-def _declare(
-    entry: Values, gates: dict[str, Gate], events: dict[str, BasicEvent], top: str
+def _report_undefined(
+    entry: Values, gates: Mapping[str, Gate], events: Mapping[str, BasicEvent], top: str
 ) -> None:
-    """Report names without a definition."""
-    known = [*gates, *events]
-    if top not in known:
-        entry.unknown("top", top, "gate", known)
+    if top not in gates and top not in events:
+        entry.unknown("gate", top, [*gates, *events], "top")
     for gate in gates.values():
         for i, below in enumerate(gate.of):
             if below not in gates and below not in events:
                 entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
-    for both in sorted(set(gates) & set(events)):
-        entry.report("R001.gate_and_event", "events", both, KEY, name=both)
+    for name in sorted(set(gates) & set(events)):
+        entry.report("R001.gate_and_event", "events", name, KEY, name=name)
 
 
 def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
-    entry.only(("rate", "scale", "shape", "p", "model", "observed", "age"))
-    law = before.law if before else None
+    entry.only("rate", "scale", "shape", "p", "model", "observed", "age")
+    event = before or BasicEvent(name, None, place=entry.place())
     value = entry.quantity("rate", rate)
-    scale = entry.quantity("scale", duration)
+    scale = entry.quantity("scale", duration, positive=True)
     shape = entry.number("shape", 1e-6, 1e6, default=1.0)
     p = entry.number("p", 0.0, 1.0)
     model = entry.text("model")
-    ways = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
-    if len(ways) > 1:
-        entry.report("R002.several", ways[1], name=name, listed=" and ".join(ways))
+    laws = [key for key in ("rate", "scale", "p", "model") if entry.has(key)]
+    if len(laws) > 1:
+        entry.report("R002.several", laws[1], name=name, listed=" and ".join(laws))
+    law = event.law
     if value is not None:
         law = Law("exponential", (value,))
     elif scale is not None and shape is not None:
-        if scale <= 0.0:
-            entry.report("R002.scale", "scale")
         law = Law("weibull", (scale, shape))
     elif p is not None:
         law = Law("fixed", (p,))
     elif model is not None:
         law = Law("model", model=model)
-    observed = entry.boolean("observed") or bool(
-        before and before.observed and not entry.has("observed")
-    )
+    observed = entry.boolean("observed") if entry.has("observed") else event.observed
     age = entry.quantity("age", duration)
     if age is not None and law is not None and law.kind in ("fixed", "model"):
         entry.report("R002.age", "age", name=name)
-    shown = before.name if before else name
-    age = before.age if age is None and before else age
-    return BasicEvent(shown, law, observed, age, before.place if before else entry.place())
+    return replace(event, law=law, observed=observed, age=event.age if age is None else age)

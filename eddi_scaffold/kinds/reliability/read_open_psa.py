@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+import math
+import operator
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
-from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, problem
-from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
-from eddi_scaffold.kinds.reliability.open_psa_numbers import Numbers, arguments, place_of
+from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, select
 from eddi_scaffold.kinds.reliability.system import (
     BasicEvent,
     ComponentModel,
@@ -21,71 +21,78 @@ from eddi_scaffold.kinds.reliability.system import (
 
 _CONNECTIVES = {"and": "AND", "or": "OR", "xor": "XOR", "not": "NOT", "atleast": "VOTE"}
 _NEGATED = {"nand": "AND", "nor": "OR", "iff": "XOR"}
-_REFERENCES = ("event", "gate", "basic-event", "house-event")
+_REFERENCES = ("event", "gate", "basic-event", "house-event", "constant")
 _EVENTS = ("define-gate", "define-basic-event", "define-house-event")
 _CONTAINERS = ("define-fault-tree", "define-component")
+_COMMON_CAUSES = (
+    "make each member an `or` of its own event and of one that all members share: with a "
+    "beta-factor, these have (1 - beta) and beta of the rate or probability"
+)
+_SUBSTITUTIONS = "write what they do as gates: an exclusion is the top `and` `not` the hypothesis"
+_INCLUDE = "put its definitions in place of this element: a package remembers one model file"
 _CHANGES = {
-    "define-CCF-group": (
-        "common causes",
-        (
-            "make each member an `or` of its own event and of one that all members share: with a "
-            "beta-factor, these have (1 - beta) and beta of the rate or probability"
-        ),
-    ),
-    "define-substitution": (
-        "substitutions",
-        (
-            "write as gates what they make of the tree: for an exclusion, `and` the top with `not` "
-            "of the hypothesis"
-        ),
-    ),
-    "include": (
-        "other files",
-        "put its definitions in place of this element: a package remembers one model file",
-    ),
+    "define-CCF-group": ("common causes", _COMMON_CAUSES),
+    "define-substitution": ("substitutions", _SUBSTITUTIONS),
+    "include": ("other files", _INCLUDE),
 }
-"""What changes the probability of a tree, so that it must not be left out: what it is about, and
-what to write instead."""
+"""What changes the probability of a tree, so that it must not be left out: subject, and hint."""
 _ONE_FILE = "the definitions of a model that is in several files must be in one"
+_UNITS = {"hours-1": 1.0, "years-1": 1.0 / 8760.0, "fit": 1e-9, "hours": 1.0, "years": 8760.0}
+_NO_UNITS = ("", "bool", "int", "float", "demands")
+_OPERATIONS: dict[str, Callable[[Sequence[float]], float]] = {
+    "add": math.fsum,
+    "sub": lambda of: of[0] - math.fsum(of[1:]),
+    "mul": math.prod,
+    "div": lambda of: of[0] / math.prod(of[1:]),
+    "neg": lambda of: operator.neg(*of),
+    "exp": lambda of: math.exp(*of),
+    "pow": lambda of: math.pow(*of),
+    # deviates: their means
+    "lognormal-deviate": lambda of: of[0] if len(of) == 3 else math.exp(of[0] + of[1] ** 2 / 2.0),
+    "normal-deviate": lambda of: of[0],
+    "uniform-deviate": lambda of: (of[0] + of[1]) / 2.0,
+    "gamma-deviate": lambda of: of[0] * of[1],
+    "beta-deviate": lambda of: of[0] / (of[0] + of[1]),
+}
 _DEEPEST = 100
-_FALSE, _TRUE = "constant false", "constant true"
+_Path = tuple[str, ...]
+"""Names of the containers around something."""
 
 
-@dataclass(frozen=True)
-class _Defined:
-    """A definition, and the names of the containers around it."""
-
+class _Definition(NamedTuple):
     element: Element
-    path: tuple[str, ...]
+    path: _Path
 
 
-def read_mef(root: Element, file: str, stem: str) -> tuple[list[ReliabilitySystem], list[Problem]]:
+def read_open_psa(
+    root: Element, file: str, stem: str
+) -> tuple[list[ReliabilitySystem], list[Problem]]:
     """Read every top event of a parsed file: one system for each gate that no other one uses."""
     reader = _Reader(file, stem)
     reader.declare(root, (), private=False)
-    reader.define(is_whole="R017" not in {problem.code for problem in reader.problems})
+    reader.define()
     systems = [] if reader.problems else list(reader.systems())
-    return systems, [*dict.fromkeys(reader.problems), *reader.numbers.doubts, *reader.doubts]
+    return systems, [*dict.fromkeys(reader.problems), *reader.doubts.values()]
 
 
 class _Names:
     """Names of one sort: public ones are known everywhere, the others by their path."""
 
     def __init__(self) -> None:
-        self.defined: dict[str, _Defined] = {}
+        self.defined: dict[str, _Definition] = {}
         self._keys: dict[str, str] = {}
 
-    def add(self, name: str, path: tuple[str, ...], element: Element, *, private: bool) -> bool:
+    def add(self, name: str, path: _Path, element: Element, *, private: bool) -> bool:
         """Return whether this is the first of its name."""
         full = ".".join([*path, name])
         key = full if private else name
         if key in self.defined:
             return False
-        self.defined[key] = _Defined(element, path)
+        self.defined[key] = _Definition(element, path)
         self._keys.setdefault(full, key)
         return True
 
-    def find(self, name: str, path: tuple[str, ...]) -> str | None:
+    def find(self, name: str, path: _Path) -> str | None:
         """Return the key of what a name means within a container."""
         for length in range(len(path), 0, -1):
             key = self._keys.get(".".join([*path[:length], name]))
@@ -94,169 +101,245 @@ class _Names:
         return name if name in self.defined else self._keys.get(name)
 
 
+def _parts(element: Element) -> list[Element]:
+    """Return what an element consists of, without its labels."""
+    return [
+        part for part in select(element, "*") if feature_of(part) not in ("label", "attributes")
+    ]
+
+
 class _Reader:
+    """Reads one file; ``doubts`` are warnings, each once for the file or a type of element."""
+
     def __init__(self, file: str, stem: str) -> None:
         self.file, self.stem = file, stem
         self.names, self.parameters = _Names(), _Names()
-        self.numbers = Numbers(file, self._parameter)
+        self.values: dict[Element, float] = {}
         self.problems: list[Problem] = []
-        self.doubts: list[Problem] = []
+        self.doubts: dict[str, Problem] = {}
         self.gates: dict[str, Gate] = {}
         self.events: dict[str, BasicEvent] = {}
 
-    def _parameter(
-        self, name: str, path: tuple[str, ...]
-    ) -> tuple[Element, tuple[str, ...]] | None:
-        key = self.parameters.find(name, path)
-        found = self.parameters.defined.get(key or "")
-        return (found.element, found.path) if found else None
+    def _place(self, element: Element) -> Place:
+        return Place(self.file, line_of(element))
 
-    def declare(self, container: Element, path: tuple[str, ...], *, private: bool) -> None:
+    def _fault(
+        self, case: str, element: Element, /, hint: str | None = None, **fields: Any
+    ) -> EddiError:
+        return EddiError(problem(case, self._place(element), hint=hint, **fields))
+
+    # names
+
+    def declare(self, container: Element, path: _Path, *, private: bool) -> None:
         """Collect the definitions of a container and of those in it."""
-        left_out: dict[str, Element] = {}
         for element in select(container, "*"):
-            of, name = feature_of(element), (element.get("name") or "").strip()
-            hidden = element.get("role") == "private" or (private and not element.get("role"))
-            if of == "model-data":
+            kind, name = feature_of(element), (element.get("name") or "").strip()
+            role = element.get("role")
+            is_private = role == "private" or (private and not role)
+            fault = None
+            if kind == "model-data":
                 self.declare(element, path, private=private)
-            elif of in _CHANGES:
-                self._change(of, element)
-            elif of not in (*_EVENTS, *_CONTAINERS, "define-parameter"):
-                left_out.setdefault(of, element)
+            elif kind in _CHANGES:
+                contents, hint = _CHANGES[kind]
+                named = name or (element.get("file") or "").strip()
+                fields = {"named": f" {named!r}" if named else "", "contents": contents}
+                fault = self._fault("R017.content", element, hint=hint, type=kind, **fields)
+            elif kind not in (*_EVENTS, *_CONTAINERS, "define-parameter"):
+                if kind not in ("label", "attributes"):
+                    doubt = problem("R018.element", self._place(element), type=kind)
+                    self.doubts.setdefault(f"{'.'.join(path)} {kind}", doubt)
             elif len(name.split()) != 1:
-                self._report("R001.name", element, name=name, type=of)
-            elif of in _CONTAINERS:
-                self.declare(element, (*path, name), private=hidden)
+                fault = self._fault("R001.name", element, name=name, type=kind)
+            elif kind in _CONTAINERS:
+                self.declare(element, (*path, name), private=is_private)
             else:
-                names = self.parameters if of == "define-parameter" else self.names
-                if not names.add(name, path, element, private=hidden):
-                    self._report("R001.duplicate", element, name=name)
-        for of, element in left_out.items():
-            if of not in ("label", "attributes"):
-                self.doubts.append(problem("R018.element", place_of(element, self.file), type=of))
+                names = self.parameters if kind == "define-parameter" else self.names
+                if not names.add(name, path, element, private=is_private):
+                    fault = self._fault("R001.duplicate", element, name=name)
+            self.problems += fault.problems if fault else ()
 
-    def _change(self, of: str, element: Element) -> None:
-        """Refuse what would change the probability of the tree (R017)."""
-        about, hint = _CHANGES[of]
-        named = (element.get("name") or element.get("file") or "").strip()
-        self.problems.append(
-            problem(
-                "R017.content",
-                place_of(element, self.file),
-                hint=hint,
-                type=of,
-                named=f" {named!r}" if named else "",
-                contents=about,
-            )
-        )
-
-    def define(self, *, is_whole: bool) -> None:
-        """Read all formulas and numbers.
-
-        Args:
-            is_whole: nothing was refused that may define what others name.
-        """
-        self.near = SimilarNames(self.names.defined)
-        for key, one in self.names.defined.items():
-            of = feature_of(one.element)
+    def define(self) -> None:
+        """Read all formulas and numbers."""
+        # what was refused may define what others name
+        is_complete = all(problem.code != "R017" for problem in self.problems)
+        self.similar = SimilarNames(self.names.defined)
+        for key, (element, path) in self.names.defined.items():
+            is_gate = feature_of(element) == "define-gate"
             try:
-                if of == "define-gate":
-                    self._gate(key, one)
+                if is_gate:
+                    formulas = _parts(element)
+                    if len(formulas) != 1:
+                        raise self._fault("R017.formulas", element, gate=key, number=len(formulas))
+                    self._formula(key, formulas[0], path, 0)
                 else:
-                    law = self.numbers.law(
-                        one.element, one.path, key, house=of != "define-basic-event"
-                    )
-                    place = place_of(one.element, self.file)
-                    self.events[key] = BasicEvent(key, law, place=place)
+                    law = self._law(element, path, key)
+                    self.events[key] = BasicEvent(key, law, place=self._place(element))
             except EddiError as fault:
-                self.problems += [
-                    problem for problem in fault.problems if is_whole or problem.code != "R001"
-                ]
+                self.problems += [p for p in fault.problems if is_complete or p.code != "R001"]
 
-    def _gate(self, key: str, one: _Defined) -> None:
-        formulas = arguments(one.element)
-        if len(formulas) != 1:
-            raise self._fault("R017.formulas", one.element, gate=key, number=len(formulas))
-        self._formula(key, formulas[0], one.path, 0)
+    # formulas
 
-    def _formula(self, key: str, element: Element, path: tuple[str, ...], depth: int) -> None:
+    def _formula(self, key: str, element: Element, path: _Path, depth: int) -> None:
         """Read a formula as the gate of this key, and those within it as gates of their own."""
-        of = feature_of(element)
-        place = place_of(element, self.file)
+        kind, place = feature_of(element), self._place(element)
         if depth > _DEEPEST:
             raise self._fault("R017.depth", element)
-        if of in _REFERENCES or of == "constant":
+        if kind in _REFERENCES:
             self.gates[key] = Gate(key, "OR", (self._reference(element, path),), place=place)
             return
-        if of not in {*_CONNECTIVES, *_NEGATED, "imply"}:
-            raise self._fault("R017.formula", element, type=of)
+        if kind not in {*_CONNECTIVES, *_NEGATED, "imply"}:
+            raise self._fault("R017.formula", element, type=kind)
         below = []
-        for number, part in enumerate(arguments(element), 1):
-            if feature_of(part) in _REFERENCES or feature_of(part) == "constant":
+        for number, part in enumerate(_parts(element), 1):
+            if feature_of(part) in _REFERENCES:
                 below.append(self._reference(part, path))
             else:
                 below.append(f"{key} {number}")
                 self._formula(below[-1], part, path, depth + 1)
-        kind = _CONNECTIVES.get(of) or _NEGATED.get(of) or "OR"
-        if of == "imply" and below:
+        if kind == "imply" and below:
             self.gates[f"{key} not"] = Gate(f"{key} not", "NOT", (below[0],), place=place)
             below[0] = f"{key} not"
-        if of in _NEGATED:
+        if kind in _NEGATED:
             self.gates[key] = Gate(key, "NOT", (f"{key} not",), place=place)
             key = f"{key} not"
+        type_ = _CONNECTIVES.get(kind) or _NEGATED.get(kind) or "OR"
         least = (element.get("min") or "").strip()
-        k = int(least) if kind == "VOTE" and least.isdecimal() and len(least) < 10 else None
-        self.gates[key] = Gate(key, kind, tuple(below), k, place)
+        k = int(least) if type_ == "VOTE" and least.isdecimal() and len(least) < 10 else None
+        self.gates[key] = Gate(key, type_, tuple(below), k, place)
 
-    def _reference(self, element: Element, path: tuple[str, ...]) -> str:
+    def _reference(self, element: Element, path: _Path) -> str:
         if feature_of(element) == "constant":
             is_true = element.get("value") == "true"
-            key = _TRUE if is_true else _FALSE
-            law = Law("fixed", (float(is_true),))
-            self.events.setdefault(key, BasicEvent(key, law, place=place_of(element, self.file)))
-            return key
+            constant = f"constant {str(is_true).lower()}"
+            law, place = Law("fixed", (float(is_true),)), self._place(element)
+            self.events.setdefault(constant, BasicEvent(constant, law, place=place))
+            return constant
         name = (element.get("name") or "").strip()
-        found = self.names.find(name, path)
-        if found is None:
-            place = place_of(element, self.file)
-            raise EddiError(
-                problem(
-                    "R001.unknown_gate", place, hint=self.near.hint(name) or _ONE_FILE, name=name
-                )
-            )
-        return found
+        key = self.names.find(name, path)
+        if key is None:
+            hint = self.similar.hint(name) or _ONE_FILE
+            raise self._fault("R001.unknown_gate", element, hint=hint, name=name)
+        return key
 
     def systems(self) -> Iterator[ReliabilitySystem]:
         """Yield the tops of each tree, with what they reach."""
         used = {below for gate in self.gates.values() for below in gate.of}
         tops: dict[str, list[str]] = {}
-        for key, one in self.names.defined.items():
+        for key, (_, path) in self.names.defined.items():
             if key in self.gates:
-                keys = tops.setdefault(one.path[0] if one.path else self.stem, [])
+                keys = tops.setdefault(path[0] if path else self.stem, [])
                 keys += [key] if key not in used else []
+        if tops and not any(tops.values()):  # check reports the cycle
+            tops[next(iter(tops))].append(next(k for k in self.names.defined if k in self.gates))
         below = {key: gate.of for key, gate in self.gates.items()}
         for tree, keys in tops.items():
-            for key in keys:
-                name = tree if len(keys) == 1 else f"{tree}/{key}"
-                yield self._system(name, key, below)
-        if tops and not any(tops.values()):
-            first = next(key for key in self.names.defined if key in self.gates)
-            yield self._system(next(iter(tops)), first, below)  # its cycle is reported by check
+            for top in keys:
+                name = tree if len(keys) == 1 else f"{tree}/{top}"
+                reached, cycle = order(top, below)
+                ids = [*self.gates, *self.events] if cycle else reached[::-1]
+                gates = {id_: self.gates[id_] for id_ in ids if id_ in self.gates}
+                events = {id_: self.events[id_] for id_ in ids if id_ in self.events}
+                content, place = FaultTree(top, events, gates), self.gates[top].place
+                component = ComponentModel(name, "fault_tree", content, place=place)
+                yield ReliabilitySystem({name: component}, name, place=place)
 
-    def _system(
-        self, name: str, top: str, below: Mapping[str, tuple[str, ...]]
-    ) -> ReliabilitySystem:
-        reached, cycle = order(top, below)
-        keys = [*self.gates, *self.events] if cycle else list(reversed(reached))
-        gates = {key: self.gates[key] for key in keys if key in self.gates}
-        events = {key: self.events[key] for key in keys if key in self.events}
-        place = self.gates[top].place
-        tree = FaultTree(top, events, gates)
-        component = ComponentModel(name, "fault_tree", tree, place=place)
-        return ReliabilitySystem({name: component}, name, place=place)
+    # numbers
 
-    def _fault(self, case: str, element: Element, /, **fields: Any) -> EddiError:
-        return EddiError(problem(case, place_of(element, self.file), **fields))
+    def _law(self, element: Element, path: _Path, name: str) -> Law | None:
+        """Return the law of a basic event or a house event; None where nothing is given."""
+        parts = _parts(element)
+        if len(parts) > 1:
+            raise self._fault("R017.event", parts[1], name=name, number=len(parts))
+        if feature_of(element) == "define-house-event":
+            is_true = any(feature_of(p) == "constant" and p.get("value") == "true" for p in parts)
+            return Law("fixed", (float(is_true),))
+        if not parts:
+            return None
+        kind, values = feature_of(parts[0]).lower(), _parts(parts[0])
+        missions = self._missions(values[-1], path) if values else None
+        if kind == "exponential" and len(values) == 2:
+            rate = self._not_negative(values[0], path)
+            if missions is not None:
+                self._warn_of_unit(values[0], path, "1/h")
+                return Law("exponential", (rate * missions,))
+            time = self._not_negative(values[1], path)
+            return Law("fixed", (-math.expm1(-rate * time),))
+        if kind == "weibull" and len(values) == 4 and missions == 1.0:
+            scale, shape, start = (self._number(value, path) for value in values[:3])
+            if scale <= 0.0 or not 1e-6 <= shape <= 1e6 or start != 0.0:
+                raise self._fault("R002.weibull", parts[0], name=name)
+            self._warn_of_unit(values[0], path, "h")
+            return Law("weibull", (scale, shape))
+        probability = self._number(parts[0], path)
+        if not 0.0 <= probability <= 1.0:
+            raise self._fault("R002.probability", parts[0], name=name, probability=probability)
+        return Law("fixed", (probability,))
 
-    def _report(self, case: str, element: Element, /, **fields: Any) -> None:
-        self.problems += self._fault(case, element, **fields).problems
+    def _missions(self, element: Element, path: _Path) -> float | None:
+        """Return how many mission times an expression is, ``None`` where it is not so many."""
+        factors = _parts(element) if feature_of(element) == "mul" else [element]
+        others = [factor for factor in factors if feature_of(factor) != "system-mission-time"]
+        if len(others) != len(factors) - 1:
+            return None
+        return math.prod(self._not_negative(other, path) for other in others)
+
+    def _number(self, element: Element, path: _Path, depth: int = 0) -> float:
+        """Return the value of an expression, in hours and 1/h where it has a unit."""
+        kind = feature_of(element)
+        if depth > _DEEPEST:
+            raise self._fault("R012.expressions", element)
+        if kind == "parameter":
+            return self._value_of_parameter(self._parameter(element, path), depth)
+        if kind in ("float", "int"):
+            text = (element.get("value") or "").strip()
+            try:
+                value = float(text) if text.isascii() and "_" not in text else math.nan
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise self._fault("R002.number", element, value=text)
+            return value
+        if kind not in _OPERATIONS:
+            raise self._fault("R017.expression", element, type=kind)
+        if kind.endswith("-deviate"):
+            self.doubts.setdefault("deviate", problem("R018.deviates", self._place(element)))
+        values = [self._number(part, path, depth + 1) for part in _parts(element)]
+        try:
+            value = _OPERATIONS[kind](values)
+        except (ArithmeticError, ValueError, IndexError, TypeError):
+            value = math.nan
+        if not math.isfinite(value):
+            raise self._fault("R002.no_number", element, expression=kind)
+        return value
+
+    def _parameter(self, element: Element, path: _Path) -> _Definition:
+        name = (element.get("name") or "").strip()
+        key = self.parameters.find(name, path)
+        if key is None:
+            raise self._fault("R001.parameter", element, name=name)
+        return self.parameters.defined[key]
+
+    def _value_of_parameter(self, definition: _Definition, depth: int) -> float:
+        element, path = definition
+        if element not in self.values:
+            parts, unit = _parts(element), (element.get("unit") or "").strip()
+            if len(parts) != 1:
+                raise self._fault("R017.parameter", element, number=len(parts))
+            if unit not in _UNITS and unit not in _NO_UNITS:
+                known = ", ".join([*_UNITS, *_NO_UNITS[1:]])
+                raise self._fault("R004.unit", element, unit=unit, known=known)
+            self.values[element] = self._number(parts[0], path, depth + 1) * _UNITS.get(unit, 1.0)
+        return self.values[element]
+
+    def _not_negative(self, element: Element, path: _Path) -> float:
+        value = self._number(element, path)
+        if value < 0.0:
+            raise self._fault("R002.negative", element, value=value)
+        return value
+
+    def _warn_of_unit(self, element: Element, path: _Path, assumed: str) -> None:
+        """Say once for the file that a unit is assumed (R004)."""
+        is_parameter = feature_of(element) == "parameter"
+        if not is_parameter or self._parameter(element, path).element.get("unit") not in _UNITS:
+            doubt = problem("R004.no_unit_in_file", self._place(element), assumed=assumed)
+            self.doubts.setdefault("unit", doubt)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import ClassVar
 
 from eddi_scaffold.common.claims import Claim, Element, Meanings
@@ -12,25 +13,38 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors,
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, ModelOutput, Options, ReadResult
-from eddi_scaffold.kinds.reliability import read_eddi as from_eddi
-from eddi_scaffold.kinds.reliability import show
+from eddi_scaffold.eddi_xml.reading import read_document, recognises
+from eddi_scaffold.kinds import (
+    TODO,
+    JsonValue,
+    Model,
+    ModelDraft,
+    ModelInput,
+    ModelOutput,
+    Options,
+    ReadResult,
+)
+from eddi_scaffold.kinds.reliability import MEANINGS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
-from eddi_scaffold.kinds.reliability.claims import MEANINGS
 from eddi_scaffold.kinds.reliability.compile import compile_system
-from eddi_scaffold.kinds.reliability.draft import decided, drafted
-from eddi_scaffold.kinds.reliability.inputs import inputs_of
-from eddi_scaffold.kinds.reliability.lowering import used
-from eddi_scaffold.kinds.reliability.read_open_psa import read_mef
-from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system, with_rate
-from eddi_scaffold.kinds.reliability.system import NAME, ReliabilitySystem, order
+from eddi_scaffold.kinds.reliability.read_eddi import read_eddi
+from eddi_scaffold.kinds.reliability.read_open_psa import read_open_psa
+from eddi_scaffold.kinds.reliability.read_yaml import KEYS, read_system
+from eddi_scaffold.kinds.reliability.system import (
+    NAME,
+    Chain,
+    FaultTree,
+    ReliabilitySystem,
+    inputs_of,
+)
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
-from eddi_scaffold.kinds.reliability.write import to_mef, to_yaml
+from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
+
+_MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
@@ -48,28 +62,27 @@ class ReliabilityModel(Model):
                 tree, problems = load(stream, source.name)
             if tree is None:
                 return ReadResult((), tuple(problems))
-            systems, more = read_mef(tree.document, source.name, source.stem)
-            return cls._reading(systems, source, in_order([*problems, *more]))
+            systems, more = read_open_psa(tree.document, source.name, source.stem)
+            return cls._result(systems, source, in_order([*problems, *more]))
         root, problems = read_map(source, "R001")
-        if root is None or has_errors(problems):
-            return ReadResult((), tuple(in_order(problems)))
-        values = Values(value_11(root), _finder(root), problems=problems)
-        system, problems = read_system(values, _library(values, source), None)
-        if system is None:
-            return ReadResult((), tuple(in_order(problems)))
-        model = cls(source.stem, source, root.place, data=system)
-        return ReadResult((model,), tuple(in_order(problems)))
+        models: tuple[ReliabilityModel, ...] = ()
+        if root is not None and not has_errors(problems):
+            values = Values(value_11(root), partial(_place, root), problems=problems)
+            system, problems = read_system(values, _library(values, source), None)
+            if system is not None:
+                models = (cls(source.stem, source, root.place, data=system),)
+        return ReadResult(models, tuple(in_order(problems)))
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
         """Read the chains and the top events of an EDDI, a model each."""
-        systems, problems = from_eddi.read_eddi(document, source)
-        return cls._reading([] if has_errors(problems) else systems, source, problems)
+        systems, problems = read_eddi(document, source)
+        return cls._result([] if has_errors(problems) else systems, source, problems)
 
     @classmethod
-    def _reading(
+    def _result(
         cls, systems: Sequence[ReliabilitySystem], source: Source, problems: Sequence[Problem]
     ) -> ReadResult:
         models = (cls(system.top, source, system.place, data=system) for system in systems)
@@ -81,27 +94,49 @@ class ReliabilityModel(Model):
 
     def check(self) -> Sequence[Problem]:
         problems = check_system(self.data)
-        return problems if has_errors(problems) else [*problems, *_never(self.data)]
+        return problems if has_errors(problems) else [*problems, *_undecided(self.data)]
 
     def counts(self) -> Mapping[str, int]:
-        return show.counts(self.data)
+        return self.data.counts()
 
     def outline(self) -> Sequence[str]:
         return show.outline(self.data)
 
     def export(self) -> Mapping[str, str]:
-        """Return the whole system as a readable file, and its tree as Open-PSA if possible."""
         name = "".join(c if c.isalnum() or c in "._-" else "_" for c in self.name)
-        tree = to_mef(self.data)
-        opsa = {f"{name}.opsa.xml": tree} if tree is not None else {}
-        return {f"{name}.yml": to_yaml(self.data), **opsa}
+        return {f"{name}.yml": to_yaml(self.data)}
 
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)
 
     def draft(self, options: Options) -> ModelDraft:
-        configured, _ = self.configure(replace(options, values=decided(options.values)))
-        return drafted(self.source, self.data, None if configured is None else configured.data)
+        """Return what a model of an EDDI leaves open; a reliability_config.yml says it itself."""
+        configured, _ = self.configure(replace(options, values=_decided(options.values)))
+        inputs = () if configured is None else configured.inputs()
+        if not recognises(self.source):
+            return ModelDraft(inputs)
+        models: dict[str, JsonValue] = {}
+        notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}
+        for name, key, note in self._observable():
+            models[name] = {key: TODO}
+            notes["models", name, key] = note
+        return ModelDraft(
+            inputs, {"horizon": TODO, **({"models": models} if models else {})}, notes
+        )
+
+    def _observable(self) -> Iterator[tuple[str, str, str]]:
+        """Yield models of which nothing is observed: name, key, what there is to decide."""
+        for name, component in self.data.without_unused().components.items():
+            content = component.content
+            if isinstance(content, Chain) and not content.observe:
+                states = ", ".join(f"{state}: INPUT" for state in content.states[:_MOST_NAMES])
+                yield name, "observe", f"{{{states}}}, or `not INPUT`: false excludes the state"
+            elif isinstance(content, FaultTree):
+                events = content.events
+                free = [key for key, e in events.items() if not e.law or not e.law.model]
+                if free and not any(event.observed for event in events.values()):
+                    names = ", ".join(free[:_MOST_NAMES])
+                    yield name, "events", f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
 
     def configure(self, options: Options) -> tuple[ReliabilityModel | None, list[Problem]]:
         """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
@@ -113,33 +148,28 @@ class ReliabilityModel(Model):
         if system is None:
             return None, problems
         if not has_errors(check_system(system)):
-            system = used(with_rate(system, options.frequency))
+            quantum = 1.0 / options.frequency if options.frequency else system.quantum
+            system = replace(system, quantum=quantum).without_unused()
         before = set(self.check())  # what was in the file before is reported by check
-        problems += [
-            problem
-            for problem in check_system(system)
-            if problem.level == "error" or problem not in before
-        ]
+        new = [p for p in check_system(system) if p.level == "error" or p not in before]
+        problems += new
         if has_errors(problems):
             return None, problems
-        problems += [problem for problem in _never(system) if problem not in before]
-        problems += _always_late(system)
+        problems += [problem for problem in _undecided(system) if problem not in before]
+        if system.max_gap is not None and system.max_gap < system.quantum:
+            gap, period = system.max_gap, system.quantum
+            problems.append(problem("R014.max_gap", system.place, max_gap=gap, period=period))
         return replace(self, data=system, name=options.id or self.name), problems
 
     def inputs(self) -> Sequence[ModelInput]:
-        return inputs_of(used(self.data))
+        return inputs_of(self.data.without_unused())
 
     def own_topics(self) -> Sequence[ModelOutput]:
         """Return the topics of thresholds that have one."""
         return [
-            ModelOutput(
-                threshold.id,
-                threshold.topic,
-                ("evidence", ("id", threshold.id), "active"),
-                threshold.place,
-            )
-            for threshold in self.data.thresholds
-            if threshold.topic is not None
+            ModelOutput(t.id, t.topic, ("evidence", ("id", t.id), "active"), t.place)
+            for t in self.data.thresholds
+            if t.topic is not None
         ]
 
     def element_keys(self) -> Mapping[str, Sequence[str]]:
@@ -158,33 +188,37 @@ class ReliabilityModel(Model):
 
     def elements(self) -> Sequence[Element]:
         """Return what the top uses, each behind what it needs, then the thresholds."""
-        components = self.data.components
-        below = {name: component.below for name, component in components.items()}
-        names = (name for name in order(self.data.top, below)[0] if name in components)
-        places = [(name, components[name].place) for name in names]
+        models = [(model.name, model.place) for model in self.data.used_models()]
         return [
-            *(Element("component", name, None, place.line, place.path) for name, place in places),
+            *(Element("component", name, None, place.line, place.path) for name, place in models),
             *(Element("threshold", threshold.id) for threshold in self.data.thresholds),
         ]
 
 
-def _finder(root: Node) -> Callable[..., Place]:
-    def find(*path: str | int) -> Place:
-        node = root
-        for i, step in enumerate(path):
-            below: Node | None = None
-            if isinstance(node, Map):
-                below = node.get(str(step))
-                if path[i + 1 :] == (KEY,):
-                    return next((k.place for k, _ in node.entries if k.text == step), node.place)
-            elif isinstance(node, Items) and isinstance(step, int) and step < len(node.items):
-                below = node.items[step]
-            if below is None:
-                break
-            node = below
-        return node.place
+def _decided(values: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
+    """Return options without what is still to be decided."""
+    return {
+        key: _decided(value) if isinstance(value, Mapping) else value
+        for key, value in values.items()
+        if value != TODO
+    }
 
-    return find
+
+def _place(root: Node, *path: str | int) -> Place:
+    """Return the place at a path, or that of what encloses it."""
+    node = root
+    for i, step in enumerate(path):
+        below: Node | None = None
+        if isinstance(node, Map):
+            if path[i + 1 :] == (KEY,):
+                return next((key.place for key, _ in node.entries if key.text == step), node.place)
+            below = node.get(str(step))
+        elif isinstance(node, Items) and isinstance(step, int) and step < len(node.items):
+            below = node.items[step]
+        if below is None:
+            break
+        node = below
+    return node.place
 
 
 def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
@@ -200,50 +234,24 @@ def _library(values: Values, source: Source) -> Mapping[str, ReliabilitySystem]:
         return {}
     document, problems = read_document(eddi)
     values.problems += problems
-    if document is None:
-        return {}
-    systems, problems = from_eddi.read_eddi(document, eddi)
+    systems, problems = read_eddi(document, eddi) if document is not None else ([], [])
     values.problems += problems
     return {system.top: system for system in systems}
 
 
-def _always_late(system: ReliabilitySystem) -> list[Problem]:
-    """Return a warning when every step comes later than is usual (R014)."""
-    if system.max_gap is None or system.max_gap >= system.quantum:
-        return []
-    return [problem("R014.max_gap", system.place, max_gap=system.max_gap, period=system.quantum)]
-
-
-def _never(system: ReliabilitySystem) -> list[Problem]:
-    """Return a warning for each threshold that decides nothing at the start (R014).
+def _undecided(system: ReliabilitySystem) -> Iterator[Problem]:
+    """Warn of each threshold that decides nothing at the start (R014).
 
     Where the mission's end is an input, the best is that it comes at once.
     """
     if not system.thresholds:
-        return []
-    best = at_start(system, seconds_left=0.0 if system.mission_end else None)
-    worst = at_start(system, known=False)
+        return
+    best = at_start(system, seconds_left=0.0 if system.mission_end else None).p_fail
+    worst = at_start(system, known=False).p_fail_high
     when = "at mission start" + (", however near the end is" if system.mission_end else "")
-    found = []
-    for threshold in system.thresholds:
-        if best.p_fail > threshold.activate:
-            found.append(
-                problem(
-                    "R014.never_met",
-                    threshold.place,
-                    threshold=threshold.id,
-                    when=when,
-                    p_fail=best.p_fail,
-                    activate=threshold.activate,
-                )
-            )
-        elif worst.p_fail_high <= threshold.activate and inputs_of(system):
-            found.append(
-                problem(
-                    "R014.always_met",
-                    threshold.place,
-                    threshold=threshold.id,
-                    p_fail_high=worst.p_fail_high,
-                )
-            )
-    return found
+    for t in system.thresholds:
+        if best > t.activate:
+            fields = {"threshold": t.id, "when": when}
+            yield problem("R014.never_met", t.place, p_fail=best, activate=t.activate, **fields)
+        elif worst <= t.activate and inputs_of(system):
+            yield problem("R014.always_met", t.place, threshold=t.id, p_fail_high=worst)

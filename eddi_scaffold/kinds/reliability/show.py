@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
 from eddi_scaffold.diagrams.diagram import Shape, Tone
-from eddi_scaffold.kinds.reliability.cut_sets import minimal_cut_sets
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import (
+    UNITS,
     BasicEvent,
     Chain,
     ComponentModel,
@@ -21,27 +21,7 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.trial import at_start, mean_life
 
-_SHOWN = 20
-_UNITS = {
-    **dict.fromkeys(("rate", "rates", "failure_rate", "alpha", "beta", "degradation"), "1/h"),
-    **dict.fromkeys(("mttf_ref", "age"), "h"),
-    **dict.fromkeys(("t_ref", "t_max"), "degC"),
-    "activation_energy": "eV",
-}
-"""Units of the numbers of ready-made models, as they are kept."""
-
-
-def counts(system: ReliabilitySystem) -> Mapping[str, int]:
-    """Return how many models, states, gates and events there are."""
-    states = gates = events = 0
-    for component in system.components.values():
-        if isinstance(component.content, Chain):
-            states += len(component.content.states)
-        elif isinstance(component.content, FaultTree):
-            gates += len(component.content.gates)
-            events += len(component.content.events)
-    found = {"models": len(system.components), "states": states, "gates": gates, "events": events}
-    return {key: value for key, value in found.items() if value}
+_MOST_CUT_SETS = 20
 
 
 def outline(system: ReliabilitySystem) -> list[str]:
@@ -53,10 +33,10 @@ def outline(system: ReliabilitySystem) -> list[str]:
         lines.append(f"{component.type} {component.name}{mark}")
         lines += [f"  {line}" for line in _content(component)]
     for threshold in system.thresholds:
-        on = f", on {threshold.topic}" if threshold.topic else ""
         limits = f"p_fail <= {threshold.activate:g}, gone above {threshold.release:g}"
         limits += f", after {threshold.hold:g} s" if threshold.hold else ""
-        lines.append(f"threshold {threshold.id}: {limits}{on}")
+        topic = f", on {threshold.topic}" if threshold.topic else ""
+        lines.append(f"threshold {threshold.id}: {limits}{topic}")
     return lines
 
 
@@ -70,19 +50,18 @@ def _time(hours: float) -> str:
 
 def _content(component: ComponentModel) -> Iterator[str]:
     content = component.content
-    if isinstance(content, Chain):
+    if isinstance(content, FaultTree):
+        yield from _tree(content)
+    elif isinstance(content, Chain):
         if content.age:
             yield f"age {_time(content.age)}"
         for state in content.states:
-            marks = [
-                m for m, of in (("initial", content.initial), ("fail", content.fail)) if state in of
-            ]
-            yield state + (f" ({', '.join(marks)})" if marks else "")
+            groups = {"initial": content.initial, "fail": content.fail}
+            marks = ", ".join(mark for mark, states in groups.items() if state in states)
+            yield f"{state} ({marks})" if marks else state
             for arc in content.arcs:
                 if arc.source == state:
                     yield f"  -> {arc.target}  {arc.rate:g} 1/h"
-    elif isinstance(content, FaultTree):
-        yield from _tree(content)
     elif component.type == "series":
         yield ", ".join(component.uses)
     else:
@@ -94,32 +73,35 @@ def _content(component: ComponentModel) -> Iterator[str]:
 def _quantity(key: str, value: Any) -> str:
     """Return a value of a ready-made model with its unit; equal rates once."""
     if isinstance(value, tuple | list):
-        each = [_quantity(key, one) for one in value]
-        same = len(set(each)) == 1 and key == "rates"
-        return f"{each[0]} for each of {len(each)}" if same else ", ".join(each)
+        each = [_quantity(key, item) for item in value]
+        is_same = len(set(each)) == 1 and key == "rates"
+        return f"{each[0]} for each of {len(each)}" if is_same else ", ".join(each)
     if isinstance(value, bool):
         return "yes" if value else "no"
     shown = f"{value:g}" if isinstance(value, float) else str(value)
-    return f"{shown} {_UNITS[key]}" if key in _UNITS else shown
+    return f"{shown} {UNITS.get(key, '')}".rstrip()
 
 
 def _tree(tree: FaultTree) -> Iterator[str]:
     if tree.age:
         yield f"age {tree.age:g} h"
     seen: set[str] = set()
-    waiting = [(tree.top, 0)]
+    waiting = [(tree.top, "")]
     while waiting:
-        name, depth = waiting.pop()
+        name, indent = waiting.pop()
         gate = tree.gates.get(name)
         if gate is None:
-            yield "  " * depth + f"{name}  {law_text(tree.events[name])}"
-            continue
-        kind = f"{gate.k}/{len(gate.of)}" if gate.type == "VOTE" else gate.type
-        again = name in seen
-        yield "  " * depth + f"{kind} {name}" + (" (see above)" if again and gate.of else "")
-        seen.add(name)
-        if not again:
-            waiting += [(below, depth + 1) for below in reversed(gate.of)]
+            yield f"{indent}{name}  {law_text(tree.events[name])}"
+        elif name in seen:
+            yield f"{indent}{_kind(gate)} {name}{' (see above)' if gate.of else ''}"
+        else:
+            yield f"{indent}{_kind(gate)} {name}"
+            seen.add(name)
+            waiting += [(below, f"{indent}  ") for below in reversed(gate.of)]
+
+
+def _kind(gate: Gate) -> str:
+    return f"{gate.k}/{len(gate.of)}" if gate.type == "VOTE" else gate.type
 
 
 def law_text(event: BasicEvent) -> str:
@@ -127,44 +109,42 @@ def law_text(event: BasicEvent) -> str:
     law = event.law
     if law is None:
         return "no probability"
-    text = {
-        "exponential": lambda: f"{law.values[0]:g} 1/h",
-        "weibull": lambda: f"Weibull {law.values[0]:g} h, shape {law.values[1]:g}",
-        "fixed": lambda: f"p {law.values[0]:g}",
-        "model": lambda: f"model {law.model}",
-    }[law.kind]()
-    if event.age is not None:
-        text += f", age {event.age:g} h"
-    return f"{text}, observed" if event.observed else text
+    form = {
+        "exponential": "{0:g} 1/h",
+        "weibull": "Weibull {0:g} h, shape {1:g}",
+        "fixed": "p {0:g}",
+        "model": "model {model}",
+    }[law.kind]
+    age = "" if event.age is None else f", age {event.age:g} h"
+    return form.format(*law.values, model=law.model) + age + (", observed" * event.observed)
 
 
 def readme(system: ReliabilitySystem) -> list[str]:
     """Return numbers at the start of the mission, thresholds and minimal cut sets."""
-    start = at_start(system)
-    life = mean_life(system)
+    start, life = at_start(system), mean_life(system)
     shown = "not computed" if life is None else "infinite" if math.isinf(life) else f"{life:.6g} h"
     until = "the mission's end" if system.mission_end else "the horizon"
     probability = f"{start.p_fail:.6g}"
     if start.p_fail_low < start.p_fail_high:  # bounds by cut sets: reliability is the least one
         probability = f"from {start.p_fail_low:.6g} to {start.p_fail_high:.6g}"
         shown = f"at least {shown}" if life is not None else shown
-    first = (
+    numbers = (
         f"`{markdown_code(system.top)}` fails within {system.horizon:g} h ({until}) with "
         f"probability {probability} at mission start, everything in order; mean time to failure: "
         f"{shown}."
     )
-    lines = [first, ""]
+    lines = [numbers, ""]
     if system.thresholds:
+        unknown = "its worst case counts" if system.worst_case else "no evidence is active"
         lines += ["| evidence | active at p_fail up to | gone above | hold |", "|---|---|---|---|"]
         lines += [
             f"| {markdown_text(t.id)} | {t.activate:g} | {t.release:g} | {t.hold:g} s |"
             for t in system.thresholds
         ]
-        unknown = "its worst case counts" if system.worst_case else "no evidence is active"
         lines += ["", f"While an input is unknown, {unknown}.", ""]
     for name, component in system.components.items():
         if isinstance(component.content, FaultTree):
-            lines += _cut_sets(name, component.content)
+            lines += [*_cut_sets(name, component.content), ""]
     lines.append(
         "Assumed: failures of different models and basic events are independent, rates of chains "
         "are constant."
@@ -172,27 +152,22 @@ def readme(system: ReliabilitySystem) -> list[str]:
     return lines
 
 
-def _cut_sets(name: str, tree: FaultTree) -> list[str]:
+def _cut_sets(name: str, tree: FaultTree) -> Iterator[str]:
     sets, shown = cut_sets(name, tree), f"`{markdown_code(name)}`"
     if sets is None:
         reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
-        return [f"{shown} {reason}.", ""]
-    lines = [f"Minimal cut sets of {shown}: {len(sets)}", ""]
-    lines += [f"- {markdown_text(', '.join(cut_set))}" for cut_set in sets[:_SHOWN]]
-    if len(sets) > _SHOWN:
-        lines.append(f"- and {len(sets) - _SHOWN} more")
-    return [*lines, ""]
+        yield f"{shown} {reason}."
+        return
+    yield from (f"Minimal cut sets of {shown}: {len(sets)}", "")
+    yield from (f"- {markdown_text(', '.join(names))}" for names in sets[:_MOST_CUT_SETS])
+    if len(sets) > _MOST_CUT_SETS:
+        yield f"- and {len(sets) - _MOST_CUT_SETS} more"
 
 
 def cut_sets(name: str, tree: FaultTree) -> list[list[str]] | None:
-    """Return the minimal cut sets of a fault tree, smallest first; None: none, or too many.
-
-    A tree with NOT or XOR has none.
-    """
+    """Return the minimal cut sets, smallest first; None: NOT or XOR, or too many."""
     lowered = lower_tree(name, tree)
-    sets = lowered.cut_sets
-    if sets is None and lowered.diagram is not None and lowered.diagram.coherent:
-        sets = minimal_cut_sets(lowered.diagram)
+    sets = lowered.cut_sets or lowered.all_cut_sets(lowered.certain)
     if sets is None:
         return None
     names = [sorted(lowered.events[i].name for i in cut_set) for cut_set in sets]
@@ -214,31 +189,38 @@ def picture(name: str, system: ReliabilitySystem) -> Diagram:
     nodes: list[DiagramNode] = []
     edges: list[DiagramEdge] = []
     for component in system.components.values():
-        content = component.content
+        part, content = component.name, component.content
         if isinstance(content, Chain):
-            nodes += _states(component.name, content)
-            edges += [
-                DiagramEdge(
-                    f"{component.name}:{a.source}", f"{component.name}:{a.target}", f"{a.rate:g}/h"
-                )
-                for a in content.arcs
-            ]
+            for state in content.states:
+                tone: Tone = "warning" if state in content.fail else "neutral"
+                marks = ("initial",) if state in content.initial else ()
+                nodes.append(DiagramNode(f"{part}:{state}", (state, *marks), "rounded", tone))
+            for a in content.arcs:
+                rate = f"{a.rate:g}/h"
+                edges.append(DiagramEdge(f"{part}:{a.source}", f"{part}:{a.target}", rate))
         elif isinstance(content, FaultTree):
-            nodes += _tree_nodes(component.name, content)
-            edges += _tree_edges(system, component.name, content)
+            for key, gate in content.gates.items():
+                tone = "warning" if key == content.top else "gate"
+                shape = _SHAPES.get(gate.type, "or")
+                nodes.append(DiagramNode(f"{part}:{key}", (key, _kind(gate)), shape, tone))
+                ends = [(f"{part}:{below}", f"{part}:{key}") for below in gate.of]
+                edges += [DiagramEdge(*end, arrow=False) for end in ends]
+            for key, event in content.events.items():
+                lines = (key, law_text(event))
+                nodes.append(DiagramNode(f"{part}:{key}", lines, "ellipse", "input"))
+                model = event.law.model if event.law else ""
+                if model in system.components:  # `check` says what is missing
+                    edges.append(DiagramEdge(_top(system, model), f"{part}:{key}"))
         else:
-            nodes.append(_box(component))
-            edges += [
-                DiagramEdge(_top(system, below), component.name)
-                for below in component.uses
-                if below in system.components  # `check` says what is missing
-            ]
+            nodes.append(DiagramNode(part, (part, component.type), "box", "neutral"))
+            models = [model for model in component.uses if model in system.components]
+            edges += [DiagramEdge(_top(system, model), part) for model in models]
     for threshold in system.thresholds:
         lines = (threshold.id, f"p_fail <= {threshold.activate:g}")
         nodes.append(DiagramNode(f"evidence:{threshold.id}", lines, "hexagon", "output"))
         edges.append(DiagramEdge(_top(system, system.top), f"evidence:{threshold.id}"))
     shapes = {(node.shape, node.tone) for node in nodes}
-    legend = tuple(one for one in _LEGEND if (one.shape, one.tone) in shapes)
+    legend = tuple(entry for entry in _LEGEND if (entry.shape, entry.tone) in shapes)
     text = "chains of states and the fault trees that use them"
     return Diagram(f"Reliability {name}", tuple(nodes), tuple(edges), "up", legend, text)
 
@@ -249,35 +231,3 @@ def _top(system: ReliabilitySystem, name: str) -> str:
     if isinstance(content, Chain):
         return f"{name}:{content.fail[0]}" if content.fail else name
     return f"{name}:{content.top}" if isinstance(content, FaultTree) else name
-
-
-def _states(name: str, chain: Chain) -> Iterator[DiagramNode]:
-    for state in chain.states:
-        tone: Tone = "warning" if state in chain.fail else "neutral"
-        marks = ("initial",) if state in chain.initial else ()
-        yield DiagramNode(f"{name}:{state}", (state, *marks), "rounded", tone)
-
-
-def _tree_nodes(name: str, tree: FaultTree) -> Iterator[DiagramNode]:
-    for key, gate in tree.gates.items():
-        tone: Tone = "warning" if key == tree.top else "gate"
-        yield DiagramNode(f"{name}:{key}", (key, _label(gate)), _SHAPES.get(gate.type, "or"), tone)
-    for key, event in tree.events.items():
-        yield DiagramNode(f"{name}:{key}", (key, law_text(event)), "ellipse", "input")
-
-
-def _label(gate: Gate) -> str:
-    return f"{gate.k}/{len(gate.of)}" if gate.type == "VOTE" else gate.type
-
-
-def _tree_edges(system: ReliabilitySystem, name: str, tree: FaultTree) -> Iterator[DiagramEdge]:
-    for key, gate in tree.gates.items():
-        for below in gate.of:
-            yield DiagramEdge(f"{name}:{below}", f"{name}:{key}", arrow=False)
-    for key, event in tree.events.items():
-        if event.law is not None and event.law.model in system.components:
-            yield DiagramEdge(_top(system, event.law.model), f"{name}:{key}")
-
-
-def _box(component: ComponentModel) -> DiagramNode:
-    return DiagramNode(component.name, (component.name, component.type), "box", "neutral")

@@ -1,25 +1,31 @@
-"""What a reliability monitor is made of: chains, trees, component models, thresholds."""
+"""What a reliability monitor consists of: chains, trees, component models, thresholds; inputs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+import re
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
+from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place
+from eddi_scaffold.common.units import accepted
+from eddi_scaffold.kinds import ModelInput
+from eddi_scaffold.kinds.reliability.fault_tree import COHERENT
 
 NAME = "reliability"
+MISSION_END = "mission_end"
 GATES = ("OR", "AND", "NOT", "XOR", "VOTE", "PAND", "POR", "SAND")
 DYNAMIC = ("PAND", "POR", "SAND")
-TYPES = (
-    "propulsion",
-    "battery",
-    "processor",
-    "k_out_of_n",
-    "series",
-    "fault_tree",
-    "markov",
-)
+TYPES = ("propulsion", "battery", "processor", "k_out_of_n", "series", "fault_tree", "markov")
+UNITS = {
+    **dict.fromkeys(("rate", "rates", "failure_rate", "alpha", "beta", "degradation"), "1/h"),
+    **dict.fromkeys(("mttf_ref", "age"), "h"),
+    **dict.fromkeys(("t_ref", "t_max"), "degC"),
+    "activation_energy": "eV",
+}
+"""Units of the numbers of ready-made models, as they are kept."""
+T = TypeVar("T", bound=Hashable)
 
 
 @dataclass(frozen=True)
@@ -29,8 +35,6 @@ class Law:
     Attributes:
         kind: ``exponential`` (rate in 1/h), ``weibull`` (scale in h, shape), ``fixed``
             (probability), ``model`` (that of another model).
-        values: its numbers.
-        model: name of the model.
     """
 
     kind: str
@@ -40,10 +44,9 @@ class Law:
 
 @dataclass(frozen=True)
 class BasicEvent:
-    """A basic event; ``law`` is None while no probability was given.
+    """A basic event, whose id is its key in the tree; no law: no probability was given.
 
     Attributes:
-        name: for people; its id is the key in the tree.
         observed: an input reports whether it has happened.
         age: hours that it had run before the mission; None: as long as the tree.
     """
@@ -92,6 +95,10 @@ class FaultTree:
     approximate: bool = False
     bounds_place: Place = field(default=Place(), compare=False)
 
+    def reached(self) -> tuple[list[str], tuple[str, ...]]:
+        """Return what the top reaches, as ``order`` does."""
+        return order(self.top, {key: gate.of for key, gate in self.gates.items()})
+
 
 @dataclass(frozen=True)
 class Arc:
@@ -135,10 +142,9 @@ class ComponentModel:
     """One model of a monitor.
 
     Attributes:
-        name: unique in its system.
         type: one of ``TYPES``.
         content: of a chain or a tree.
-        values: the numbers of the other types, in h, 1/h and degC.
+        values: the numbers of the other types, in ``UNITS``.
         uses: models that it is made of (those of a tree are in its events).
     """
 
@@ -180,11 +186,9 @@ class ReliabilitySystem:
     """Models with a horizon: all that a monitor needs.
 
     Attributes:
-        components: by name, in the order of the file.
         top: model whose numbers are published.
         horizon: hours; the longest one when the mission's end is an input.
         mission_end: the mission's end is an input.
-        thresholds: evidence.
         worst_case: evidence follows the worst case of unknown inputs instead of going away.
         max_gap: seconds between two steps that are still usual; None: the value of ``usual_gap``.
         quantum: seconds of one step of the chains.
@@ -205,24 +209,44 @@ class ReliabilitySystem:
         """Seconds between two steps that are still usual: at least a step that is left out."""
         return max(1.0, 2.5 * self.quantum) if self.max_gap is None else self.max_gap
 
+    def counts(self) -> Mapping[str, int]:
+        """Return how many models, states, gates and events there are, without zeros."""
+        contents = [component.content for component in self.components.values()]
+        trees = [content for content in contents if isinstance(content, FaultTree)]
+        numbers = {
+            "models": len(self.components),
+            "states": sum(len(c.states) for c in contents if isinstance(c, Chain)),
+            "gates": sum(len(tree.gates) for tree in trees),
+            "events": sum(len(tree.events) for tree in trees),
+        }
+        return {key: number for key, number in numbers.items() if number}
 
-def order(top: str, below: Mapping[str, Sequence[str]]) -> tuple[list[str], tuple[str, ...]]:
+    def used_models(self) -> list[ComponentModel]:
+        """Return the models that the top uses, each behind what it uses."""
+        below = {name: component.below for name, component in self.components.items()}
+        names = order(self.top, below)[0]
+        return [self.components[name] for name in names if name in self.components]
+
+    def without_unused(self) -> ReliabilitySystem:
+        """Return the system without models that the top does not use."""
+        names = {component.name for component in self.used_models()}
+        kept = {name: model for name, model in self.components.items() if name in names}
+        return replace(self, components=kept)
+
+
+def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
     """Return all that the top reaches, each behind what it uses, and a cycle if there is one.
-
-    Args:
-        top: where to begin.
-        below: what each uses; what has no entry uses nothing.
 
     Returns:
         The order, incomplete when there is a cycle, and the members of the first cycle, each
         using the next one and the last the first; empty for none.
     """
-    done: dict[str, None] = {}
-    path: dict[str, None] = {}
-    waiting: list[tuple[str, bool]] = [(top, False)]
+    done: dict[T, None] = {}
+    path: dict[T, None] = {}
+    waiting: list[tuple[T, bool]] = [(top, False)]
     while waiting:
-        node, leaving = waiting.pop()
-        if leaving:
+        node, is_left = waiting.pop()
+        if is_left:
             path.pop(node)
             done[node] = None
         elif node in path:
@@ -233,3 +257,85 @@ def order(top: str, below: Mapping[str, Sequence[str]]) -> tuple[list[str], tupl
             waiting.append((node, True))
             waiting += [(n, False) for n in reversed(below.get(node, ()))]
     return list(done), ()
+
+
+def inputs_of(system: ReliabilitySystem) -> list[ModelInput]:
+    """Return the inputs in the order of the models; one that serves two of them once."""
+    inputs: dict[str, ModelInput] = {}
+    for model in system.components.values():
+        for input_ in _inputs(model):
+            inputs.setdefault(input_.id, input_)
+    if system.mission_end:
+        text, seconds = "Seconds from now to the end of the mission", system.horizon * 3600.0
+        inputs[MISSION_END] = ModelInput(
+            MISSION_END, "float", unit="s", description=text, sample=seconds
+        )
+    trees = [c.content for c in system.components.values() if isinstance(c.content, FaultTree)]
+    if all(gate.type in COHERENT for tree in trees for gate in tree.gates.values()):
+        # a failure of a part never makes the system better: a threshold gains from what works
+        for id_, input_ in inputs.items():
+            if input_.type == "bool" and input_.is_good is not None:
+                inputs[id_] = replace(input_, uses=(Use(input_.is_good),))
+    return list(inputs.values())
+
+
+def input_id(model: str, rest: str) -> str:
+    """Return the id of an input: names joined, all else than letters and digits as ``_``."""
+    return re.sub(r"[^A-Za-z0-9_]", "_", f"{model}_{rest}")
+
+
+def _inputs(model: ComponentModel) -> Iterator[ModelInput]:
+    name, content, values = model.name, model.content, model.values
+    if isinstance(content, Chain):
+        for seen in content.observe:
+            text = f"{'True' if seen.negated else 'False'}: {name} is not in state {seen.state}"
+            yield _truth(seen.input, text, (seen.state in content.initial) is not seen.negated)
+    elif isinstance(content, FaultTree):
+        for key, event in content.events.items():
+            if event.observed:
+                text = f"Has the event {event.name} happened?"
+                yield _truth(input_id(name, key), text, False, lambda value: value is False)
+    elif model.type == "propulsion":
+        count = len(values["rates"])
+        if values["status"] == "list":
+            id_, text = input_id(name, "status"), f"Does each of the {count} motors work?"
+            sample = [True] * count
+            yield ModelInput(id_, "bool[]", description=text, covered="each true", sample=sample)
+            return
+        for i in range(count):
+            id_ = input_id(name, f"motor_{i}")
+            yield _truth(id_, f"Does motor {i} work?", True, lambda value: value is True)
+    elif model.type == "battery":
+        text = "State of charge in percent"
+        yield _number(name, "level", text, 100.0, "above 25", "percent")
+        if "t_ref" in values:
+            yield _temperature(name, "Temperature of the battery", values)
+    elif model.type == "processor":
+        yield _temperature(name, "Temperature of the processor", values)
+        text, most = "Load of the processor, 1 for full", values["u_max"]
+        yield _number(name, "utilisation", text, min(1.0, most), f"0 to {most:g}")
+    elif model.type == "k_out_of_n":
+        text = f"How many units are available, {values['k']} are needed"
+        units, good = values["max"] or values["k"], f"at least {values['k']}"
+        yield replace(_number(name, "available", text, units, good), type="int")
+
+
+def _truth(
+    id_: str, text: str, sample: bool, is_good: Callable[[object], bool] | None = None
+) -> ModelInput:
+    text, covered = re.sub(r"[\s\"'\\]+", " ", text)[:120], "true" if sample else "false"
+    return ModelInput(
+        id_, "bool", description=text, covered=covered, sample=sample, is_good=is_good
+    )
+
+
+def _temperature(model: str, text: str, values: Mapping[str, Any]) -> ModelInput:
+    usual, most = values["t_ref"], values["t_max"]
+    return _number(model, "temperature", text, min(usual, most), f"at most {most:g}", "degC")
+
+
+def _number(
+    model: str, rest: str, text: str, sample: float, covered: str, unit: str | None = None
+) -> ModelInput:
+    input_ = ModelInput(input_id(model, rest), "float", unit=unit, units=accepted(unit))
+    return replace(input_, description=text, covered=covered, sample=sample)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
@@ -12,23 +13,20 @@ from typing import Any
 import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
+from eddi_scaffold.kinds.reliability.chains import STATES_WRITTEN_OUT
 from eddi_scaffold.kinds.reliability.compile import compile_system
-from eddi_scaffold.kinds.reliability.component_text import STATES_WRITTEN_OUT
-from eddi_scaffold.kinds.reliability.inputs import MISSION_END, inputs_of
-from eddi_scaffold.kinds.reliability.lowering import used
-from eddi_scaffold.kinds.reliability.system import NAME, Chain, FaultTree, ReliabilitySystem
+from eddi_scaffold.kinds.reliability.system import MISSION_END, NAME, ReliabilitySystem, inputs_of
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import Declaration, module_text
 from eddi_scaffold.program.running import module_of
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _TOO_MANY = 300
 _STEPS = 2000
-"""Evaluations for one mean life; four times what a smooth reliability needs."""
+"""Evaluations for one mean life; several times what a smooth reliability needs."""
 
 
 class _TooRoughError(Exception):
-    """The integral needs more evaluations than there may be."""
+    """The integral has no end, or needs more evaluations than there may be."""
 
 
 def at_start(
@@ -42,7 +40,7 @@ def at_start(
         seconds_left: to the end of the mission, where that is an input; None: the longest.
     """
     monitor: Reliability = _module(system).Monitor()
-    values = _start(system) if known else {}
+    values = _in_order(system) if known else {}
     if seconds_left is not None:
         values[MISSION_END] = seconds_left
     return monitor.execute_step(SimpleNamespace(**values), 0)
@@ -51,24 +49,24 @@ def at_start(
 def mean_life(system: ReliabilitySystem) -> float | None:
     """Return the mean time to failure of the top in hours from the start of the mission.
 
-    The integral of the reliability with everything in order (adaptive Gauss-Legendre, relative
-    1e-9); None for models that are too large or too rough to be evaluated that often, or without a
-    limit.
+    The integral of the reliability with everything in order, relative 1e-9; None for models that
+    are too large or too rough to be evaluated that often, or whose life has no end.
     """
     first = at_start(system)
     if not math.isnan(first.mttf):
         return first.mttf
-    if _size(system) > _TOO_MANY:
+    counts = system.without_unused().counts()
+    if sum(counts.values()) - counts["models"] > _TOO_MANY:
         return None
-    values = SimpleNamespace(**_start(system))
+    values = SimpleNamespace(**_in_order(system))
     compiled = _module(replace(system, mission_end=False, thresholds=()), states=0)
     if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
         batteries = vars(compiled)["battery"].Battery
         vars(compiled)["battery"] = SimpleNamespace(Battery=cache(batteries))
-    left = iter(range(_STEPS))
+    steps = iter(range(_STEPS))
 
     def reliability(hours: float) -> float:
-        if next(left, None) is None:
+        if next(steps, None) is None:
             raise _TooRoughError
         return look_ahead(compiled, hours).execute_step(values, 0).reliability
 
@@ -78,54 +76,37 @@ def mean_life(system: ReliabilitySystem) -> float | None:
         return None
 
 
-def _integral(reliability: Any) -> float | None:
-    """Return the integral of a survival function over [0, inf)."""
+def _integral(reliability: Callable[[float], float]) -> float:
+    """Return the integral of a survival function over [0, inf).
+
+    By the trapezoidal rule in the logarithm of time, which converges exponentially.
+    """
     scale = 1.0
     while reliability(scale) > 0.5:
         scale *= 4.0
         if scale > 1e18:
-            return None
+            raise _TooRoughError
     while reliability(scale) < 0.5 and scale > 1e-12:
         scale /= 2.0
-    total, left, width = 0.0, 0.0, scale / 2.0
-    for _ in range(80):
-        whole = _gauss(reliability, left, left + width)
-        part = _panel(reliability, left, left + width, whole, total, 6)
-        total += part
-        left += width
-        width *= 1.5
-        if part <= 1e-12 * total:
+
+    def terms(first: float, step: float) -> Iterator[float]:
+        """Yield terms in one direction from the median life on, until they are negligible."""
+        for k in itertools.count():
+            hours = scale * math.exp(first + k * step)
+            if hours > 1e18:
+                raise _TooRoughError
+            yield (term := hours * reliability(hours))
+            if term <= 1e-13 * scale:
+                return
+
+    step = 0.5
+    total = step * math.fsum([*terms(0.0, step), *terms(-step, -step)])
+    while True:
+        between = math.fsum([*terms(step / 2.0, step), *terms(-step / 2.0, -step)])
+        last, total = total, 0.5 * total + 0.5 * step * between
+        if abs(total - last) <= 1e-9 * total:
             return total
-    return None
-
-
-def _panel(
-    reliability: Any, left: float, right: float, whole: float, before: float, depth: int
-) -> float:
-    """Return the integral from left to right, as exact as the sum with what is before needs it."""
-    middle = 0.5 * (left + right)
-    low, high = _gauss(reliability, left, middle), _gauss(reliability, middle, right)
-    halves = low + high
-    if depth == 0 or abs(whole - halves) <= 1e-11 * abs(before + halves):
-        return halves
-    below = _panel(reliability, left, middle, low, before, depth - 1)
-    return below + _panel(reliability, middle, right, high, before + below, depth - 1)
-
-
-def _gauss(reliability: Any, left: float, right: float) -> float:
-    half, middle = 0.5 * (right - left), 0.5 * (right + left)
-    values = [w * reliability(middle + half * x) for x, w in zip(_NODES, _WEIGHTS, strict=True)]
-    return half * math.fsum(values)
-
-
-def _size(system: ReliabilitySystem) -> int:
-    size = 0
-    for component in used(system).components.values():
-        if isinstance(component.content, Chain):
-            size += len(component.content.states)
-        elif isinstance(component.content, FaultTree):
-            size += len(component.content.gates) + len(component.content.events)
-    return size
+        step /= 2.0
 
 
 def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
@@ -144,40 +125,33 @@ def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
 
 def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> ModuleType:
     """Return the module of a system whose inputs have no names but their ids."""
-    inputs = tuple(BoundInput(input_.id, input_.id) for input_ in inputs_of(used(system)))
-    declaration = Declaration("m", "", inputs)
+    inputs = inputs_of(system.without_unused())
+    declaration = Declaration("m", "", tuple(BoundInput(i.id, i.id) for i in inputs))
     compiled = compile_system(system, declaration, states=states)
     text = module_text(NAME, compiled, declaration.model_id)
     return module_of(text, declaration.model_id)
 
 
-def _start(system: ReliabilitySystem) -> dict[str, Any]:
-    """Return inputs that report no failure."""
-    return {input_.id: input_.sample for input_ in inputs_of(used(system))}
+def _in_order(system: ReliabilitySystem) -> dict[str, Any]:
+    return {input_.id: input_.sample for input_ in inputs_of(system.without_unused())}
 
 
 def proximity(
-    one: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
+    track: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
 ) -> tuple[float, float]:
-    """Return the fraction of samples with less than a distance, as lower and upper bound.
+    """Return the fraction of samples nearer than a distance in m, as lower and upper bound.
 
-    Args:
-        one: track (samples, coordinates) in m; both tracks at the same times.
-        other: track of the same shape.
-        distance: m; a sample exactly as far away is not counted.
-
-    Returns:
-        Both bounds, equal unless a coordinate is not finite: such a sample counts for the upper
-        one only. NaN, NaN without samples.
+    Both tracks have a row of coordinates in m for each of the same times. A sample that is not
+    finite counts for the upper bound only; NaN, NaN without samples.
 
     Raises:
         ValueError: the tracks do not have the same shape.
     """
-    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    a, b = np.asarray(track, dtype=float), np.asarray(other, dtype=float)
     if a.shape != b.shape or a.ndim > 2:
         raise ValueError(f"the tracks have the shapes {a.shape} and {b.shape}")
     if not a.size:
         return float("nan"), float("nan")
     known = (np.isfinite(a) & np.isfinite(b)).all(axis=1)
-    near = int((np.linalg.norm(a[known] - b[known], axis=1) < distance).sum())
-    return near / len(a), (near + int((~known).sum())) / len(a)
+    nearer = int((np.linalg.norm(a[known] - b[known], axis=1) < distance).sum())
+    return nearer / len(a), (nearer + int((~known).sum())) / len(a)

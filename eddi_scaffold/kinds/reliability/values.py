@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar
 
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
-from eddi_scaffold.common.units import Quantity, QuantityError, UnitError, number, temperature
+from eddi_scaffold.common import units
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 
 KEY = -1
 """Last part of a path that refers to the place of a key, not of its value."""
-_Read = Callable[[object], Quantity]
+_Read = Callable[[object], units.Quantity]
+V = TypeVar("V")
 
 
-def case_of(wrong: QuantityError) -> str:
+def case_of(fault: units.QuantityError) -> str:
     """Return what is wrong: the unit, or everything else."""
-    return "R004.quantity" if isinstance(wrong, UnitError) else "R002.quantity"
+    return "R004.quantity" if isinstance(fault, units.UnitError) else "R002.quantity"
 
 
 class Values:
@@ -35,13 +36,8 @@ class Values:
         path: tuple[str | int, ...] = (),
         problems: list[Problem] | None = None,
     ) -> None:
-        self._data, self._find, self._path = data, find, path
+        self.data, self._find, self._path = data, find, path
         self.problems: list[Problem] = [] if problems is None else problems
-
-    @property
-    def failed(self) -> bool:
-        """Whether an error was found, in this map or another one."""
-        return has_errors(self.problems)
 
     @property
     def errors(self) -> int:
@@ -52,104 +48,96 @@ class Values:
         """Return the place of something in this map."""
         return self._find(*self._path, *keys)
 
-    def names(self) -> list[str]:
-        """Return the keys in the order of the file."""
-        return [str(key) for key in self._data]
-
     def has(self, key: str) -> bool:
         """Return whether a key is there with a value."""
-        return self._data.get(key) is not None
-
-    def value(self, key: str, default: Any = None) -> Any:
-        """Return the plain value of a key."""
-        found = self._data.get(key)
-        return default if found is None else found
+        return self.data.get(key) is not None
 
     def report(
         self, case: str, /, *keys: str | int, hint: str | None = None, **fields: object
     ) -> None:
-        """Report an error at a key of this map, or at the map itself."""
+        """Report a problem at a key of this map, or at the map itself."""
         self.problems.append(problem(case, self.place(*keys), hint=hint, **fields))
 
-    def unknown(
-        self, key: str, given: str, what: str, known: Iterable[str], *, is_key: bool = False
-    ) -> None:
-        """Report that a value, or a key, is none of those that are known (R001)."""
-        hint = SimilarNames(list(known), "there are").hint(given)
-        path = (key, KEY) if is_key else (key,)
-        self.report("R001.reference", *path, hint=hint, kind=what, name=given)
+    def unknown(self, kind: str, name: str, known: Iterable[str], *keys: str | int) -> None:
+        """Report at a key that a name is none of those that are known (R001)."""
+        hint = SimilarNames(list(known), "there are").hint(name)
+        self.report("R001.reference", *keys, hint=hint, kind=kind, name=name)
 
-    def only(self, known: Sequence[str]) -> None:
+    def only(self, *known: str) -> None:
         """Report the keys that are not known (R001)."""
-        near = SimilarNames(known, "known keys")
-        for key in self.names():
+        similar = SimilarNames(known, "known keys")
+        for key in map(str, self.data):
             if key not in known:
-                self.report("R001.unknown_key", key, KEY, hint=near.hint(key), key=key)
+                self.report("R001.unknown_key", key, KEY, hint=similar.hint(key), key=key)
+
+    def _get(self, key: str, *, required: bool) -> Any:
+        value = self.data.get(key)
+        if value is None and required:
+            self.report("R001.missing_key", key=key)
+        return value
 
     def map(self, key: str) -> Values | None:
         """Return the map below a key, None where there is none."""
-        found = self._data.get(key)
-        if found is None:
-            return None
-        if not isinstance(found, Mapping):
+        value = self.data.get(key)
+        if isinstance(value, Mapping):
+            return Values(value, self._find, (*self._path, key), self.problems)
+        if value is not None:
             self.report("R002.map", key, key=key)
-            return None
-        return Values(found, self._find, (*self._path, key), self.problems)
+        return None
+
+    def entries(self, key: str) -> Iterator[tuple[str, Values]]:
+        """Yield the maps in the map below a key, by name."""
+        parent = self.map(key)
+        if parent is not None:
+            for name in map(str, parent.data):
+                entry = parent.map(name)
+                if entry is not None:
+                    yield name, entry
 
     def maps(self, key: str) -> list[Values]:
         """Return the maps of the list below a key."""
-        found = self._data.get(key)
-        if found is None:
-            return []
-        if not isinstance(found, list) or not all(isinstance(one, Mapping) for one in found):
+        items = [] if self.data.get(key) is None else self.data[key]
+        if not isinstance(items, list) or not all(isinstance(item, Mapping) for item in items):
             self.report("R002.maps", key, key=key)
             return []
-        return [
-            Values(one, self._find, (*self._path, key, i), self.problems)
-            for i, one in enumerate(found)
-        ]
+        path = (*self._path, key)
+        return [Values(m, self._find, (*path, i), self.problems) for i, m in enumerate(items)]
 
     def text(self, key: str, *, required: bool = False) -> str | None:
         """Return a text; numbers are taken as they would be written."""
-        found = self._data.get(key)
-        if found is None:
-            if required:
-                self.report("R001.missing_key", key=key)
-            return None
-        if isinstance(found, bool | list | dict):
+        value = self._get(key, required=required)
+        if isinstance(value, bool | list | dict):
             self.report("R002.text", key, key=key)
             return None
-        return str(found)
+        return None if value is None else str(value)
 
     def texts(self, key: str, *, required: bool = False) -> tuple[str, ...]:
         """Return a list of texts; one text alone is a list of one."""
-        found = self._data.get(key)
-        items = [found] if isinstance(found, str | int) else found
-        if items is None and required:
-            self.report("R001.missing_key", key=key)
+        value = self._get(key, required=required)
+        items = [value] if isinstance(value, str | int) else value
         if items is None:
             return ()
         if not isinstance(items, list) or any(
-            isinstance(item, list | dict | bool) or item is None for item in items
+            item is None or isinstance(item, list | dict | bool) for item in items
         ):
             self.report("R002.names", key, key=key)
             return ()
-        return tuple(str(item) for item in items)
+        return tuple(map(str, items))
 
     def choice(self, key: str, known: Sequence[str]) -> str | None:
         """Return one of several words."""
-        found = self.text(key)
-        if found is not None and found not in known:
-            self.unknown(key, found, "value", known)
+        text = self.text(key)
+        if text is not None and text not in known:
+            self.unknown("value", text, known, key)
             return None
-        return found
+        return text
 
     def boolean(self, key: str) -> bool:
         """Return true or false, false where the key is absent."""
-        found = self._data.get(key, False)
-        if not isinstance(found, bool):
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
             self.report("R002.boolean", key, key=key)
-        return found is True
+        return value is True
 
     def quantity(
         self,
@@ -164,58 +152,51 @@ class Values:
 
         A missing unit is a warning, or, of durations of the clock, an error (R004).
         """
-        found = self._data.get(key)
-        if found is None:
-            if required:
-                self.report("R001.missing_key", key=key)
-            return None
-        value = self._quantity(found, read, key, needs_unit=needs_unit)
-        if positive and value is not None and value <= 0.0:
+        value = self._get(key, required=required)
+        number = None if value is None else self._quantity(value, read, needs_unit, key)
+        if positive and number is not None and number <= 0.0:
             self.report("R002.positive", key, key=key)
             return None
-        return value
+        return number
 
     def quantities(self, key: str, read: _Read) -> list[float] | None:
         """Return a list of them."""
-        found = self._data.get(key)
-        if found is None:
+        items = self.data.get(key)
+        if items is None:
             return None
-        if not isinstance(found, list):
+        if not isinstance(items, list):
             self.report("R002.list", key, key=key)
             return None
-        values = [self._quantity(one, read, key, i) for i, one in enumerate(found)]
-        return [value for value in values if value is not None]
+        numbers = [self._quantity(item, read, False, key, i) for i, item in enumerate(items)]
+        return [number for number in numbers if number is not None]
 
     def _quantity(
-        self, given: object, read: _Read, *keys: str | int, needs_unit: bool = False
+        self, value: object, read: _Read, needs_unit: bool, *keys: str | int
     ) -> float | None:
-        try:
-            found = read(given)
-        except QuantityError as failure:
-            self.report(case_of(failure), *keys, hint=failure.hint, subject=keys[0], reason=failure)
-            return None
-        if found.has_unit or (needs_unit and found.value == 0.0):
-            return found.value
+        quantity = self._converted(value, read, *keys)
+        if quantity is None or quantity.has_unit or (needs_unit and quantity.value == 0.0):
+            return quantity and quantity.value
         if needs_unit:
-            self.report("R004.unit_of_time", *keys, key=keys[0], value=given)
+            self.report("R004.unit_of_time", *keys, key=keys[0], value=value)
             return None
-        unit, also = ("h", "") if read.__name__ == "duration" else ("1/h", f" or `{given} FIT`")
-        self.problems.append(
-            problem(
-                "R004.no_unit",
-                self.place(*keys),
-                key=keys[0],
-                value=found.value,
-                unit=unit,
-                number=given,
-                also=also,
-            )
+        unit, also = ("h", "") if read is units.duration else ("1/h", f" or `{value} FIT`")
+        fields = {"unit": unit, "also": also}
+        self.report(
+            "R004.no_unit", *keys, key=keys[0], value=quantity.value, number=value, **fields
         )
-        return found.value
+        return quantity.value
+
+    def _converted(self, value: object, read: Callable[[object], V], *keys: str | int) -> V | None:
+        try:
+            return read(value)
+        except units.QuantityError as fault:
+            self.report(case_of(fault), *keys, hint=fault.hint, subject=keys[0], reason=fault)
+            return None
 
     def temperature(self, key: str) -> float | None:
-        """Return a temperature in degC."""
-        return self._plain(key, temperature)
+        """Return a temperature in degC, which has to be there."""
+        value = self._get(key, required=True)
+        return None if value is None else self._converted(value, units.temperature, key)
 
     def number(
         self,
@@ -227,25 +208,15 @@ class Values:
         default: float | None = None,
     ) -> float | None:
         """Return a number between two limits."""
-        if self._data.get(key) is None and not required:
+        value = self._get(key, required=required)
+        if value is None:
             return default
-        return self._plain(key, lambda given: number(given, low, high))
+        return self._converted(value, lambda given: units.number(given, low, high), key)
 
     def whole(self, key: str, low: int, high: int, *, required: bool = False) -> int | None:
         """Return a whole number between two limits."""
-        found = self.number(key, low, high, required=required)
-        if found is not None and found != int(found):
+        number = self.number(key, low, high, required=required)
+        if number is not None and number != int(number):
             self.report("R002.whole_number", key, key=key)
             return None
-        return None if found is None else int(found)
-
-    def _plain(self, key: str, read: Callable[[object], float]) -> float | None:
-        given = self._data.get(key)
-        if given is None:
-            self.report("R001.missing_key", key=key)
-            return None
-        try:
-            return read(given)
-        except QuantityError as failure:
-            self.report(case_of(failure), key, hint=failure.hint, subject=key, reason=failure)
-            return None
+        return None if number is None else int(number)

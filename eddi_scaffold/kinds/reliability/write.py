@@ -1,154 +1,54 @@
-"""A system as ``reliability_config.yml``, and a fault tree as an Open-PSA file."""
+"""A system as ``reliability_config.yml``."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
 from typing import Any
 
-from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.kinds.reliability.system import (
-    DYNAMIC,
+    UNITS,
     BasicEvent,
     Chain,
     ComponentModel,
     FaultTree,
-    Gate,
     Law,
     ReliabilitySystem,
-    order,
 )
 from eddi_scaffold.yaml_text.nodes import dump_plain
-
-_UNITS = {"exponential": "hours-1", "weibull": "hours"}
-"""Law -> unit of its first number, which is a parameter because only these have units."""
-
-
-def to_mef(system: ReliabilitySystem) -> str | None:
-    """Return the text; ``None`` for what the format does not have.
-
-    That is everything but a tree of gates without an order, of events with a rate, a Weibull
-    distribution or a probability that are new at the start.
-    """
-    tree = system.components[system.top].content
-    if not isinstance(tree, FaultTree) or not _fits(tree):
-        return None
-    return "".join(f"{line}\n" for line in _lines(system.top, tree))
-
-
-def _fits(tree: FaultTree) -> bool:
-    laws = [event.law for event in tree.events.values()]
-    ages = [tree.age, *(event.age for event in tree.events.values())]
-    return (
-        all(law is not None and not law.model for law in laws)
-        and not any(ages)
-        and all(_is_static(gate) for gate in tree.gates.values())
-    )
-
-
-def _is_static(gate: Gate) -> bool:
-    repeated = len(set(gate.of)) < len(gate.of) and gate.type not in ("AND", "OR")
-    return gate.type not in DYNAMIC and not repeated
-
-
-def _lines(name: str, tree: FaultTree) -> Iterator[str]:
-    names: dict[str, str] = {}
-    taken: set[str] = set()
-    for key in order(tree.top, {key: gate.of for key, gate in tree.gates.items()})[0][::-1]:
-        names[key] = _name(key, taken)
-        taken.add(names[key])
-    yield '<?xml version="1.0" encoding="UTF-8"?>'
-    yield "<opsa-mef>"
-    yield f'  <define-fault-tree name="{_name(name, set())}">'
-    for key, own in names.items():
-        gate, event = tree.gates.get(key), tree.events.get(key)
-        if gate is not None:
-            yield f'    <define-gate name="{own}">'
-            yield from _label(gate.name, own)
-            yield f"      {_formula(gate, tree, names)}"
-            yield "    </define-gate>"
-        elif event is not None and event.law is not None:
-            yield f'    <define-basic-event name="{own}">'
-            yield from _label(event.name, own)
-            yield f"      {_law(event.law, own)}"
-            yield "    </define-basic-event>"
-    for key, own in names.items():
-        event = tree.events.get(key)
-        if event is not None and event.law is not None and event.law.kind in _UNITS:
-            yield f'    <define-parameter name="{own}" unit="{_UNITS[event.law.kind]}">'
-            yield f'      <float value="{event.law.values[0]!r}"/>'
-            yield "    </define-parameter>"
-    yield "  </define-fault-tree>"
-    yield "</opsa-mef>"
-
-
-def _name(text: str, taken: set[str]) -> str:
-    """Return an identifier of the format: ASCII letters, digits, underscores, a letter first."""
-    word = re.sub(r"[^A-Za-z0-9_]", "_", text).strip("_")
-    return free_name(word if word[:1].isalpha() else f"n{word}", taken)
-
-
-def _label(text: str, name: str) -> Iterator[str]:
-    if text != name:
-        yield f"      <label>{xml_text(text)}</label>"
-
-
-def _formula(gate: Gate, tree: FaultTree, names: dict[str, str]) -> str:
-    """Return the formula of a gate; of one input, it is that input."""
-    inputs = [
-        f'<{"gate" if key in tree.gates else "basic-event"} name="{names[key]}"/>'
-        for key in dict.fromkeys(gate.of)
-    ]
-    kind, count = gate.type.lower(), len(inputs)
-    if gate.type == "VOTE":
-        kind = {1: "or", count: "and"}.get(gate.k or 0, f'atleast min="{gate.k}"')
-    if not inputs:
-        return '<constant value="false"/>'
-    if count == 1 and kind != "not":
-        return inputs[0]
-    while kind == "xor" and len(inputs) > 2:
-        inputs[:2] = [f"<xor>{inputs[0]}{inputs[1]}</xor>"]
-    return f"<{kind}>{''.join(inputs)}</{kind.split()[0]}>"
-
-
-def _law(law: Law, name: str) -> str:
-    if law.kind == "fixed":
-        return f'<float value="{law.values[0]!r}"/>'
-    if law.kind == "exponential":
-        return f'<exponential><parameter name="{name}"/><system-mission-time/></exponential>'
-    values = f'<parameter name="{name}"/><float value="{law.values[1]!r}"/><float value="0"/>'
-    return f"<Weibull>{values}<system-mission-time/></Weibull>"
 
 
 def to_yaml(system: ReliabilitySystem) -> str:
     """Return the text of a file that reads back as the same system."""
-    data: dict[str, Any] = {}
-    if system.mission_end:
-        data["horizon"] = "mission_end"
-        data["mission_time"] = _hours(system.horizon)
-    else:
-        data["horizon"] = _hours(system.horizon)
-    data["top"] = system.top
-    data["models"] = {name: _component(component) for name, component in system.components.items()}
-    if system.thresholds:
-        data["thresholds"] = [
-            {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
-            | ({"topic": t.topic} if t.topic else {})
-            for t in system.thresholds
-        ]
-    data["on_unknown"] = "worst_case" if system.worst_case else "inactive"
-    if system.max_gap is not None:
-        data["max_gap"] = f"{system.max_gap!r} s"
-    return dump_plain(data)
+    horizon = _quantity("age", system.horizon)
+    end = {"horizon": "mission_end", "mission_time": horizon}
+    thresholds = [
+        {"id": t.id, "activate": t.activate, "release": t.release, "hold": f"{t.hold!r} s"}
+        | ({"topic": t.topic} if t.topic else {})
+        for t in system.thresholds
+    ]
+    gap = None if system.max_gap is None else f"{system.max_gap!r} s"
+    return dump_plain(
+        {
+            **(end if system.mission_end else {"horizon": horizon}),
+            "top": system.top,
+            "models": {name: _component(model) for name, model in system.components.items()},
+            **_present(thresholds=thresholds),
+            "on_unknown": "worst_case" if system.worst_case else "inactive",
+            **_present(max_gap=gap),
+        }
+    )
 
 
-def _hours(value: float) -> str:
-    return f"{value!r} h"
+def _present(**entries: Any) -> dict[str, Any]:
+    """Return the entries that say something."""
+    return {key: value for key, value in entries.items() if value}
 
 
-def _per_hour(value: float) -> str:
-    return f"{value!r} 1/h"
+def _quantity(key: str, value: Any) -> Any:
+    """Return a number with the unit in which it is kept, where it is written with one."""
+    if isinstance(value, list):
+        return [_quantity(key, item) for item in value]
+    unit = UNITS.get(key, "eV")
+    return value if unit == "eV" else f"{value!r} {unit}"
 
 
 def _component(component: ComponentModel) -> dict[str, Any]:
@@ -159,75 +59,53 @@ def _component(component: ComponentModel) -> dict[str, Any]:
         return {"type": "fault_tree", **_tree(content)}
     if component.type == "series":
         return {"type": "series", "of": list(component.uses)}
-    found: dict[str, Any] = {"type": component.type}
-    for key, value in component.values.items():
-        if value is not None:
-            found[key] = _value(key, value)
-    return found
-
-
-def _value(key: str, value: Any) -> Any:
-    if key == "rates":
-        return [_per_hour(one) for one in value]
-    if key in ("rate", "failure_rate", "alpha", "beta", "degradation"):
-        return _per_hour(value)
-    if key in ("mttf_ref", "age"):
-        return _hours(value)
-    if key in ("t_ref", "t_max"):
-        return f"{value!r} degC"
-    return value
+    values = component.values.items()
+    numbers = {key: _quantity(key, value) for key, value in values if value is not None}
+    return {"type": component.type, **numbers}
 
 
 def _chain(chain: Chain) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    seen = {o.state: f"not {o.input}" if o.negated else o.input for o in chain.observe}
+    return {
         "states": list(chain.states),
         "initial": list(chain.initial),
         "fail": list(chain.fail),
-        "arcs": [{"from": a.source, "to": a.target, "rate": _per_hour(a.rate)} for a in chain.arcs],
+        "arcs": [
+            {"from": arc.source, "to": arc.target, "rate": _quantity("rate", arc.rate)}
+            for arc in chain.arcs
+        ],
+        **_present(observe=seen, repair=chain.repair, age=chain.age and f"{chain.age!r} h"),
     }
-    if chain.observe:
-        found["observe"] = {
-            o.state: f"not {o.input}" if o.negated else o.input for o in chain.observe
-        }
-    if chain.repair:
-        found["repair"] = True
-    if chain.age:
-        found["age"] = _hours(chain.age)
-    return found
 
 
 def _tree(tree: FaultTree) -> dict[str, Any]:
-    gates: dict[str, Any] = {}
-    for name, gate in tree.gates.items():
-        gates[name] = {"type": gate.type, "of": list(gate.of)}
-        if gate.k is not None:
-            gates[name]["k"] = gate.k
-    found: dict[str, Any] = {"top": tree.top, "gates": gates}
-    found["events"] = {name: _event(event) for name, event in tree.events.items()}
-    if tree.repair:
-        found["repair"] = True
-    if tree.node_limit:
-        found["node_limit"] = tree.node_limit
-    if tree.approximate:
-        found["approximation"] = "cut_sets"
-    if tree.age:
-        found["age"] = _hours(tree.age)
-    return found
+    return {
+        "top": tree.top,
+        "gates": {
+            name: {"type": gate.type, "of": list(gate.of)}
+            | ({} if gate.k is None else {"k": gate.k})
+            for name, gate in tree.gates.items()
+        },
+        "events": {name: _event(event) for name, event in tree.events.items()},
+        **_present(
+            repair=tree.repair,
+            node_limit=tree.node_limit,
+            approximation="cut_sets" if tree.approximate else "",
+            age=tree.age and f"{tree.age!r} h",
+        ),
+    }
 
 
 def _event(event: BasicEvent) -> dict[str, Any]:
-    law = event.law
-    found: dict[str, Any] = {}
-    if law is not None:
-        if law.kind == "exponential":
-            found["rate"] = _per_hour(law.values[0])
-        elif law.kind == "weibull":
-            found["scale"], found["shape"] = _hours(law.values[0]), law.values[1]
-        elif law.kind == "fixed":
-            found["p"] = law.values[0]
-        else:
-            found["model"] = law.model
-    found["observed"] = event.observed
-    if event.age is not None:
-        found["age"] = _hours(event.age)
-    return found
+    entry: dict[str, Any] = {}
+    match event.law:
+        case Law("exponential", (rate,)):
+            entry["rate"] = _quantity("rate", rate)
+        case Law("weibull", (scale, shape)):
+            entry |= {"scale": f"{scale!r} h", "shape": shape}
+        case Law("fixed", (p,)):
+            entry["p"] = p
+        case Law("model", model=model):
+            entry["model"] = model
+    entry["observed"] = event.observed
+    return entry if event.age is None else {**entry, "age": f"{event.age!r} h"}

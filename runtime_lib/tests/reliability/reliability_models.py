@@ -7,9 +7,14 @@ from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tu
 
 from eddi_runtime.reliability import Reliability
 
-from eddi_scaffold.kinds.reliability.chains import Chain, rotors_chain, survived
-from eddi_scaffold.kinds.reliability.compile import compile_lowered
-from eddi_scaffold.kinds.reliability.component_text import NODES_WRITTEN_OUT, STATES_WRITTEN_OUT
+from eddi_scaffold.kinds.reliability.chains import (
+    STATES_WRITTEN_OUT,
+    Chain,
+    battery_chain,
+    rotors_chain,
+    survived,
+)
+from eddi_scaffold.kinds.reliability.compile import NODES_WRITTEN_OUT, compile_system
 from eddi_scaffold.kinds.reliability.fault_tree import Gate
 from eddi_scaffold.kinds.reliability.lowering import (
     Battery,
@@ -24,7 +29,6 @@ from eddi_scaffold.kinds.reliability.lowering import (
     Processor,
     Propulsion,
     Series,
-    battery_chain,
     connected,
 )
 from eddi_scaffold.kinds.reliability.system import ReliabilitySystem, Threshold
@@ -45,7 +49,9 @@ class Model(NamedTuple):
     def compiled(
         self, states: int = STATES_WRITTEN_OUT, nodes: int = NODES_WRITTEN_OUT
     ) -> CompiledMonitor:
-        return compile_lowered(*self, states=states, nodes=nodes)
+        return compile_system(
+            self.system, self.declaration, self.lowered, states=states, nodes=nodes
+        )
 
     def text(self) -> str:
         return text_of("reliability", self.compiled(), self.declaration)

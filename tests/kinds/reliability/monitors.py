@@ -28,9 +28,11 @@ def compiled(model: Model) -> Reliability:
     return made
 
 
-def read_text(text: str) -> tuple[Model | None, list[Problem]]:
-    """Read a ``reliability_config.yml``."""
-    reading = ReliabilityModel.read_file(Source("reliability_config.yml", text.encode()), ())
+def read_text(
+    text: str, name: str = "reliability_config.yml"
+) -> tuple[Model | None, list[Problem]]:
+    """Read a file; its first model."""
+    reading = ReliabilityModel.read_file(Source(name, text.encode()), ())
     return (reading.models[0] if reading.models else None), list(reading.problems)
 
 
@@ -43,9 +45,9 @@ def sound(text: str) -> Model:
     return configured
 
 
-def everything(text: str) -> list[Problem]:
+def everything(text: str, name: str = "reliability_config.yml") -> list[Problem]:
     """Return all that is said about a text: read, checked, configured."""
-    model, problems = read_text(text)
+    model, problems = read_text(text, name)
     if model is not None:
         problems += model.check()
         problems += model.configure(Options())[1]

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds import Options
-from tests.kinds.reliability.monitors import at_start, compiled, models_of, read_text, sound
+from tests.kinds.reliability.monitors import at_start, compiled, models_of, sound
 from tests.kinds.reliability.test_reliability_example import EXAMPLE
 
 TREE = (
@@ -99,18 +99,6 @@ def test_the_age_of_a_model_of_the_eddi() -> None:
         return float(at_start(model).p_fail)
 
     assert start("0 h") < start("10 h") < start("1000 h")
-
-
-def test_ages_are_exported_and_shown() -> None:
-    text = TREE.format(age=", age: 500 h", own=", age: 2 day")
-    model = sound(text)
-    (exported,) = model.export().values()
-    again, problems = read_text(exported)
-    assert problems == []
-    assert again is not None
-    assert again.data.components == model.data.components
-    assert "  age 500 h" in model.outline()
-    assert "    A  0.001 1/h, age 48 h" in model.outline()
 
 
 @given(

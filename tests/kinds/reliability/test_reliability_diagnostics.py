@@ -1,8 +1,8 @@
 """Each diagnostic of reliability: a model that earns it, and its exact text.
 
-The cases stand in ``diagnostics.txt``: ``### NAME``; a ``reliability_config.yml``, or the failure
-models of an EDDI where it begins with ``<``; ``>>>``; what is reported. ``UPDATE_DIAGNOSTICS=1``
-writes what is reported now.
+The cases stand in ``diagnostics.txt``: ``### NAME``; a ``reliability_config.yml``, or an Open-PSA
+file, or else, where it begins with ``<``, the failure models of an EDDI; ``>>>``; what is reported.
+``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
 """
 
 from __future__ import annotations
@@ -30,7 +30,10 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def reported(given: str, folder: Path) -> str:
-    problems = of_eddi(given, folder) if given.startswith("<") else everything(given)
+    if given.startswith("<opsa-mef>"):
+        problems = everything(given, "tree.xml")
+    else:
+        problems = of_eddi(given, folder) if given.startswith("<") else everything(given)
     return "".join(
         f"{Path(p.place.file).name}:{p.place.line}{f':{p.place.col}' if p.place.col else ''}: "
         f"{p.level}: {p.message} [{p.code}]\n" + (f"  hint: {p.hint}\n" if p.hint else "")

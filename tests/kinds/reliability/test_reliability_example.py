@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +10,6 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
@@ -24,10 +22,6 @@ from tests.rows import played
 EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
 FAILED = 7.0
 """Seconds from which on a rotor has failed in the recording."""
-
-
-def test_no_file_has_a_problem() -> None:
-    assert check_files(sorted([*EXAMPLE.glob("*.yml"), EXAMPLE / "drone.xml"])) == []
 
 
 def test_a_failed_rotor_takes_the_guarantee_away() -> None:
@@ -77,23 +71,6 @@ def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
     assert run("export", *words, "--kind", "consert", cwd=EXAMPLE).status == 2
 
 
-def test_the_numbers_of_ready_made_models_are_shown_with_units() -> None:
-    shown = run("show", "airframe.yml", cwd=EXAMPLE).out.splitlines()
-    assert shown[1] == "  horizon 30 min"
-    expected = [
-        "rates: 1e-05 1/h for each of 6",
-        "failure_rate: 0.0001 1/h",
-        "t_max: 60 degC",
-        "activation_energy: 0.5 eV",
-        "repair: no",
-        "mttf_ref: 40000 h",
-        "u_max: 1",
-        "k: 4",
-    ]
-    assert [line for line in expected if f"    {line}" not in shown] == []
-    assert shown[-1] == "  threshold go_on: p_fail <= 0.001, gone above 0.002, after 2 s"
-
-
 EVERY_INPUT = """
 horizon: mission_end
 mission_time: 1 h
@@ -130,8 +107,6 @@ def test_pictures_and_outlines() -> None:
     assert {node.shape for node in drawn.nodes} == {"and", "or", "ellipse", "rounded"}
     ids = {node.id for node in drawn.nodes}
     assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
-    assert "    AND NoPosition" in models["MissionLoss"].outline()
-    assert models["Rotors"].counts() == {"models": 1, "states": 3}
 
 
 def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:
@@ -139,10 +114,3 @@ def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:
     drawn = run("diagram", "m.yml", cwd=tmp_path)
     assert (drawn.status, "gone" in drawn.out) == (0, False)
     assert "warning: model 'a' uses 'gone', which does not exist" in drawn.err
-
-
-def test_a_tree_that_has_a_monitor_is_shown_once() -> None:
-    model = str(EXAMPLE / "drone.xml")
-    assert "no monitor yet" not in run("show", model, cwd=EXAMPLE).out
-    found = json.loads(run("show", model, "--name", "MissionLoss", "--json", cwd=EXAMPLE).out)
-    assert [one["name"] for one in found["models"]] == ["MissionLoss"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -11,61 +12,7 @@ from eddi_scaffold.kinds.reliability.system import ReliabilitySystem
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from tests.kinds.reliability.monitors import read_text
 
-EVERY_KEY = """
-horizon: mission_end
-mission_time: 3 h
-top: Loss
-models:
-  Rotors: {type: propulsion, configuration: PNPNPN, rates: [1e-5 1/h, 1e-5 1/h, 2e-5 1/h, 1e-5 1/h,
-    1e-5 1/h, 1e-5 1/h], positions: [1, 0, 2, 3, 4, 5], status: list}
-  Cells: {type: battery, failure_rate: 1e-4 1/h, alpha: 0.1 1/h, beta: 0.2 1/h,
-    degradation: 0.3 1/h, t_ref: 293.15 K, t_max: 60 degC, activation_energy: 0.4}
-  Board: {type: processor, mttf_ref: 10000 h, t_ref: 25 degC, t_max: 90 degC, u_max: 0.8,
-    activation_energy: 0.3, shape: 1.5, age: 500 h}
-  Links: {type: k_out_of_n, k: 2, rate: 3000 FIT, max: 4}
-  Power: {type: series, of: [Cells, Board]}
-  Camera:
-    type: markov
-    initial: [Fine]
-    states: [Fine, Blurred, Lost]
-    fail: [Lost]
-    arcs: [{from: Fine, to: Blurred, rate: 1 1/day}, {from: Blurred, to: Lost, rate: 2 1/h}]
-    observe: {Fine: sharp, Lost: not alive}
-    repair: true
-  Radio:
-    type: markov
-    states: [Up, Down]
-    initial: [Up]
-    fail: [Down]
-    arcs: [{from: Up, to: Down, rate: 1e-3 1/h}]
-    age: 12 h
-  Loss:
-    type: fault_tree
-    top: Top
-    gates:
-      Top: {type: OR, of: [Two, Parts, First, CameraFails, RadioFails, LinksFail, Two]}
-      Two: {type: VOTE, k: 2, of: [Valve, Pump, Seal]}
-      Parts: {type: AND, of: [RotorsFail, PowerFails]}
-      First: {type: PAND, of: [Left, Right]}
-    events:
-      Valve: {rate: 1e-6 1/h, observed: true}
-      Pump: {scale: 900 h, shape: 2, age: 20 h}
-      Seal: {p: 1e-3}
-      Left: {rate: 1e-6 1/h}
-      Right: {rate: 1e-6 1/h}
-      RotorsFail: {model: Rotors}
-      PowerFails: {model: Power}
-      CameraFails: {model: Camera}
-      RadioFails: {model: Radio}
-      LinksFail: {model: Links}
-    repair: true
-    age: 100 h
-thresholds:
-  - {id: go, activate: 1e-4, release: 2e-4, hold: 1 s, topic: /rte/go}
-  - {id: stop, activate: 1e-3, release: 1e-3, hold: 250 ms}
-on_unknown: worst_case
-max_gap: 3 s
-"""
+EVERY_KEY = (Path(__file__).parents[2] / "data/reliability/every_key.yml").read_text("utf-8")
 
 
 def read(text: str) -> ReliabilitySystem:

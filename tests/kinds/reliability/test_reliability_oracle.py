@@ -12,7 +12,6 @@ from eddi_runtime.thresholds import Evidence, Threshold
 
 from eddi_scaffold.common.units import rate
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.kinds.reliability.trial import mean_life, proximity
 from tests.data_files import data_file
@@ -41,7 +40,7 @@ def test_motors() -> None:
             "]}}\n"
         )
         if case.get("correct") == "config_error":
-            assert CONFIGURATIONS[case["configuration"]] != count
+            assert len(case["configuration"]) != count
             assert [one.code for one in everything(text)] == ["R005"]
             continue
         status = {f"m_motor_{i}": bool(works) for i, works in enumerate(case["status"])}

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from eddi_scaffold.kinds.reliability.component_text import NODES_WRITTEN_OUT, tree_lines
-from eddi_scaffold.kinds.reliability.fault_tree import Diagram, Gate
+from eddi_scaffold.kinds.reliability.compile import NODES_WRITTEN_OUT, tree_lines
+from eddi_scaffold.kinds.reliability.decision_diagram import Diagram
+from eddi_scaffold.kinds.reliability.fault_tree import Gate
 from eddi_scaffold.kinds.reliability.lowering import Event, FaultTree, Named
 from eddi_scaffold.program.running import module_of
 

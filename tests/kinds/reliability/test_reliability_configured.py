@@ -1,0 +1,136 @@
+"""A reliability model and its configuration together: causes, open ports, topics of thresholds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.deployments.checking import check_files
+from eddi_scaffold.kinds import Options
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.platforms.ros1 import monitor_answers
+from tests.kinds.reliability.monitors import models_of
+from tests.kinds.reliability.test_reliability_diagnostics import HEAD, PACKAGE
+from tests.kinds.reliability.test_reliability_example import EXAMPLE
+
+
+def said(folder: Path, old: str, new: str) -> list[str]:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    assert text.count(old) >= 1
+    config = folder / "config.yml"
+    config.write_text(text.replace(old, new, 1), "utf-8")
+    problems = check_files([EXAMPLE / "drone.xml", config])
+    return [f"{p.place.line}:{p.place.col} {p.code} {p.message} | {p.hint}" for p in problems]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        (
+            "{Link:",
+            "{Lnk:",
+            "11:16 R001 there is no event of 'MissionLoss' 'Lnk' | did you mean 'Link'?",
+        ),
+        (
+            "{observed: true}",
+            "{observed: maybe}",
+            "11:33 R002 observed: true or false is expected | None",
+        ),
+        (
+            "Rotors:",
+            "Rotrs:",
+            "8:5 R001 model 'Rotrs' has no type | did you mean 'Rotors'?",
+        ),
+    ],
+)
+def test_only_the_cause_is_said(tmp_path: Path, old: str, new: str, expected: str) -> None:
+    assert said(tmp_path, old, new) == [expected]
+
+
+def test_an_input_that_nobody_provides_in_words_of_this_kind(tmp_path: Path) -> None:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    entry = text[text.index("  - id: MissionLoss_Link") : text.index("EDDIOutputs")]
+    (one,) = said(tmp_path, entry, "")
+    assert "K014 no entry of EDDIInputs provides 'MissionLoss_Link': it stays unknown, and " in one
+    assert "p_fail is the worst case of it, and not valid" in one
+
+
+def test_a_consert_takes_thresholds_that_are_there(tmp_path: Path) -> None:
+    names = ("drone.xml", "reliability_config.yml")
+    text = (EXAMPLE / "mission_config.yml").read_text("utf-8")
+    config = tmp_path / "mission.yml"
+    config.write_text(text.replace("[RtE_continue]", "[RtE_continu]"), "utf-8")
+    problems = check_files([*(EXAMPLE / name for name in names), config])
+    assert [(one.code, one.message, one.hint) for one in problems] == [
+        (
+            "K020",
+            "'evidence[RtE_continu].active': MissionLoss publishes no 'RtE_continu'",
+            "did you mean 'RtE_continue'?",
+        )
+    ]
+
+
+TREE = """<failureModels xsi:type="f:FaultTree" name="T">
+<failures name="out" originType="Output"/>
+<causes xsi:type="f:Gate" name="Top" failure="$.0/@failures.0" causes="$.0/@causes.1"/>
+<causes xsi:type="f:Gate" name="Port" gateType="InputEvent"/></failureModels>
+"""
+
+
+def test_no_threshold_trusts_a_tree_with_an_open_port(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    body = TREE.replace("$", PACKAGE)
+    path.write_text(HEAD + body + "</odeProductPackages></i:DDIPackage>\n", "utf-8")
+    models, problems = models_of(path)
+    assert [(one.level, one.code) for one in problems] == [("warning", "X014")]
+    assert models["T"].configure(Options())[0] is not None
+    options = Options(values={"thresholds": [{"id": "go", "activate": 0.1}]})
+    configured, problems = models["T"].configure(options)
+    assert configured is None
+    (one,) = problems
+    assert (one.code, one.place.line) == ("R005", 10)
+    assert one.message == (
+        "port 'Port' has no input: what it represents is left out, so that no threshold may "
+        "trust p_fail of 'T'"
+    )
+
+
+THRESHOLD = "- {id: RtE_continue, activate: 1.0e-4, release: 2.0e-4, hold: 1 s"
+
+
+def answers(folder: Path, topic: str) -> tuple[Any, list[str]]:
+    text = (EXAMPLE / "reliability_config.yml").read_text("utf-8")
+    config = folder / "c.yml"
+    config.write_text(text.replace(THRESHOLD, f"{THRESHOLD}, topic: {topic}"), "utf-8")
+    (monitor,), _ = monitors_of(EXAMPLE / "drone.xml", [config])
+    package, problems = monitor_answers(monitor)
+    return package.answers, [f"{p.place.line}: {p.code} {p.message}" for p in problems]
+
+
+def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
+    found, problems = answers(tmp_path, "/drone/go")
+    assert problems == []
+    whole, own = found["publications"]
+    assert whole["type_text"] == "eddi_messages/ReliabilityOutput"
+    assert (own["id"], own["topic"], own["type_text"]) == (
+        "'RtE_continue'",
+        "'/drone/go'",
+        "std_msgs/Bool",
+    )
+    assert "('evidence', ('id', 'RtE_continue'), 'active',)" in own["more"]
+    assert own["status_topic"] == "None"
+    assert "std_msgs" in found["message_packages"]
+
+
+def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
+    """Outside of namespaces, ``/drone/reliability`` is the example's ``drone/reliability``."""
+    both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"
+    assert answers(tmp_path, "/drone/reliability")[1] == [
+        f"13: K031 the topic /drone/reliability would carry {both}"
+    ]
+    with pytest.raises(EddiError) as heard:
+        answers(tmp_path, "drone/rotors_ok")
+    assert [problem.code for problem in heard.value.problems] == ["D001"]
