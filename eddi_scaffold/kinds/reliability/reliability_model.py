@@ -40,6 +40,7 @@ from eddi_scaffold.kinds.reliability.system import (
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 from eddi_scaffold.kinds.reliability.write import to_yaml
+from eddi_scaffold.kinds.reliability.write_open_psa import to_open_psa
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, read_map, value_11
@@ -104,7 +105,9 @@ class ReliabilityModel(Model):
 
     def export(self) -> Mapping[str, str]:
         name = "".join(c if c.isalnum() or c in "._-" else "_" for c in self.name)
-        return {f"{name}.yml": to_yaml(self.data)}
+        tree = to_open_psa(self.data)
+        files = {f"{name}.yml": to_yaml(self.data)}
+        return files if tree is None else {**files, f"{name}.opsa.xml": tree}
 
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)

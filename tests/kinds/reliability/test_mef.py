@@ -138,8 +138,8 @@ def test_the_commands(tmp_path: Path) -> None:
     shown = run("show", "t.opsa", cwd=tmp_path)
     assert (shown.status, "AND top" in shown.out) == (0, True), shown.err
     assert run("check", "t.opsa", cwd=tmp_path).status == 0
-    assert run("export", "t.opsa", "-o", ".", cwd=tmp_path).out == "Tank.yml\n"
-    answers = run("answers", "-m", "t.opsa", "--platform", "plain", "-o", "a", cwd=tmp_path)
+    assert run("export", "t.opsa", "-o", ".", cwd=tmp_path).out == "Tank.opsa.xml\nTank.yml\n"
+    answers = run("answers", "-m", "Tank.opsa.xml", "--platform", "plain", "-o", "a", cwd=tmp_path)
     assert answers.status == 0, answers.err
 
 
