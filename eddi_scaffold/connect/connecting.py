@@ -154,7 +154,7 @@ def connect(
     topics = topics_of(content(document))
     recorded = _recorded(surroundings.topics, topics, package)
     topics += recorded
-    others = [m for m in other_monitors(models, surroundings) if m.package != package]
+    others = other_monitors(models, surroundings, package)
     fulfilled, published = fulfilments(others, chosen, model_draft.inputs, topics)
     types = {**surroundings.types, **known_messages(), **robot_types, **_declared_types(root)}
     needs = _needs(root, chosen, model_draft.inputs)

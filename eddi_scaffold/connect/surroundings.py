@@ -77,8 +77,10 @@ def with_robot(
     return after, message_types(robot.models), known, robot.located(parsed.problems)
 
 
-def other_monitors(models: Sequence[Model], surroundings: Surroundings) -> list[BoundMonitor]:
-    """Return the monitors of the other configurations.
+def other_monitors(
+    models: Sequence[Model], surroundings: Surroundings, package: str
+) -> list[BoundMonitor]:
+    """Return the monitors of the other configurations, without that of a package.
 
     Raises:
         EddiError: one of them cannot be used.
@@ -92,7 +94,7 @@ def other_monitors(models: Sequence[Model], surroundings: Surroundings) -> list[
     )
     if has_errors(problems):
         raise EddiError(*problems)
-    return monitors
+    return [monitor for monitor in monitors if monitor.package != package]
 
 
 def fulfilments(

@@ -44,7 +44,7 @@ _LIST = "({"
 """Lists of systems open with either bracket."""
 _CONNECTIONS = ("TopicConnections", "ServiceConnections", "ActionConnections")
 _SYSTEM_SECTIONS = {section.system_section: section for section in SECTIONS.values()}
-_SECTIONS_OF_2018 = {f"{one.system_entries[-1]}s": one for one in SECTIONS.values()}
+_SECTIONS_OF_2018 = {f"{section.system_entries[-1]}s": section for section in SECTIONS.values()}
 _PACKAGES = ("Package", "CatkinPackage", "AmentPackage")
 _MODEL_SECTIONS = {f"{section.entry}s": section for section in SECTIONS.values()}
 _SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"}

@@ -40,7 +40,9 @@ _FROM = {f"from{arrow.removesuffix('->')}": kind for arrow, kind in _ARROWS.item
 _SYSTEM = ("fromfile", "subsystems", "processes", "nodes", "parameters", "connections")
 _NODE = ("from", "namespace", "interfaces", "parameters")
 _PACKAGE = ("fromgitrepo", "artifacts", "msgs", "srvs", "actions", "specs", "dependencies")
-_SECTIONS = {f"{kind}{s}": section.kind for kind, section in SECTIONS.items() for s in ("", "s")}
+_SECTIONS = {
+    f"{kind}{plural}": section.kind for kind, section in SECTIONS.items() for plural in ("", "s")
+}
 _ARTIFACT = ("node", "parameters", "parameter", *_SECTIONS)
 _SPEC_KINDS = {"msgs": "topic", "srvs": "service", "actions": "action", "specs": ""}
 _SPEC_WORDS = {"msg": "topic", "srv": "service", "action": "action"}
@@ -219,7 +221,7 @@ class _Reader:
                     node = rest.name("the name of the node")
                     blocks.append(inner)  # its sections may be indented deeper than itself
                 elif key in _SECTIONS:
-                    interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
+                    interfaces += [self._interface(entry, _SECTIONS[key]) for entry in inner.below]
                 else:
                     parameters += len(inner.below)
                     skip_block(self.text, inner)

@@ -59,7 +59,7 @@ class Text:
     def __init__(self, text: str, file: str) -> None:
         self.text = text.removeprefix("\ufeff")
         self.file = file
-        self._starts = [0, *(found.end() for found in re.finditer("\n", self.text))]
+        self._starts = [0, *(line_end.end() for line_end in re.finditer("\n", self.text))]
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of a character, both counted from 1."""
@@ -146,11 +146,11 @@ class Cursor:
         kind, value, offset = self.token
         if kind == "bad":
             raise self.text.error(offset, value)
-        found = value if kind == "end" else quoted(value)
+        actual = value if kind == "end" else quoted(value)
         words = [word.strip("'") for word in expected]
         similar = most_similar(value, words) if kind == "word" and len(words) > 2 else None
         hint = f"; did you mean '{similar}'?" if similar else ""
-        raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
+        raise self.text.error(offset, f"expected {alternatives(expected)}, found {actual}{hint}")
 
     def name(self, what: str) -> str:
         r"""Take a word or a quoted text on one line, in which ``\x`` means x."""
