@@ -17,7 +17,7 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
-from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.topics import Existing, Outputs, silent_problems, simulator_outputs
 
 
@@ -107,7 +107,7 @@ def _check_file(
 ) -> Sequence[Problem]:
     try:
         if not path.name.endswith(SYSTEM_SUFFIX):
-            return [*noticed(read_ros_models(read_source(path).data, str(path)))]
+            return read_ros_models(read_source(path).data, str(path)).problems
         system, problems = load_system(path, folder)
     except MrosSyntaxError as failed:
         return [problem_of(failed)]

@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TypeVar
 
+from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.mros.model import (
     SECTIONS,
     Artifact,
     Component,
     Connection,
     Interface,
-    Notice,
     Package,
     RosModel,
     Section,
@@ -258,12 +258,12 @@ class _ModelReader(_Reader):
             packages.append(self._package())
             self.accept(",")
         self.close(opened, *_PACKAGES)
-        notices = []
+        problems = []
         while self.is_next("}"):
-            notices.append(Notice("M004.brace", *self.place(), {}))
+            problems.append(problem("M004.brace", Place(self.text.file, *self.place())))
             self.expect("}")
         self.expect_end("package set")
-        return RosModel(self.text.file, "brace", tuple(packages), tuple(notices))
+        return RosModel(self.text.file, "brace", tuple(packages), tuple(problems))
 
     def _package(self) -> Package:
         self.expect(*_PACKAGES)

@@ -11,7 +11,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
-from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
 
@@ -35,7 +35,7 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
         raise EddiError(problem("M001.references", Place(name, 1, 1)))
-    return system, list(noticed(system))
+    return system, list(system.problems)
 
 
 def load_models(folder: Path, *, systems: bool = False) -> Models:
@@ -78,7 +78,7 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
                 )
                 skipped.append(name)
             continue
-        problems += noticed(model)
+        problems += model.problems
         models.append(model)
     return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
 

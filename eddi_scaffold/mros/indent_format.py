@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.mros.indent_lines import Line, LineCursor, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     SECTIONS,
@@ -18,7 +19,6 @@ from eddi_scaffold.mros.model import (
     Field,
     Interface,
     InterfaceKind,
-    Notice,
     Package,
     RosModel,
     Spec,
@@ -57,13 +57,13 @@ def read_model(text: Text) -> RosModel:
     """Read the packages of a file."""
     reader = _Reader(text)
     packages = tuple(reader.package(line) for line in blocks_of(text))
-    return RosModel(text.file, "indent", packages, tuple(reader.notices))
+    return RosModel(text.file, "indent", packages, tuple(reader.problems))
 
 
 class _Reader:
     def __init__(self, text: Text) -> None:
         self.text = text
-        self.notices: list[Notice] = []
+        self.problems: list[Problem] = []
 
     # what systems and models have in common
 
@@ -71,16 +71,16 @@ class _Reader:
         """Yield known keys below a line, in lower case, each with the rest of its line, and it."""
         for inner in line.below:
             rest = LineCursor(self.text, inner)
-            place = rest.place()
+            place = Place(self.text.file, *rest.place())
             key = rest.key("a key")
             if key.lower() in keys:
                 yield key.lower(), rest, inner
                 continue
             for meant in get_close_matches(key.lower(), keys, n=1, cutoff=0.8):
-                self.notices.append(Notice("M006.misspelt", *place, {"key": key, "meant": meant}))
+                self.problems.append(problem("M006.misspelt", place, key=key, meant=meant))
                 break
             else:
-                self.notices.append(Notice("M005.unknown_key", *place, {"key": key}))
+                self.problems.append(problem("M005.unknown_key", place, key=key))
 
     def heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
         """Read a line that is ``name:``; return the name and its place."""
@@ -131,7 +131,7 @@ class _Reader:
             tuple(subsystems),
             from_file,
             processes,
-            notices=tuple(self.notices),
+            problems=tuple(self.problems),
         )
 
     def _subsystem(self, line: Line) -> SubSystem:

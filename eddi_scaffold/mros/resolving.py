@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -330,15 +330,9 @@ def flattened(system: System, known: Sequence[System]) -> tuple[list[System], li
                 hint = did_you_mean(name, by_name)
                 problems.append(problem("M023.missing", place, hint=hint, system=name))
             elif by_name[name] not in systems:
-                problems.extend(noticed(by_name[name]))
+                problems.extend(by_name[name].problems)
                 add(by_name[name], (*path, name))
         systems.append(system)
 
     add(system, (system.name,))
     return systems, problems
-
-
-def noticed(model: System | RosModel) -> Iterator[Problem]:
-    """Return the notices of a readable file as problems."""
-    for notice in model.notices:
-        yield problem(notice.case, Place(model.file, notice.line, notice.col), **notice.fields)

@@ -18,7 +18,6 @@ from eddi_scaffold.mros.resolving import (
     ResolvedInterface,
     Resolver,
     flattened,
-    noticed,
 )
 
 TopicKind = Literal["published", "action", "subscribed"]
@@ -178,7 +177,7 @@ def simulator_outputs(
     kinds += ["subscriber"] if "subscribed" in include else []
     resolver = Resolver(models.definitions, systems, kinds)
     problems += resolver.problems
-    known = (*models.problems, *noticed(system), *problems)
+    known = (*models.problems, *system.problems, *problems)
     is_complete = not any(fault.level == "error" or fault.case in LOST_TOPICS for fault in known)
     collector = _Collector(systems if names == "label" else (), resolver.interfaces)
     for kind in kinds:

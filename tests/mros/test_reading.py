@@ -8,12 +8,11 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
-from eddi_scaffold.mros.resolving import noticed
 from eddi_scaffold.mros.show import failure_json, model_json, model_tree, system_json, system_tree
 from tests.data_files import data_file
 
 WORDS = {"M004": "surplus-brace", "M005": "unknown-key"}
-"""The oracles name notices by words, as this project did before they had codes."""
+"""The oracles name problems by words, as this project did before they had codes."""
 
 
 def read(data: bytes | str, name: str) -> dict[str, Any]:
@@ -48,7 +47,7 @@ def test_the_errors_of_damaged_texts() -> None:
         case = json.loads(line)
         reader = read_rossystem if case["file"] == "rossystem" else read_ros_models
         try:
-            problem = next(noticed(reader(case["text"], "damaged")))
+            problem = reader(case["text"], "damaged").problems[0]
             place, message = (problem.place.line, problem.place.col), problem.message
         except MrosSyntaxError as failed:
             place, message = (failed.line, failed.col), failed.message
@@ -217,8 +216,8 @@ def test_systems(text: str, tree: str) -> None:
 def test_models(text: str, tree: str) -> None:
     model = read_ros_models(text)
     assert "\n".join(model_tree(model)) == tree
-    notices = [(notice.case, notice.line, notice.col) for notice in model.notices]
-    assert notices == ([("M004.brace", 11, 27)] if model.dialect == "brace" else [])
+    problems = [(problem.case, problem.place.line, problem.place.col) for problem in model.problems]
+    assert problems == ([("M004.brace", 11, 27)] if model.dialect == "brace" else [])
 
 
 def test_places() -> None:
@@ -295,10 +294,10 @@ def test_a_tab_counts_eight_columns() -> None:
 def test_unknown_keys_are_warnings_and_misspelt_ones_errors() -> None:
     system = read_rossystem("demo:\n  colour: red\n  node:\n    a:\n      from: 'p.n'\n")
     assert system.components == ()
-    assert [(notice.case, notice.line, dict(notice.fields)) for notice in system.notices] == [
-        ("M005.unknown_key", 2, {"key": "colour"}),
-        ("M006.misspelt", 3, {"key": "node", "meant": "nodes"}),
-    ]
+    unknown, misspelt = system.problems
+    assert (unknown.case, unknown.place.line) == ("M005.unknown_key", 2)
+    assert (misspelt.case, misspelt.place.line) == ("M006.misspelt", 3)
+    assert "did you mean 'nodes'?" in misspelt.message
 
 
 @pytest.mark.parametrize(
