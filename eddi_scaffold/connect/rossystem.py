@@ -29,7 +29,7 @@ from eddi_scaffold.config.topic_block import (
     rewritten,
 )
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.directory import load_models, load_system, named
+from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.resolving import Models, flattened
 from eddi_scaffold.mros.topics import (
@@ -154,13 +154,7 @@ def read_robot(system: Path, folder: Path) -> Robot:
     try:
         model, problems = load_system(system, folder)
     except EddiError as failed:  # who can go no further sees an error in any case
-        name = named(system, folder)
-        raise EddiError(*(
-            replace(reported, level="error", place=replace(reported.place, file=str(system)))
-            if reported.place.file == name
-            else replace(reported, level="error")
-            for reported in failed.problems
-        )) from None  # fmt: skip
+        raise EddiError(*(replace(fault, level="error") for fault in failed.problems)) from None
     models = load_models(folder, systems=bool(model.subsystems))
     return Robot(folder, system, model, models, (*problems, *models.problems))
 

@@ -28,13 +28,16 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
     Raises:
         EddiError: it cannot be read, or is in a format that is not understood.
     """
-    name = named(path, folder)
+    name = str(path)
+    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
+        name = path.resolve().relative_to(folder.resolve()).as_posix()
     try:
         system = read_rossystem(read_source(path).data, name)
     except MrosSyntaxError as failed:
+        failed.file = str(path)
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
-        raise EddiError(problem("M001.references", Place(name, 1, 1)))
+        raise EddiError(problem("M001.references", Place(str(path), 1, 1)))
     return system, list(system.problems)
 
 
@@ -81,13 +84,6 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
         problems += model.problems
         models.append(model)
     return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
-
-
-def named(path: Path, folder: Path | None) -> str:
-    """Return the name of a file in messages: relative to the directory if it lies in it."""
-    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
-        return path.resolve().relative_to(folder.resolve()).as_posix()
-    return str(path)
 
 
 def problem_of(failed: MrosSyntaxError) -> Problem:

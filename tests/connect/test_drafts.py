@@ -426,20 +426,13 @@ def test_an_input_that_is_a_state_gets_a_condition_for_each(tmp_path: Path) -> N
 )
 def test_a_deadline_of_the_models_gives_an_age(qos: str, line: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "robot-models", tmp_path, dirs_exist_ok=True)
-    node = next(path for path in (tmp_path / "nodes").rglob("*") if "clear" in _text(path))
-    text = _text(node)
-    at = text.index("std_msgs/msg/Bool")
-    end = text.index("\n", at) + 1
-    indent = " " * (text.rindex("type:", 0, at) - text.rindex("\n", 0, at) - 1)
-    block = f"{indent}qos:\n{indent}  {qos}\n"
-    node.write_text(text[:end] + block + text[end:], "utf-8")
+    node = tmp_path / "nodes" / "laser_driver.ros1"
+    block = rf"\g<0>\1qos:\n\1  {qos}\n"
+    text = re.sub(r"( +)type: std_msgs/msg/Bool\n", block, node.read_text("utf-8"))
+    node.write_text(text, "utf-8")
     assert connect(tmp_path, "Rover.yml").status == 0
     drafted = (tmp_path / "draft.yml").read_text("utf-8")
     assert f"    field: data\n    max_age: {line}\n" in drafted
-
-
-def _text(path: Path) -> str:
-    return path.read_text("utf-8") if path.is_file() else ""
 
 
 @pytest.mark.parametrize(

@@ -20,12 +20,6 @@ ROBOTS = [
         4,
     ),
     (
-        "result_strategyB",
-        {"BatteryVoltage": "V", "BatteryFull": None, "RemainingCapacity": "A*h"},
-        {},
-        3,
-    ),
-    (
         "MT",
         {"LocalizationUncertainty": "m", "DriveSpeed": "m/s", "LaserB1MinimumDistance": "m"},
         {"LocalizationUncertainty": "SQRT(amcl_pose.pose.covariance[0])"},

@@ -171,11 +171,8 @@ def test_what_else_can_be_listened_to(lasers: Path) -> None:
 
 def test_names_of_the_models(lasers: Path) -> None:
     outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, names="model")
-    assert [topic.topic for topic in outputs.topics][:3] == [
-        "/driver/ticks",
-        "/front/cloud",
-        "/front/scan",
-    ]
+    topics = [topic.topic for topic in outputs.topics]
+    assert topics[:3] == ["/driver/ticks", "/front/cloud", "/front/scan"]
 
 
 def test_filters_change_no_id(lasers: Path) -> None:
