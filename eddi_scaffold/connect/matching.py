@@ -126,12 +126,13 @@ class _Matcher:
         return Decision(need, "listed", tuple(like[:_MOST]))
 
     def _by_name(self, need: InputNeed) -> Decision:
-        fitting = [
-            (topic, leaf)
-            for topic in self._topics
-            for leaf in self._leaves_of(topic.type)
-            if objection(need, topic.type, leaf) is None
-        ]
+        fitting_of = {
+            message: [
+                leaf for leaf in self._leaves_of(message) if not objection(need, message, leaf)
+            ]
+            for message in {topic.type for topic in self._topics}
+        }
+        fitting = [(topic, leaf) for topic in self._topics for leaf in fitting_of[topic.type]]
         scorer = Scorer(need, dict.fromkeys(topic for topic, _ in fitting))
         every = sorted(
             (scorer.score(topic, leaf) for topic, leaf in fitting),
@@ -157,9 +158,9 @@ class _Matcher:
             and not scorer.unsaid(top.topic, top.leaf)
             and top.access.is_complete
         )
-        return (
-            Decision(need, "taken", listed, lead) if is_sure else Decision(need, "listed", listed)
-        )
+        if is_sure:
+            return Decision(need, "taken", listed, lead)
+        return Decision(need, "listed", listed)
 
     def _missed(self, need: InputNeed) -> NearMiss | None:
         """Return the value that would fit best by its name, with the rule that keeps it out."""
