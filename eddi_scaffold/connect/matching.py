@@ -127,10 +127,8 @@ class _Matcher:
 
     def _by_name(self, need: InputNeed) -> Decision:
         fitting_of = {
-            message: [
-                leaf for leaf in self._leaves_of(message) if not objection(need, message, leaf)
-            ]
-            for message in {topic.type for topic in self._topics}
+            type_: [leaf for leaf in self._leaves_of(type_) if not objection(need, type_, leaf)]
+            for type_ in {topic.type for topic in self._topics}
         }
         fitting = [(topic, leaf) for topic in self._topics for leaf in fitting_of[topic.type]]
         scorer = Scorer(need, dict.fromkeys(topic for topic, _ in fitting))
