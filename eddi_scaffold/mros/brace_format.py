@@ -50,16 +50,6 @@ _MODEL_SECTIONS = {f"{section.entry}s": section for section in SECTIONS.values()
 _SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"}
 
 
-def read_system(text: Text) -> System:
-    """Read a system."""
-    return _SystemReader(text).system()
-
-
-def read_model(text: Text) -> RosModel:
-    """Read the packages of a file."""
-    return _ModelReader(text).model()
-
-
 def _tokens_of(text: str) -> list[Token]:
     """Return all tokens; after ``bad`` nothing follows but the end."""
     tokens: list[Token] = []
@@ -151,8 +141,13 @@ class _Reader(Cursor):
             self.fail(f"end of file (the {of} ends before)")
 
 
-class _SystemReader(_Reader):
+class BraceReader(_Reader):
+    """Reader of either."""
+
+    # systems
+
     def system(self) -> System:
+        """Read a system."""
         self.components: list[Component] = []
         self.references_only = False
         connections: list[Connection] = []
@@ -213,10 +208,10 @@ class _SystemReader(_Reader):
                 parameters += len(self.block(partial(self.skip_parameter, "RosParameter")))
             else:
                 section = _SYSTEM_SECTIONS.get(key) or _SECTIONS_OF_2018[key]
-                interfaces += self.block(partial(self._interface, section))
+                interfaces += self.block(partial(self._system_interface, section))
         return Component(name, namespace, from_node, tuple(interfaces), parameters, line, col)
 
-    def _interface(self, section: Section) -> SystemInterface:
+    def _system_interface(self, section: Section) -> SystemInterface:
         line, col = self.place()
         self.entry(*section.system_entries)
         name = None if self.is_next("{") else self.name("the name of the interface")
@@ -246,9 +241,10 @@ class _SystemReader(_Reader):
         end = partial(self.name, "component.interface")
         return tuple(self.block(end, "(")) if self.is_next("(") else (end(),)
 
+    # node models
 
-class _ModelReader(_Reader):
     def model(self) -> RosModel:
+        """Read the packages of a file."""
         self.expect("PackageSet")
         opened = self.open()
         packages: list[Package] = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, NoReturn
 
 from eddi_scaffold.common.problems import most_similar
-from eddi_scaffold.mros.model import Field
+from eddi_scaffold.mros.model import Dialect, Field
 
 Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
 SYNTAX: Final = "M001.syntax"
@@ -42,7 +42,7 @@ class MrosSyntaxError(ValueError):
     source_line: str = ""
     case: Case = SYNTAX
     format: str = ""
-    dialect: str | None = None
+    dialect: Dialect | None = None
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.col}: {self.message}"
@@ -54,7 +54,10 @@ class Text:
     Attributes:
         text: without byte order mark, with line ends as they are.
         file: name for messages.
+        dialect: of the errors, where that is known already.
     """
+
+    dialect: Dialect | None = None
 
     def __init__(self, text: str, file: str) -> None:
         self.text = text.removeprefix("\ufeff")
@@ -76,7 +79,8 @@ class Text:
         """Return the error at a character."""
         line, col = self.place(offset)
         quoted_line = self.text[offset - col + 1 :].partition("\n")[0].rstrip("\r")
-        return MrosSyntaxError(self.file, line, col, message, quoted_line, case, format)
+        place = (self.file, line, col)
+        return MrosSyntaxError(*place, message, quoted_line, case, format, self.dialect)
 
 
 def decoded(source: str | bytes, file: str) -> Text:
