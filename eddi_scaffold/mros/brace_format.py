@@ -64,8 +64,8 @@ def _tokens_of(text: str) -> list[Token]:
     return [*tokens, ("end", "end of file", len(text))]
 
 
-class _Reader(Cursor):
-    """What both readers do with brackets."""
+class BraceReader(Cursor):
+    """Reader of either."""
 
     def __init__(self, text: Text) -> None:
         super().__init__(text, _tokens_of(text.text))
@@ -137,12 +137,9 @@ class _Reader(Cursor):
         self.skip_group(opened)
 
     def expect_end(self, of: str) -> None:
+        """Refuse what comes after the last bracket."""
         if not self.at_end():
             self.fail(f"end of file (the {of} ends before)")
-
-
-class BraceReader(_Reader):
-    """Reader of either."""
 
     # systems
 
