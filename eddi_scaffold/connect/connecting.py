@@ -147,14 +147,16 @@ def connect(
     kind = kinds()[chosen.kind]
     _refuse_other(document, root, chosen, models)
     package = package_name(model_id(root) or chosen.name)
-    robot = with_robot(document, surroundings.system, surroundings.models)
+    document, robot_types, robot_ages, robot_problems = with_robot(
+        document, surroundings.system, surroundings.models
+    )
     model_draft = _model_draft(chosen, root)
-    topics = topics_of(content(robot.document))
+    topics = topics_of(content(document))
     recorded = _recorded(surroundings.topics, topics, package)
     topics += recorded
-    others = [m for m in other_monitors(models, surroundings) if m.package != package]
+    others = other_monitors(models, surroundings, package)
     fulfilled, published = fulfilments(others, chosen, model_draft.inputs, topics)
-    types = {**surroundings.types, **known_messages(), **robot.types, **_declared_types(root)}
+    types = {**surroundings.types, **known_messages(), **robot_types, **_declared_types(root)}
     needs = _needs(root, chosen, model_draft.inputs)
     decisions = decide(needs, topics, types.get, fulfilled)
     named = {candidate.topic for decision in decisions for candidate in decision.candidates}
@@ -163,8 +165,8 @@ def connect(
         for topic in (*recorded, *published)
         if topic in named
     ]
-    document = read_block(Source(document.name, extended(robot.document, new).encode()))
-    known = {**robot.ages, **surroundings.ages}
+    document = read_block(Source(document.name, extended(document, new).encode()))
+    known = {**robot_ages, **surroundings.ages}
     full_names = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
     ages = {topic: known[full] for topic, full in full_names.items() if full in known}
     parts = chosen.separate_outputs()
@@ -181,7 +183,7 @@ def connect(
     )
     after = with_draft(document, draft)
     unknown = _unknown_inputs(root, [item.id for item in model_draft.inputs])
-    problems = in_order([*robot.problems, *with_excerpts(unknown, before or "")])
+    problems = in_order([*robot_problems, *with_excerpts(unknown, before or "")])
     items = items_of(root.get("EDDIInputs"))
     kept = frozenset(text_of(item, "id") or "" for item in items if not undecided(item))
     todo = len(undecided(content(ConfigText(document.name, after, 0, 0))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Literal
@@ -93,95 +93,86 @@ def decide(
         fields_of: message type -> fields, ``None`` where they are not known.
         fulfilments: input -> outputs of other monitors that fulfil it.
     """
-    leaves_of = cache(lambda message: tuple(leaves(message, fields_of)))
-    return [
-        _decide(need, topics, leaves_of, (fulfilments or {}).get(need.id, ())) for need in needs
-    ]
+    matcher = _Matcher(topics, fields_of)
+    by_input = fulfilments or {}
+    return [matcher.decide(need, by_input.get(need.id, ())) for need in needs]
 
 
-def _decide(
-    need: InputNeed,
-    topics: Sequence[RobotTopic],
-    leaves_of: Callable[[str], tuple[TopicField, ...]],
-    fulfilments: Sequence[Fulfilment],
-) -> Decision:
-    """Return the decision: what fulfils an input is a matter of composition, not of names."""
-    composed = []
-    for fulfilment in fulfilments:
-        parts = {"composition": _COMPOSED}
-        if not fulfilment.is_sure:
-            names = (*words(fulfilment.key), *fulfilment.topic.words)
-            likeness = sum(need.fit(word, names) for word in need.words) / len(need.words)
-            parts = {"name": round(50 * likeness)}
-        leaf, use = (
-            TopicField((fulfilment.field,), "bool", None),
-            FieldUse("field", fulfilment.field),
+class _Matcher:
+    def __init__(self, topics: Sequence[RobotTopic], fields_of: FieldsOf) -> None:
+        self._topics = topics
+        self._leaves_of = cache(lambda message: tuple(leaves(message, fields_of)))
+
+    def decide(self, need: InputNeed, fulfilments: Sequence[Fulfilment]) -> Decision:
+        """Return the decision: what fulfils an input is a matter of composition, not of names."""
+        composed = []
+        for fulfilment in fulfilments:
+            parts = {"composition": _COMPOSED}
+            if not fulfilment.is_sure:
+                names = (*words(fulfilment.key), *fulfilment.topic.words)
+                likeness = sum(need.fit(word, names) for word in need.words) / len(need.words)
+                parts = {"name": round(50 * likeness)}
+            leaf = TopicField((fulfilment.field,), "bool", None)
+            use = FieldUse("field", fulfilment.field)
+            composed.append(Candidate(fulfilment.topic, leaf, use, parts, (fulfilment.why,)))
+        if composed and fulfilments[0].is_sure:
+            return Decision(need, "taken" if len(composed) == 1 else "listed", tuple(composed))
+        decision = self._by_name(need)
+        if decision.state == "taken" or not composed:
+            return decision
+        every = sorted((*decision.candidates, *composed), key=lambda candidate: -candidate.score)
+        # a claim may have quite another name, so that all are listed where none is like the input
+        like = [candidate for candidate in every if candidate.score > 0] or every
+        return Decision(need, "listed", tuple(like[:_MOST]))
+
+    def _by_name(self, need: InputNeed) -> Decision:
+        fitting_of = {
+            type_: [leaf for leaf in self._leaves_of(type_) if not objection(need, type_, leaf)]
+            for type_ in {topic.type for topic in self._topics}
+        }
+        fitting = [(topic, leaf) for topic in self._topics for leaf in fitting_of[topic.type]]
+        scorer = Scorer(need, dict.fromkeys(topic for topic, _ in fitting))
+        every = sorted(
+            (scorer.score(topic, leaf) for topic, leaf in fitting),
+            key=lambda candidate: (-candidate.score, candidate.topic.id, candidate.leaf.path),
         )
-        composed.append(Candidate(fulfilment.topic, leaf, use, parts, (fulfilment.why,)))
-    if composed and fulfilments[0].is_sure:
-        return Decision(need, "taken" if len(composed) == 1 else "listed", tuple(composed))
-    decision = _by_name(need, topics, leaves_of)
-    if decision.state == "taken" or not composed:
-        return decision
-    every = sorted((*decision.candidates, *composed), key=lambda candidate: -candidate.score)
-    # a claim may have quite another name, so that all are listed where none is like the input
-    like = [candidate for candidate in every if candidate.score > 0] or every
-    return Decision(need, "listed", tuple(like[:_MOST]))
+        best: dict[RobotTopic, Candidate] = {}
+        for candidate in every:
+            best.setdefault(candidate.topic, candidate)
+        least = 0 if need.is_demand or need.type.endswith("[]") else _LEAST  # few can be that
+        listed = tuple(candidate for candidate in best.values() if candidate.score >= least)
+        listed = listed[:_MOST]
+        if need.is_demand:
+            return Decision(need, "listed" if listed else "none", listed)
+        if not listed:
+            return Decision(need, "none", missed=self._missed(need))
+        top = every[0]
+        lead = top.score - every[1].score if len(every) > 1 else None
+        distance = _SURE[-1][1] if lead is None else lead
+        is_sure = (
+            any(top.score >= score and distance >= least for score, least in _SURE)
+            and top.parts["name"] >= _LEAST_NAME
+            and ALARM not in top.parts
+            and not scorer.unsaid(top.topic, top.leaf)
+            and top.access.is_complete
+        )
+        if is_sure:
+            return Decision(need, "taken", listed, lead)
+        return Decision(need, "listed", listed)
 
-
-def _by_name(
-    need: InputNeed,
-    topics: Sequence[RobotTopic],
-    leaves_of: Callable[[str], tuple[TopicField, ...]],
-) -> Decision:
-    fitting_of = {
-        message: [leaf for leaf in leaves_of(message) if objection(need, message, leaf) is None]
-        for message in {topic.type for topic in topics}
-    }
-    scorer = Scorer(need, [topic for topic in dict.fromkeys(topics) if fitting_of[topic.type]])
-    every = sorted(
-        (scorer.score(topic, leaf) for topic in topics for leaf in fitting_of[topic.type]),
-        key=lambda candidate: (-candidate.score, candidate.topic.id, candidate.leaf.path),
-    )
-    best: dict[RobotTopic, Candidate] = {}
-    for candidate in every:
-        best.setdefault(candidate.topic, candidate)
-    least = 0 if need.is_demand or need.type.endswith("[]") else _LEAST  # few topics can be that
-    listed = tuple(candidate for candidate in best.values() if candidate.score >= least)[:_MOST]
-    if need.is_demand:
-        return Decision(need, "listed" if listed else "none", listed)
-    if not listed:
-        return Decision(need, "none", missed=_missed(need, topics, leaves_of))
-    top = every[0]
-    lead = top.score - every[1].score if len(every) > 1 else None
-    distance = _SURE[-1][1] if lead is None else lead
-    if (
-        any(top.score >= score and distance >= least for score, least in _SURE)
-        and top.parts["name"] >= _LEAST_NAME
-        and ALARM not in top.parts
-        and not scorer.unsaid(top.topic, top.leaf)
-        and top.access.is_complete
-    ):
-        return Decision(need, "taken", listed, lead)
-    return Decision(need, "listed", listed)
-
-
-def _missed(
-    need: InputNeed,
-    topics: Sequence[RobotTopic],
-    leaves_of: Callable[[str], tuple[TopicField, ...]],
-) -> NearMiss | None:
-    """Return the value that would fit best by its name, with the rule that keeps it out."""
-    scorer = Scorer(need, topics)
-    topic = min(topics, key=lambda topic: (-scorer.likeness(topic), topic.id), default=None)
-    if topic is None or not scorer.likeness(topic):
-        return None
-    misses = {
-        (-scorer.score(topic, leaf).parts["name"], leaf.path): NearMiss(topic, leaf, why)
-        for leaf in leaves_of(topic.type)
-        if (why := objection(need, topic.type, leaf)) is not None
-    }
-    return misses[min(misses)] if misses else None
+    def _missed(self, need: InputNeed) -> NearMiss | None:
+        """Return the value that would fit best by its name, with the rule that keeps it out."""
+        scorer = Scorer(need, self._topics)
+        likeness = scorer.likeness
+        topic = min(self._topics, key=lambda topic: (-likeness(topic), topic.id), default=None)
+        if topic is None or not likeness(topic):
+            return None
+        misses = {
+            (-scorer.score(topic, leaf).parts["name"], leaf.path): NearMiss(topic, leaf, why)
+            for leaf in self._leaves_of(topic.type)
+            if (why := objection(need, topic.type, leaf)) is not None
+        }
+        return misses[min(misses)] if misses else None
 
 
 def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:

@@ -17,7 +17,7 @@ from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
-from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.topics import Existing, Outputs, silent_problems, simulator_outputs
 
 
@@ -65,24 +65,19 @@ def _additions(robot: Robot) -> RobotAdditions:
     """
 
     def outputs(entries: object) -> list[dict[str, JsonValue]]:
-        rows = entries if isinstance(entries, list) else []
-        old = [entry for entry in rows if isinstance(entry, dict)]
+        listed = entries if isinstance(entries, list) else []
+        rows = [row for row in listed if isinstance(row, dict)]
+        by_topic = {str(row.get("topic")): row for row in rows}
         place = Place(str(robot.path))
-        existing = [Existing(str(e.get("id")), str(e.get("topic")), place) for e in old]
-        by_topic = {str(entry.get("topic")): entry for entry in old}
-        topics = [
-            topic
-            for topic in simulator_outputs(robot.system, robot.models, existing=existing).topics
-            if is_ros_name(topic.topic) or topic.topic in by_topic
-        ]
-        taken = {topic.id for topic in topics} | {topic.topic for topic in topics}
-        return [
-            *(
-                {**by_topic.get(t.topic, {}), "id": t.id, "type": t.type, "topic": t.topic}
-                for t in topics
-            ),
-            *(entry for entry in old if not {entry.get("id"), entry.get("topic")} & taken),
-        ]
+        existing = [Existing(str(row.get("id")), str(row.get("topic")), place) for row in rows]
+        new, taken = [], set[str]()
+        for topic in simulator_outputs(robot.system, robot.models, existing=existing).topics:
+            if is_ros_name(topic.topic) or topic.topic in by_topic:
+                keys = {"id": topic.id, "type": topic.type, "topic": topic.topic}
+                new.append({**by_topic.get(topic.topic, {}), **keys})
+                taken |= {topic.id, topic.topic}
+        names = ({old.id, old.topic} for old in existing)
+        return [*new, *(row for row, own in zip(rows, names, strict=True) if not own & taken)]
 
     return RobotAdditions(outputs, message_types(robot.models))
 
@@ -112,7 +107,7 @@ def _check_file(
 ) -> Sequence[Problem]:
     try:
         if not path.name.endswith(SYSTEM_SUFFIX):
-            return [*noticed(read_ros_models(read_source(path).data, str(path)))]
+            return read_ros_models(read_source(path).data, str(path)).problems
         system, problems = load_system(path, folder)
     except MrosSyntaxError as failed:
         return [problem_of(failed)]

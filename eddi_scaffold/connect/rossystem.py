@@ -5,9 +5,9 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from eddi_scaffold.common.files import read_source, saved_meanwhile
 from eddi_scaffold.common.problems import (
@@ -29,7 +29,7 @@ from eddi_scaffold.config.topic_block import (
     rewritten,
 )
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.directory import load_models, load_system, named
+from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.resolving import Models, flattened
 from eddi_scaffold.mros.topics import (
@@ -120,15 +120,7 @@ class Parsed:
             "system": system.name,
             "dialect": system.dialect,
             "outputs": [
-                {
-                    "id": topic.id,
-                    "type": topic.type,
-                    "topic": topic.topic,
-                    "kind": topic.kind,
-                    "components": list(topic.components),
-                    "file": topic.file,
-                    "line": topic.line,
-                }
+                {key: value for key, value in asdict(topic).items() if key != "deadlines"}
                 for topic in self.outputs.topics
             ],
             "diagnostics": [
@@ -162,13 +154,7 @@ def read_robot(system: Path, folder: Path) -> Robot:
     try:
         model, problems = load_system(system, folder)
     except EddiError as failed:  # who can go no further sees an error in any case
-        name = named(system, folder)
-        raise EddiError(*(
-            replace(reported, level="error", place=replace(reported.place, file=str(system)))
-            if reported.place.file == name
-            else replace(reported, level="error")
-            for reported in failed.problems
-        )) from None  # fmt: skip
+        raise EddiError(*(replace(fault, level="error") for fault in failed.problems)) from None
     models = load_models(folder, systems=bool(model.subsystems))
     return Robot(folder, system, model, models, (*problems, *models.problems))
 
@@ -201,42 +187,23 @@ def with_topics(
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,
 ) -> Parsed:
-    """Do the same with a text.
-
-    Args:
-        robot: the system with its models.
-        document: the configuration.
-        include: topics in addition to the published ones.
-        filters: what a person chooses.
-        names: whose names the topics get.
-        writes: whether a topic is written.
-
-    Raises:
-        EddiError: the filters leave nothing.
-    """
+    """Do the same with a text, for the topics that are to be written."""
     filters = filters or Filters()
-    existing = [
-        Existing(entry.id, entry.topic, Place(document.name, entry.line, 1))
-        for entry in document.old
-    ]
-    outputs = simulator_outputs(
-        robot.system,
-        robot.models,
-        include=include,
-        existing=existing,
-        filters=filters,
-        names=names,
-    )
+    file = document.name
+    existing = [Existing(old.id, old.topic, Place(file, old.line, 1)) for old in document.old]
+    options: dict[str, Any] = {"include": include, "filters": filters, "names": names}
+    outputs = simulator_outputs(robot.system, robot.models, existing=existing, **options)
     problems = [*robot.problems, *outputs.problems]
     _refuse_filters(filters, robot, outputs, document)
     after, notes = document.text, list[Problem]()
     if outputs.topics or not has_errors(problems):
-        entries = [TopicEntry(t.id, t.type, t.topic) for t in outputs.topics if writes(t)]
+        topics = filter(writes, outputs.topics)
+        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in topics]
         after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
     problems += notes
     # the configuration is quoted as it was read: what is printed comes after it is rewritten
-    own = [reported for reported in problems if reported.place.file == document.name]
-    others = [reported for reported in problems if reported.place.file != document.name]
+    own = [reported for reported in problems if reported.place.file == file]
+    others = [reported for reported in problems if reported.place.file != file]
     problems = in_order([*others, *with_excerpts(own, document.text)])
     return Parsed(robot, outputs, tuple(problems), document.text, after)
 
@@ -257,10 +224,8 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     if some and not wrong and outputs.is_complete and not outputs.topics:
         wrong = [problem("M022.no_topic", filters=filters)]
     if wrong:
-        found = [
-            problem for problem in (*robot.problems, *outputs.problems) if problem.level == "error"
-        ]
-        raise EddiError(*robot.located(in_order(found)), *wrong)
+        problems = in_order([*robot.problems, *outputs.problems])
+        raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
 
 
 def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> DroppedTopic:
@@ -289,18 +254,17 @@ def save(path: Path, text: str, before: str | None) -> None:
     target = path.resolve()
     temporary = target.with_name(f".eddi-{os.getpid()}")
     try:
-        old = target.read_bytes() if target.exists() else None
-        mark = _MARK if old is not None and old.startswith(_MARK) else b""
+        mark = _MARK if target.exists() and target.read_bytes().startswith(_MARK) else b""
         try:
             with temporary.open("xb") as file:
                 file.write(mark + text.encode())
                 file.flush()
                 os.fsync(file.fileno())
-            if old is not None:
-                temporary.chmod(target.stat().st_mode & 0o7777)
-                old = target.read_bytes().removeprefix(_MARK)
-            if old != (None if before is None else before.encode()):
+            now = target.read_bytes().removeprefix(_MARK) if target.exists() else None
+            if now != (None if before is None else before.encode()):
                 raise saved_meanwhile(path)
+            if now is not None:
+                temporary.chmod(target.stat().st_mode & 0o7777)
             temporary.replace(target)
         finally:
             temporary.unlink(missing_ok=True)

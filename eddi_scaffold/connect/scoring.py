@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from eddi_scaffold.common import units
 from eddi_scaffold.connect.needs import MEANS_THE_SAME, InputNeed, words
@@ -18,33 +17,15 @@ ALARM = "true may be bad"
 """Part of a candidate that may be true where the input is false; it is never taken."""
 
 
-class Prior(NamedTuple):
-    """What is usual: a message for an input.
-
-    Attributes:
-        words: the input has one of them.
-        dimensions: what it measures; ``bool`` for one that is true or false.
-        points: message -> points.
-    """
-
-    words: frozenset[str]
-    dimensions: frozenset[str]
-    points: Mapping[str, int]
-
-
-def _prior(row: str) -> Prior:
-    names, dimensions, points = row.split(" | ")
-    pairs = (pair.split() for pair in points.split(", "))
-    return Prior(
+_USUAL = [
+    (
         frozenset(names.split()),
         frozenset(dimensions.split(", ")),
-        {message: int(number) for message, number in pairs},
+        {message: int(points) for message, points in map(str.split, messages.split(", "))},
     )
-
-
-_PRIORS = [
-    _prior(row)
-    for row in """\
+    for names, dimensions, messages in (
+        row.split(" | ")
+        for row in """\
 obstacle distance clearance range proximity scan nearest closest | length | \
 LaserScan 20, Range 20, MultiEchoLaserScan 15
 speed velocity drive | speed | \
@@ -62,7 +43,9 @@ joint torque effort | angle, torque, force, angular rate | \
 JointState 20, JointTrajectoryControllerState 10
 health healthy ok diagnostics | bool | DiagnosticArray 20, DiagnosticStatus 20
 detected detection person pedestrian | bool | Detection2DArray 20""".splitlines()
+    )
 ]
+"""An input that has one of these words and measures one of these -> messages with points."""
 _COMMANDS = frozenset(("cmd", "command", "setpoint", "goal", "target", "desired", "reference"))
 _COMMANDED = frozenset([
     "Twist", "TwistStamped", "PoseStamped", "Float32", "Float64", "Float64MultiArray",
@@ -169,11 +152,11 @@ class Scorer:
     def _usual(self, topic: RobotTopic, leaf: TopicField) -> tuple[int, frozenset[str]]:
         """Return the points of the best row that applies, and the words that it explains."""
         points, explained = 0, frozenset[str]()
-        for row in _PRIORS:
-            more = row.points.get(topic.message, 0)
-            is_meant = not row.words.isdisjoint(self.need.words)
-            if more > points and is_meant and self._measures(row.dimensions, leaf):
-                points, explained = more, row.words
+        for names, dimensions, messages in _USUAL:
+            more = messages.get(topic.message, 0)
+            is_meant = not names.isdisjoint(self.need.words)
+            if more > points and is_meant and self._measures(dimensions, leaf):
+                points, explained = more, names
         return points, explained if points >= _TELLING else frozenset()
 
     def _measures(self, dimensions: frozenset[str], leaf: TopicField) -> bool:

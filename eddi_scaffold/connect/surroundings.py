@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
@@ -51,23 +51,14 @@ class Surroundings:
     types: MessageFields = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class OnRobot:
-    """A configuration with the topics of a robot.
+def with_robot(
+    document: ConfigText, system: Path | None, models: Path | None
+) -> tuple[ConfigText, MessageFields, Mapping[str, Age], Sequence[Problem]]:
+    """Add the topics of a system to a configuration.
 
-    Attributes:
-        types: of the messages, next to the models.
-        ages: full name of a topic -> when its messages are too old, by the models.
-    """
-
-    document: ConfigText
-    types: MessageFields = field(default_factory=dict)
-    ages: Mapping[str, Age] = field(default_factory=dict)
-    problems: Sequence[Problem] = ()
-
-
-def with_robot(document: ConfigText, system: Path | None, models: Path | None) -> OnRobot:
-    """Return the configuration with the topics of the system, and what the models say of them.
+    Returns:
+        The configuration; by the models the types of messages, and full name of a topic -> when
+        its messages are too old; what is wrong with the models.
 
     Raises:
         EddiError: one of them cannot be read, or the models of a system are missing (G017).
@@ -75,19 +66,21 @@ def with_robot(document: ConfigText, system: Path | None, models: Path | None) -
     if models is None:
         if system is not None:
             raise EddiError(problem("G017"))
-        return OnRobot(document)
+        return document, {}, {}, ()
     if system is None:
-        return OnRobot(document, message_types(load_models(models)))
+        return document, message_types(load_models(models)), {}, ()
     robot = read_robot(system, models)
     parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
     after = read_block(Source(document.name, parsed.after.encode()))
     ages = {topic.topic: deadline_age(topic.deadlines) for topic in parsed.outputs.topics}
     known = {topic: age for topic, age in ages.items() if age is not None}
-    return OnRobot(after, message_types(robot.models), known, robot.located(parsed.problems))
+    return after, message_types(robot.models), known, robot.located(parsed.problems)
 
 
-def other_monitors(models: Sequence[Model], surroundings: Surroundings) -> list[BoundMonitor]:
-    """Return the monitors of the other configurations.
+def other_monitors(
+    models: Sequence[Model], surroundings: Surroundings, package: str
+) -> list[BoundMonitor]:
+    """Return the monitors of the other configurations, without that of a package.
 
     Raises:
         EddiError: one of them cannot be used.
@@ -101,7 +94,7 @@ def other_monitors(models: Sequence[Model], surroundings: Surroundings) -> list[
     )
     if has_errors(problems):
         raise EddiError(*problems)
-    return monitors
+    return [monitor for monitor in monitors if monitor.package != package]
 
 
 def fulfilments(
@@ -130,35 +123,19 @@ def fulfilments(
         sure = [pair for pair in claims if _fulfils(pair[0], pair[1].key, model, item)]
         possible = claims if item.type == "bool" and not item.is_demand else []
         for monitor, claim in sure or possible:
-            if claim.topic not in by_topic:
+            name = claim.topic.topic
+            if name not in by_topic:
                 taken = {topic.id for topic in by_topic.values()}
-                name = free_name(attribute(claim.output), taken)
-                by_topic[claim.topic] = RobotTopic(name, claim.type, claim.topic)
+                id_ = free_name(attribute(claim.topic.id), taken)
+                by_topic[name] = replace(claim.topic, id=id_)
             why = f"{claim.key} fulfils it" if sure else f"{claim.key} of {monitor.model.name}"
-            topic = by_topic[claim.topic]
-            fulfilment = Fulfilment(topic, claim.field, why, claim.key, is_sure=bool(sure))
+            fulfilment = replace(claim, topic=by_topic[name], why=why, is_sure=bool(sure))
             by_input.setdefault(item.id, []).append(fulfilment)
     return by_input, list(by_topic.values())[len({topic.topic for topic in topics}) :]
 
 
-@dataclass(frozen=True)
-class _Claim:
-    """Something that a monitor publishes and that is false while it is not known.
-
-    Attributes:
-        output: id of the output on which it is published.
-        key: id of the guarantee, threshold or event.
-        field: its path in the message.
-    """
-
-    output: str
-    type: str
-    topic: str
-    key: str
-    field: str
-
-
-def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
+def _claims(monitor: BoundMonitor) -> Iterator[Fulfilment]:
+    """Yield what a monitor publishes and is false while not known, with topics named as outputs."""
     model = monitor.model
     ids, parts = model.element_keys(), list(model.separate_outputs())
     own = {claim.id: [claim.id] for claim in monitor.facts.claims}
@@ -170,14 +147,15 @@ def _claims(monitor: BoundMonitor) -> Iterator[_Claim]:
         on_topic = [output.event] if output.event is not None else parts
         only = on_topic if len(on_topic) == 1 else []
         for name, message in messages.items():
-            topic = f"{output.topic}/{name}" if name else output.topic
+            topic_name = f"{output.topic}/{name}" if name else output.topic
+            topic = RobotTopic(output.id, f"eddi_messages/{message}", topic_name)
             for path, meaning in meanings.get(message, {}).items():
                 if meaning.silent != _SILENT:
                     continue
                 head, is_list, tail = path.partition("[].")
                 for key in ids.get(head, ()) if is_list else own.get(path, only):
                     field = f"{head}[{key_text(key)}].{tail}" if is_list else path
-                    yield _Claim(output.id, f"eddi_messages/{message}", topic, key, field)
+                    yield Fulfilment(topic, field, "", key)
 
 
 def _fulfils(monitor: BoundMonitor, key: str, model: Model, item: ModelInput) -> bool:

@@ -20,7 +20,6 @@ from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.directory import problem_of
-from eddi_scaffold.mros.resolving import noticed
 from eddi_scaffold.mros.show import failure_json, model_json, model_tree, system_json, system_tree
 from eddi_scaffold.yaml_text.nodes import read_map
 
@@ -68,14 +67,14 @@ def mros_of(source: Source) -> Shown | None:
     try:
         if source.name.endswith(SYSTEM_SUFFIX):
             system = read_rossystem(source.data, source.name)
-            document, tree, problems = system_json(system), system_tree(system), noticed(system)
+            document, tree, problems = system_json(system), system_tree(system), system.problems
         else:
             model = read_ros_models(source.data, source.name)
-            document, tree, problems = model_json(model), model_tree(model), noticed(model)
+            document, tree, problems = model_json(model), model_tree(model), model.problems
     except MrosSyntaxError as failed:
         problem = replace(problem_of(failed), level="error")
         return Shown(failure_json(failed) | {"problems": [problem.as_json()]}, (), (problem,))
-    return Shown(document, tuple(tree), tuple(problems))
+    return Shown(document, tuple(tree), problems)
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TypeVar
 
+from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.mros.model import (
     SECTIONS,
     Artifact,
     Component,
     Connection,
     Interface,
-    Notice,
     Package,
     RosModel,
     Section,
@@ -44,20 +44,10 @@ _LIST = "({"
 """Lists of systems open with either bracket."""
 _CONNECTIONS = ("TopicConnections", "ServiceConnections", "ActionConnections")
 _SYSTEM_SECTIONS = {section.system_section: section for section in SECTIONS.values()}
-_SECTIONS_OF_2018 = {f"{one.system_entries[-1]}s": one for one in SECTIONS.values()}
+_SECTIONS_OF_2018 = {f"{section.system_entries[-1]}s": section for section in SECTIONS.values()}
 _PACKAGES = ("Package", "CatkinPackage", "AmentPackage")
 _MODEL_SECTIONS = {f"{section.entry}s": section for section in SECTIONS.values()}
 _SPECS = {"TopicSpec": "topic", "ServiceSpec": "service", "ActionSpec": "action"}
-
-
-def read_system(text: Text) -> System:
-    """Read a system."""
-    return _SystemReader(text).system()
-
-
-def read_model(text: Text) -> RosModel:
-    """Read the packages of a file."""
-    return _ModelReader(text).model()
 
 
 def _tokens_of(text: str) -> list[Token]:
@@ -74,8 +64,8 @@ def _tokens_of(text: str) -> list[Token]:
     return [*tokens, ("end", "end of file", len(text))]
 
 
-class _Reader(Cursor):
-    """What both readers do with brackets."""
+class BraceReader(Cursor):
+    """Reader of either."""
 
     def __init__(self, text: Text) -> None:
         super().__init__(text, _tokens_of(text.text))
@@ -147,12 +137,14 @@ class _Reader(Cursor):
         self.skip_group(opened)
 
     def expect_end(self, of: str) -> None:
+        """Refuse what comes after the last bracket."""
         if not self.at_end():
             self.fail(f"end of file (the {of} ends before)")
 
+    # systems
 
-class _SystemReader(_Reader):
     def system(self) -> System:
+        """Read a system."""
         self.components: list[Component] = []
         self.references_only = False
         connections: list[Connection] = []
@@ -213,10 +205,10 @@ class _SystemReader(_Reader):
                 parameters += len(self.block(partial(self.skip_parameter, "RosParameter")))
             else:
                 section = _SYSTEM_SECTIONS.get(key) or _SECTIONS_OF_2018[key]
-                interfaces += self.block(partial(self._interface, section))
+                interfaces += self.block(partial(self._system_interface, section))
         return Component(name, namespace, from_node, tuple(interfaces), parameters, line, col)
 
-    def _interface(self, section: Section) -> SystemInterface:
+    def _system_interface(self, section: Section) -> SystemInterface:
         line, col = self.place()
         self.entry(*section.system_entries)
         name = None if self.is_next("{") else self.name("the name of the interface")
@@ -246,9 +238,10 @@ class _SystemReader(_Reader):
         end = partial(self.name, "component.interface")
         return tuple(self.block(end, "(")) if self.is_next("(") else (end(),)
 
+    # node models
 
-class _ModelReader(_Reader):
     def model(self) -> RosModel:
+        """Read the packages of a file."""
         self.expect("PackageSet")
         opened = self.open()
         packages: list[Package] = []
@@ -258,12 +251,12 @@ class _ModelReader(_Reader):
             packages.append(self._package())
             self.accept(",")
         self.close(opened, *_PACKAGES)
-        notices = []
+        problems = []
         while self.is_next("}"):
-            notices.append(Notice("M004.brace", *self.place(), {}))
+            problems.append(problem("M004.brace", Place(self.text.file, *self.place())))
             self.expect("}")
         self.expect_end("package set")
-        return RosModel(self.text.file, "brace", tuple(packages), tuple(notices))
+        return RosModel(self.text.file, "brace", tuple(packages), tuple(problems))
 
     def _package(self) -> Package:
         self.expect(*_PACKAGES)

@@ -11,7 +11,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
 from eddi_scaffold.mros.model import RosModel, System
 from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
-from eddi_scaffold.mros.resolving import Models, noticed
+from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
 
@@ -28,14 +28,17 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
     Raises:
         EddiError: it cannot be read, or is in a format that is not understood.
     """
-    name = named(path, folder)
+    name = str(path)
+    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
+        name = path.resolve().relative_to(folder.resolve()).as_posix()
     try:
         system = read_rossystem(read_source(path).data, name)
     except MrosSyntaxError as failed:
+        failed.file = str(path)
         raise EddiError(problem_of(failed)) from None
     if system.references_only:
-        raise EddiError(problem("M001.references", Place(name, 1, 1)))
-    return system, list(noticed(system))
+        raise EddiError(problem("M001.references", Place(str(path), 1, 1)))
+    return system, list(system.problems)
 
 
 def load_models(folder: Path, *, systems: bool = False) -> Models:
@@ -78,16 +81,9 @@ def load_models(folder: Path, *, systems: bool = False) -> Models:
                 )
                 skipped.append(name)
             continue
-        problems += noticed(model)
+        problems += model.problems
         models.append(model)
     return Models(tuple(models), tuple(parts), tuple(skipped), tuple(problems))
-
-
-def named(path: Path, folder: Path | None) -> str:
-    """Return the name of a file in messages: relative to the directory if it lies in it."""
-    if folder is not None and path.resolve().is_relative_to(folder.resolve()):
-        return path.resolve().relative_to(folder.resolve()).as_posix()
-    return str(path)
 
 
 def problem_of(failed: MrosSyntaxError) -> Problem:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 
+from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.mros.indent_lines import Line, LineCursor, blocks_of, skip_block
 from eddi_scaffold.mros.model import (
     SECTIONS,
@@ -18,7 +19,6 @@ from eddi_scaffold.mros.model import (
     Field,
     Interface,
     InterfaceKind,
-    Notice,
     Package,
     RosModel,
     Spec,
@@ -40,47 +40,39 @@ _FROM = {f"from{arrow.removesuffix('->')}": kind for arrow, kind in _ARROWS.item
 _SYSTEM = ("fromfile", "subsystems", "processes", "nodes", "parameters", "connections")
 _NODE = ("from", "namespace", "interfaces", "parameters")
 _PACKAGE = ("fromgitrepo", "artifacts", "msgs", "srvs", "actions", "specs", "dependencies")
-_SECTIONS = {f"{kind}{s}": section.kind for kind, section in SECTIONS.items() for s in ("", "s")}
+_SECTIONS = {
+    f"{kind}{plural}": section.kind for kind, section in SECTIONS.items() for plural in ("", "s")
+}
 _ARTIFACT = ("node", "parameters", "parameter", *_SECTIONS)
 _SPEC_KINDS = {"msgs": "topic", "srvs": "service", "actions": "action", "specs": ""}
 _SPEC_WORDS = {"msg": "topic", "srv": "service", "action": "action"}
 
 
-def read_system(text: Text) -> System:
-    """Read a system; the YAML of rossdl is refused as ``FOREIGN_FORMAT``."""
-    return _Reader(text).system()
+class IndentReader:
+    """Reader of either."""
 
-
-def read_model(text: Text) -> RosModel:
-    """Read the packages of a file."""
-    reader = _Reader(text)
-    packages = tuple(reader.package(line) for line in blocks_of(text))
-    return RosModel(text.file, "indent", packages, tuple(reader.notices))
-
-
-class _Reader:
     def __init__(self, text: Text) -> None:
         self.text = text
-        self.notices: list[Notice] = []
+        self.problems: list[Problem] = []
 
     # what systems and models have in common
 
-    def known(self, line: Line, keys: Sequence[str]) -> Iterator[tuple[str, LineCursor, Line]]:
+    def _known(self, line: Line, keys: Sequence[str]) -> Iterator[tuple[str, LineCursor, Line]]:
         """Yield known keys below a line, in lower case, each with the rest of its line, and it."""
         for inner in line.below:
             rest = LineCursor(self.text, inner)
-            place = rest.place()
+            place = Place(self.text.file, *rest.place())
             key = rest.key("a key")
             if key.lower() in keys:
                 yield key.lower(), rest, inner
                 continue
             for meant in get_close_matches(key.lower(), keys, n=1, cutoff=0.8):
-                self.notices.append(Notice("M006.misspelt", *place, {"key": key, "meant": meant}))
+                self.problems.append(problem("M006.misspelt", place, key=key, meant=meant))
                 break
             else:
-                self.notices.append(Notice("M005.unknown_key", *place, {"key": key}))
+                self.problems.append(problem("M005.unknown_key", place, key=key))
 
-    def heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
+    def _heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
         """Read a line that is ``name:``; return the name and its place."""
         words = LineCursor(self.text, line)
         place, name = words.place(), words.key(what)
@@ -90,6 +82,7 @@ class _Reader:
     # systems
 
     def system(self) -> System:
+        """Read a system; the YAML of rossdl is refused."""
         lines = blocks_of(self.text)
         if not lines:
             raise self.text.error(0, "there is nothing but comments in this file", EMPTY_FILE)
@@ -105,7 +98,7 @@ class _Reader:
         subsystems: list[SubSystem] = []
         from_file = None
         processes = 0
-        for key, rest, line in self.known(first, _SYSTEM):
+        for key, rest, line in self._known(first, _SYSTEM):
             if key == "fromfile":
                 from_file = rest.name("a file name")
             elif key == "subsystems":
@@ -129,7 +122,7 @@ class _Reader:
             tuple(subsystems),
             from_file,
             processes,
-            notices=tuple(self.notices),
+            problems=tuple(self.problems),
         )
 
     def _subsystem(self, line: Line) -> SubSystem:
@@ -140,11 +133,11 @@ class _Reader:
         return SubSystem(name, *place)
 
     def _component(self, line: Line) -> Component:
-        name, place = self.heading(line, "the name of a node")
+        name, place = self._heading(line, "the name of a node")
         from_node = namespace = None
         interfaces: list[SystemInterface] = []
         parameters = 0
-        for key, rest, inner in self.known(line, _NODE):
+        for key, rest, inner in self._known(line, _NODE):
             if key == "from":
                 from_node = rest.name("package.node")
             elif key == "namespace":
@@ -162,7 +155,7 @@ class _Reader:
         place, label = words.place(), words.key("the label of an interface")
         expected = alternatives([*map(repr, _ARROWS)])
         if words.at_end():  # in 2022 `fromPub: "package.artifact.node.interface"` is below it
-            for key, words, _ in self.known(line, [*_FROM]):
+            for key, words, _ in self._known(line, [*_FROM]):
                 ref = words.name("a reference")
                 words.end()
                 return SystemInterface(_FROM[key], label, ref, None, *place)
@@ -192,11 +185,16 @@ class _Reader:
 
     # node models
 
-    def package(self, line: Line) -> Package:
-        name, _ = self.heading(line, "a package name")
+    def model(self) -> RosModel:
+        """Read the packages of a file."""
+        packages = tuple(self._package(line) for line in blocks_of(self.text))
+        return RosModel(self.text.file, "indent", packages, tuple(self.problems))
+
+    def _package(self, line: Line) -> Package:
+        name, _ = self._heading(line, "a package name")
         artifacts: list[Artifact] = []
         specs: list[Spec] = []
-        for key, rest, inner in self.known(line, _PACKAGE):
+        for key, rest, inner in self._known(line, _PACKAGE):
             if key == "artifacts":
                 artifacts += map(self._artifact, inner.below)
                 rest.end()
@@ -208,18 +206,18 @@ class _Reader:
         return Package(name, tuple(artifacts), tuple(specs))
 
     def _artifact(self, line: Line) -> Artifact:
-        name, _ = self.heading(line, "the name of an artifact")
+        name, _ = self._heading(line, "the name of an artifact")
         node = None
         interfaces: list[Interface] = []
         parameters = 0
         blocks = [line]
         for block in blocks:
-            for key, rest, inner in self.known(block, _ARTIFACT):
+            for key, rest, inner in self._known(block, _ARTIFACT):
                 if key == "node":
                     node = rest.name("the name of the node")
                     blocks.append(inner)  # its sections may be indented deeper than itself
                 elif key in _SECTIONS:
-                    interfaces += [self._interface(one, _SECTIONS[key]) for one in inner.below]
+                    interfaces += [self._interface(entry, _SECTIONS[key]) for entry in inner.below]
                 else:
                     parameters += len(inner.below)
                     skip_block(self.text, inner)
@@ -229,10 +227,10 @@ class _Reader:
         return Artifact(name, node, tuple(interfaces), parameters)
 
     def _interface(self, line: Line, kind: InterfaceKind) -> Interface:
-        name, place = self.heading(line, "the name of an interface")
+        name, place = self._heading(line, "the name of an interface")
         of = ns = None
         type_place, deadline = place, ""
-        for key, rest, inner in self.known(line, ("type", "ns", "qos")):
+        for key, rest, inner in self._known(line, ("type", "ns", "qos")):
             if key == "type":
                 type_place = rest.place()
                 of = rest.name(f"the type of '{name}' behind 'type:'")

@@ -7,9 +7,10 @@ written (``pkg.Type``, ``pkg/msg/Type``).
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
+
+from eddi_scaffold.common.problems import Problem
 
 _TYPE = re.compile(r"([A-Za-z]\w*)(?:\.|/(?:(?:msg|srv|action)/)?)([A-Za-z]\w*)", re.ASCII)
 
@@ -61,21 +62,6 @@ SECTIONS: dict[str, Section] = {
             "RosActionClients", ("RosActionClient", "RosClient"), "RefClient"),
     )
 }  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Notice:
-    """Something in a readable file that a person should know.
-
-    Attributes:
-        case: of the catalogue: a surplus brace, or a key whose content is not read.
-        fields: of its text.
-    """
-
-    case: str
-    line: int
-    col: int
-    fields: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +137,7 @@ class System:
         from_file: the file that the system refers to.
         processes: how many processes are listed.
         references_only: components are names of ``.componentinterface`` files (2018 to 2021).
+        problems: what was not read, though the rest was.
     """
 
     file: str
@@ -162,7 +149,7 @@ class System:
     from_file: str | None = None
     processes: int = 0
     references_only: bool = False
-    notices: tuple[Notice, ...] = ()
+    problems: tuple[Problem, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,4 +233,4 @@ class RosModel:
     file: str
     dialect: Dialect
     packages: tuple[Package, ...]
-    notices: tuple[Notice, ...] = ()
+    problems: tuple[Problem, ...] = ()

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from typing import TypeVar
 
-from eddi_scaffold.mros import brace_format, indent_format
+from eddi_scaffold.mros.brace_format import BraceReader
+from eddi_scaffold.mros.indent_format import IndentReader
 from eddi_scaffold.mros.model import RosModel, System
-from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError, Text, decoded
-
-T = TypeVar("T")
+from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, decoded
 
 _NOTHING = re.compile(r"(?:\s+|//[^\n]*|\#[^\n]*|/\*[\s\S]*?\*/)*")
 _BRACE = re.compile(r"(?:RosSystem|PackageSet|ComponentInterface)\b")
@@ -31,7 +28,7 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
         MrosSyntaxError: it cannot be read (``SYNTAX``), holds nothing (``EMPTY_FILE``), or is in
             a format of the family that is not read (``FOREIGN_FORMAT``: XMI, rossdl).
     """
-    return _read(source, file, brace_format.read_system, indent_format.read_system)
+    return _reader(source, file).system()
 
 
 def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
@@ -44,16 +41,11 @@ def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
     Raises:
         MrosSyntaxError: as :func:`read_rossystem`.
     """
-    return _read(source, file, brace_format.read_model, indent_format.read_model)
+    return _reader(source, file).model()
 
 
-def _read(
-    source: str | bytes,
-    file: str,
-    read_braces: Callable[[Text], T],
-    read_indentation: Callable[[Text], T],
-) -> T:
-    """Read with the reader that fits the first word that is not a comment."""
+def _reader(source: str | bytes, file: str) -> BraceReader | IndentReader:
+    """Return the reader that fits the first word that is not a comment."""
     text = decoded(source, file)
     nothing = _NOTHING.match(text.text)
     start = nothing.end() if nothing else 0
@@ -61,9 +53,5 @@ def _read(
         raise text.error(0, "the file contains only blanks and comments", EMPTY_FILE)
     if text.text.startswith("<", start):
         raise text.error(0, _XMI, FOREIGN_FORMAT, "xmi")
-    is_brace = _BRACE.match(text.text, start) is not None
-    try:
-        return read_braces(text) if is_brace else read_indentation(text)
-    except MrosSyntaxError as failed:
-        failed.dialect = "brace" if is_brace else "indent"
-        raise
+    text.dialect = "brace" if _BRACE.match(text.text, start) else "indent"
+    return BraceReader(text) if text.dialect == "brace" else IndentReader(text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -134,7 +134,7 @@ class Definitions:
             reason, hint = f"no model defines the {what} {name!r}", self._hint(name, known)
             return problem("M009.undefined", place, hint=hint, reason=reason)
         interfaces = [interface for model in models for interface in model.artifact.interfaces]
-        others = sorted({i.kind for i in interfaces if i.name == reference.interface})
+        others = sorted({same.kind for same in interfaces if same.name == reference.interface})
         where, title = f"{models[0].artifact.name} ({models[0].file})", SECTIONS[kind].title
         if others:
             actual = " and ".join(SECTIONS[other].title for other in others)
@@ -217,18 +217,24 @@ class Resolver:
         problems: what does not resolve; the rest does all the same.
     """
 
-    def __init__(self, definitions: Definitions, kinds: Collection[InterfaceKind]) -> None:
+    def __init__(
+        self, definitions: Definitions, systems: Sequence[System], kinds: Collection[InterfaceKind]
+    ) -> None:
+        """Resolve the interfaces of some kinds of systems."""
         self.interfaces: list[ResolvedInterface] = []
         self.problems: list[Problem] = []
         self._definitions, self._kinds = definitions, kinds
+        for system in systems:
+            self._add(system)
 
-    def add(self, system: System) -> None:
-        """Resolve the interfaces of some kinds of a system."""
+    def _add(self, system: System) -> None:
         for component in system.components:
             models: Sequence[NodeModel] = ()
             if system.dialect == "indent":
                 models = self._models(component, Place(system.file, component.line, component.col))
-            renamed = {self._listed(system, component, i, models) for i in component.interfaces}
+            renamed = {
+                self._listed(system, component, listed, models) for listed in component.interfaces
+            }
             for interface in models[0].artifact.interfaces if models else ():
                 if (interface.kind, interface.name) not in renamed:
                     model = models[0]
@@ -300,7 +306,8 @@ class Resolver:
 
 
 def _interfaces(model: NodeModel) -> frozenset[tuple[str, str, str]]:
-    return frozenset((i.kind, i.name, i.type) for i in model.artifact.interfaces)
+    interfaces = model.artifact.interfaces
+    return frozenset((interface.kind, interface.name, interface.type) for interface in interfaces)
 
 
 def flattened(system: System, known: Sequence[System]) -> tuple[list[System], list[Problem]]:
@@ -323,15 +330,9 @@ def flattened(system: System, known: Sequence[System]) -> tuple[list[System], li
                 hint = did_you_mean(name, by_name)
                 problems.append(problem("M023.missing", place, hint=hint, system=name))
             elif by_name[name] not in systems:
-                problems.extend(noticed(by_name[name]))
+                problems.extend(by_name[name].problems)
                 add(by_name[name], (*path, name))
         systems.append(system)
 
     add(system, (system.name,))
     return systems, problems
-
-
-def noticed(model: System | RosModel) -> Iterator[Problem]:
-    """Return the notices of a readable file as problems."""
-    for notice in model.notices:
-        yield problem(notice.case, Place(model.file, notice.line, notice.col), **notice.fields)

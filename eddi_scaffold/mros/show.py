@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from eddi_scaffold.common.problems import plural
-from eddi_scaffold.mros.model import SECTIONS, Notice, RosModel, System
+from eddi_scaffold.common.problems import Problem, plural
+from eddi_scaffold.mros.model import SECTIONS, RosModel, System
 from eddi_scaffold.mros.text import EMPTY_FILE, FOREIGN_FORMAT, MrosSyntaxError
 
 Json = Any
@@ -39,7 +39,7 @@ def system_json(system: System) -> dict[str, Json]:
             [connection.kind, connection.name, list(connection.sources), list(connection.targets)]
             for connection in system.connections
         ],
-        **_notices(system.notices),
+        **_warnings(system.problems),
     }
 
 
@@ -73,7 +73,7 @@ def model_json(model: RosModel) -> dict[str, Json]:
             specs.append([spec.name, sections])
         packages.append({"name": package.name, "artifacts": artifacts, "specs": specs})
     return {
-        "result": "ok", "dialect": model.dialect, "packages": packages, **_notices(model.notices)
+        "result": "ok", "dialect": model.dialect, "packages": packages, **_warnings(model.problems)
     }  # fmt: skip
 
 
@@ -86,8 +86,8 @@ def failure_json(failed: MrosSyntaxError) -> dict[str, Json]:
     return {"result": "error", **dialect, **place, "msg": failed.message}
 
 
-def _notices(notices: tuple[Notice, ...]) -> dict[str, Json]:
-    rows = [[notice.line, notice.col, notice.case.partition(".")[0]] for notice in notices]
+def _warnings(problems: tuple[Problem, ...]) -> dict[str, Json]:
+    rows = [[reported.place.line, reported.place.col, reported.code] for reported in problems]
     return {"warnings": rows} if rows else {}
 
 

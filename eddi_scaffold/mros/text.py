@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, NoReturn
 
 from eddi_scaffold.common.problems import most_similar
-from eddi_scaffold.mros.model import Field
+from eddi_scaffold.mros.model import Dialect, Field
 
 Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
 SYNTAX: Final = "M001.syntax"
@@ -42,7 +42,7 @@ class MrosSyntaxError(ValueError):
     source_line: str = ""
     case: Case = SYNTAX
     format: str = ""
-    dialect: str | None = None
+    dialect: Dialect | None = None
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.col}: {self.message}"
@@ -54,12 +54,15 @@ class Text:
     Attributes:
         text: without byte order mark, with line ends as they are.
         file: name for messages.
+        dialect: of the errors, where that is known already.
     """
+
+    dialect: Dialect | None = None
 
     def __init__(self, text: str, file: str) -> None:
         self.text = text.removeprefix("\ufeff")
         self.file = file
-        self._starts = [0, *(found.end() for found in re.finditer("\n", self.text))]
+        self._starts = [0, *(line_end.end() for line_end in re.finditer("\n", self.text))]
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of a character, both counted from 1."""
@@ -76,7 +79,8 @@ class Text:
         """Return the error at a character."""
         line, col = self.place(offset)
         quoted_line = self.text[offset - col + 1 :].partition("\n")[0].rstrip("\r")
-        return MrosSyntaxError(self.file, line, col, message, quoted_line, case, format)
+        place = (self.file, line, col)
+        return MrosSyntaxError(*place, message, quoted_line, case, format, self.dialect)
 
 
 def decoded(source: str | bytes, file: str) -> Text:
@@ -146,11 +150,11 @@ class Cursor:
         kind, value, offset = self.token
         if kind == "bad":
             raise self.text.error(offset, value)
-        found = value if kind == "end" else quoted(value)
+        actual = value if kind == "end" else quoted(value)
         words = [word.strip("'") for word in expected]
         similar = most_similar(value, words) if kind == "word" and len(words) > 2 else None
         hint = f"; did you mean '{similar}'?" if similar else ""
-        raise self.text.error(offset, f"expected {alternatives(expected)}, found {found}{hint}")
+        raise self.text.error(offset, f"expected {alternatives(expected)}, found {actual}{hint}")
 
     def name(self, what: str) -> str:
         r"""Take a word or a quoted text on one line, in which ``\x`` means x."""

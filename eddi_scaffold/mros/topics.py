@@ -18,7 +18,6 @@ from eddi_scaffold.mros.resolving import (
     ResolvedInterface,
     Resolver,
     flattened,
-    noticed,
 )
 
 TopicKind = Literal["published", "action", "subscribed"]
@@ -81,9 +80,9 @@ class Filters:
             return "infrastructure"
         if not self.keeps(topic.topic):
             return "topics"
-        if self.components and not any(_matches(topic.components, c) for c in self.components):
-            return "components"
-        return None
+        if any(_matches(topic.components, glob) for glob in self.components or ("*",)):
+            return None
+        return "components"
 
     def keeps(self, name: str) -> bool:
         """Return whether a topic of this name is kept."""
@@ -176,21 +175,20 @@ def simulator_outputs(
     kinds: list[InterfaceKind] = ["publisher"]
     kinds += ["actionserver"] if "actions" in include else []
     kinds += ["subscriber"] if "subscribed" in include else []
-    resolver = Resolver(models.definitions, kinds)
-    for part in systems:
-        resolver.add(part)
+    resolver = Resolver(models.definitions, systems, kinds)
     problems += resolver.problems
-    known = (*models.problems, *noticed(system), *problems)
-    is_complete = not any(p.level == "error" or p.case in LOST_TOPICS for p in known)
+    known = (*models.problems, *system.problems, *problems)
+    is_complete = not any(fault.level == "error" or fault.case in LOST_TOPICS for fault in known)
     collector = _Collector(systems if names == "label" else (), resolver.interfaces)
     for kind in kinds:
         for resolved in resolver.interfaces:
             if resolved.interface.kind == kind:
                 collector.add(resolved)
     topics = collector.topics
-    published = {t: name for t, name in collector.names.items() if topics[t].kind == "published"}
+    names_of = collector.names
+    published = {name: names_of[name] for name in topics if topics[name].kind == "published"}
     reserved = () if is_complete else [old.id for old in existing if old.topic not in topics]
-    ids, about_ids = give_ids(published, collector.names, existing, reserved)
+    ids, about_ids = give_ids(published, names_of, existing, reserved)
     every = [replace(topic, id=ids[name]) for name, topic in topics.items()]
     criteria = {topic.topic: filters.leaves_out(topic) for topic in every} if filters else {}
     left_out = {name: criterion for name, criterion in criteria.items() if criterion is not None}
@@ -214,10 +212,9 @@ def simulator_outputs(
 
 def silent_problems(system: System, models: Models) -> list[Problem]:
     """Return what is wrong with the services and actions of a system, which give no topics."""
-    resolver = Resolver(models.definitions, ("serviceserver", "serviceclient", "actionclient"))
-    for part in flattened(system, models.systems)[0]:
-        resolver.add(part)
-    return resolver.problems
+    systems, _ = flattened(system, models.systems)
+    kinds: Sequence[InterfaceKind] = ("serviceserver", "serviceclient", "actionclient")
+    return Resolver(models.definitions, systems, kinds).problems
 
 
 class _Collector:
@@ -393,7 +390,8 @@ def give_ids(
         slugs = {topic: slug(name) for topic, name in group.items()}
         common = Counter(slugs.values())
         unnamed = [topic for topic in group if topic not in ids]
-        new |= {t: slugs[t] for t in unnamed if common[slugs[t]] == 1 and slugs[t] not in taken}
+        free = {name for name, count in common.items() if count == 1} - taken
+        new |= {topic: slugs[topic] for topic in unnamed if slugs[topic] in free}
         taken |= {*new.values()}
         for topic in unnamed:
             if topic not in new:

@@ -128,14 +128,6 @@ def test_comments_of_a_person_behind_what_is_open_stay() -> None:
     assert "  expression: TODO  # seven\n" in after
 
 
-def test_reasons_that_were_moved_are_put_back_at_once() -> None:
-    before = written("", draft([WAY], []))
-    first, second = before[before.index("    # connect:") :].splitlines(keepends=True)[:2]
-    moved = before.replace(f"{first}{second}", f"{second}{first}")
-    assert moved != before
-    assert written(moved, draft([WAY], [])) == before
-
-
 def test_a_comment_behind_no_inputs_stays() -> None:
     mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs: []  # none yet\n"
     assert "# none yet\nEDDIInputs:\n  - id: Way" in written(mine, draft([WAY], [CLEAR]))
@@ -273,17 +265,11 @@ def test_every_kind_gets_a_draft_that_says_what_is_open(
     again = connect(tmp_path, model, *words)
     assert again.err.endswith("draft.yml is up to date\n")
     assert (tmp_path / "draft.yml").read_text("utf-8") == text
-
-
-@pytest.mark.parametrize(("example", "model", "config", "words", "count"), EXAMPLES[1:])
-def test_a_decided_configuration_stays_as_it_is(
-    example: str, model: str, config: str, words: list[str], count: int, tmp_path: Path
-) -> None:
-    shutil.copytree(ROOT / "examples" / example, tmp_path, dirs_exist_ok=True)
-    before = (tmp_path / config).read_bytes()
-    done = run("connect", model, "-o", config, *words, cwd=tmp_path)
-    assert (done.status, "decided before; 0 values" in done.err) == (0, True)
-    assert (tmp_path / config).read_bytes() == before
+    if example != "robot-models":  # its configuration names topics of its own
+        before = (tmp_path / config).read_bytes()
+        done = run("connect", model, "-o", config, *words, cwd=tmp_path)
+        assert (done.status, "decided before; 0 values" in done.err) == (0, True)
+        assert (tmp_path / config).read_bytes() == before
 
 
 def test_the_inputs_of_a_chain_follow_from_what_is_observed(tmp_path: Path) -> None:
@@ -440,20 +426,13 @@ def test_an_input_that_is_a_state_gets_a_condition_for_each(tmp_path: Path) -> N
 )
 def test_a_deadline_of_the_models_gives_an_age(qos: str, line: str, tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "robot-models", tmp_path, dirs_exist_ok=True)
-    node = next(path for path in (tmp_path / "nodes").rglob("*") if "clear" in _text(path))
-    text = _text(node)
-    at = text.index("std_msgs/msg/Bool")
-    end = text.index("\n", at) + 1
-    indent = " " * (text.rindex("type:", 0, at) - text.rindex("\n", 0, at) - 1)
-    block = f"{indent}qos:\n{indent}  {qos}\n"
-    node.write_text(text[:end] + block + text[end:], "utf-8")
+    node = tmp_path / "nodes" / "laser_driver.ros1"
+    block = rf"\g<0>\1qos:\n\1  {qos}\n"
+    text = re.sub(r"( +)type: std_msgs/msg/Bool\n", block, node.read_text("utf-8"))
+    node.write_text(text, "utf-8")
     assert connect(tmp_path, "Rover.yml").status == 0
     drafted = (tmp_path / "draft.yml").read_text("utf-8")
     assert f"    field: data\n    max_age: {line}\n" in drafted
-
-
-def _text(path: Path) -> str:
-    return path.read_text("utf-8") if path.is_file() else ""
 
 
 @pytest.mark.parametrize(

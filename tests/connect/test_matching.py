@@ -64,22 +64,14 @@ def test_what_is_clear_is_taken(
     ("need", "listed", "text"),
     [
         (InputNeed("ArmJointPosition", "float", "rad"), "joints", "position[TODO]"),
-        (
-            InputNeed("LocalizationUncertainty", "float", "m"),
-            "pose",
-            "SQRT(pose.pose.covariance[0])",
-        ),
+        (InputNeed("PoseUncertainty", "float", "m"), "pose", "SQRT(pose.pose.covariance[0])"),
         (InputNeed("ObstacleDistance", "float", "m"), "scan_front", "MIN(scan_front.ranges[*], "),
         (InputNeed("ClimbSpeed", "float", "m/s"), "odom", "twist.twist.linear.z"),
         (InputNeed("RadioLink", "bool"), "link_lost", "data"),
         (InputNeed("MarkerVisible", "bool"), "gone", "TODO"),
         (InputNeed("FrontScanMatch", "float"), "scan_front", "ranges[TODO]"),  # no distance
         (InputNeed("PowerHolds", "bool"), "battery", "present"),  # says nothing of its power
-        (
-            InputNeed("CpuTemperature", "float", "degC"),
-            "temperature",
-            "temperature",
-        ),  # of the motor
+        (InputNeed("CpuHeat", "float", "degC"), "temperature", "temperature"),  # of the motor
         (InputNeed("DistanceToRearGoal", "float", "m"), "scan_rear", "MIN(scan_rear.ranges[*], "),
         (InputNeed("Demand", "bool", is_demand=True), "guarantees", "guarantees[TODO].active"),
     ],

@@ -20,12 +20,6 @@ ROBOTS = [
         4,
     ),
     (
-        "result_strategyB",
-        {"BatteryVoltage": "V", "BatteryFull": None, "RemainingCapacity": "A*h"},
-        {},
-        3,
-    ),
-    (
         "MT",
         {"LocalizationUncertainty": "m", "DriveSpeed": "m/s", "LaserB1MinimumDistance": "m"},
         {"LocalizationUncertainty": "SQRT(amcl_pose.pose.covariance[0])"},
@@ -36,31 +30,20 @@ ROBOTS = [
 
 def consert(inputs: dict[str, str | None]) -> str:
     """Return a ConSert that needs all of some evidence: true, or a number below 2."""
-    evidence: list[object] = [
-        {"id": name, "dimension": {"Binary": {"type": name}}}
+    numeric = {"covered": [{"Inclusive": {"start": 0, "end": 2}}], "subset": "Demand"}
+    dimensions = {
+        name: {"Binary": {"type": name}}
         if unit is None
-        else {
-            "id": name,
-            "dimension": {
-                "Numeric": {
-                    "type": name,
-                    "covered": [{"Inclusive": {"start": 0, "end": 2}}],
-                    "subset": "Demand",
-                    "uom": unit,
-                }
-            },
-        }
+        else {"Numeric": {"type": name, "uom": unit, **numeric}}
         for name, unit in inputs.items()
-    ]
+    }
     edges = [{"from": name, "to": "All"} for name in inputs]
     return dump_plain({
         "guarantees": [{"id": "Fine", "dimensions": [{"Binary": {"type": "Fine"}}]}],
-        "demands": [],
-        "evidence": evidence,
+        "evidence": [{"id": name, "dimension": known} for name, known in dimensions.items()],
         "gates": [{"id": "All", "function": "And"}],
         "tree_propagations": [*edges, {"from": "All", "to": "Fine"}],
-        "required_services": [],
-        "provided_services": [],
+        **{key: [] for key in ("demands", "required_services", "provided_services")},
     })  # fmt: skip
 
 

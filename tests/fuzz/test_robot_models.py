@@ -17,12 +17,12 @@ from eddi_scaffold.mros.show import model_json, system_json
 from tests.data_files import data_file
 from tests.fuzz.mutations import mutations
 from tests.mros.test_outputs import ARM, LASERS, NODES
-from tests.mros.test_reading import BRACE, INDENT, MODEL
+from tests.mros.test_reading import INDENT_MODEL, INDENT_SYSTEM, MODEL, SYSTEM
 
 pytestmark = pytest.mark.slow
 
-OWN = [("rossystem", BRACE), ("rossystem", INDENT), ("rossystem", LASERS), ("rossystem", ARM)]
-OWN += [("ros", MODEL), ("ros1", NODES)]
+OWN = [("rossystem", text) for text in (SYSTEM, INDENT_SYSTEM, LASERS, ARM)]
+OWN += [("ros", MODEL), ("ros1", INDENT_MODEL), ("ros1", NODES)]
 LIMIT = 1.0
 """Seconds for one text; a hang, not slowness, is looked for."""
 
