@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions import Variable, analyse
 from eddi_scaffold.conditions.analysis import Analysis
-from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.syntax import canonical
+from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 
 KNOWN = {
@@ -148,8 +148,8 @@ def test_diagnostics(text: str) -> None:
         ("VAR v : NUMBER RATE 10", "1:21 E001 a rate such as 10 Hz is expected"),
         ("VAR v : NUMBER TIMOUT 1s", "1:16 E001 'TIMOUT' is no option of a VAR (did you mean 'TIM"),
         ("VAR v : NUMBER UNITS m", "1:16 E001 'UNITS' is no option of a VAR (did you mean 'UNIT'"),
-        ("VAR v : NUMBER ALLOW NAN", "1:22 E001 INF is expected behind ALLOW, found 'NAN'"),
-        ("VAR v : NUMBER UNIT\nVAR w : BOOL", "2:1 E001 a unit is expected behind UNIT, found"),
+        ("VAR v : NUMBER ALLOW NAN", "1:22 E001 INF behind ALLOW is expected, found 'NAN'"),
+        ("VAR v : NUMBER UNIT\nVAR w : BOOL", "2:1 E001 a unit behind UNIT is expected, found"),
         ("EVENT e (MAYBE) := TRUE", "1:10 E001 EVIDENCE or HAZARD is expected, found 'MAYBE'"),
         ("ENUM E { A, A } VAR v : E TIMEOUT 1s", "1:13 E008 the name 'A' has two meanings"),
         ("x[1.5] > 2", "1:3 E001 an index from 0 on or a key is expected, found '1.5'"),

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.cli.event import _read_signal
-from eddi_scaffold.conditions.event_server import open_server
+from eddi_scaffold.conditions.event_page import open_server
 from tests.conditions.browser import Browser
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
