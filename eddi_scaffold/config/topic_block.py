@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
-from eddi_scaffold.yaml_text.nodes import quoted, read_document
-from eddi_scaffold.yaml_text.scalars import Map
+from eddi_scaffold.yaml_text.nodes import Map, quoted, read_document
 from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
