@@ -23,7 +23,7 @@ from pydantic import (
 
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types.definitions import PRIMITIVES
+from eddi_scaffold.config.message_types import PRIMITIVES
 from eddi_scaffold.kinds import InputType
 from eddi_scaffold.yaml_text.writer import dump_plain
 
