@@ -130,25 +130,6 @@ def test_a_monitor_calls_what_is_raised_and_cleared() -> None:
         bool(names["BoolVal"].true())
 
 
-def test_a_stub_that_nobody_wrote_says_its_name() -> None:
-    with pytest.raises(NotImplementedError, match=r"pose\.x"):
-        module_of("pose.x > 5")["Monitor"]().step(0)
-
-
-def test_two_monitors_share_nothing() -> None:
-    engine = module_of(DECLARATIONS + "MAX(x, 1s)")["Engine"]
-    one, other = engine(), engine()
-    one.evaluate(0, 5.0, 0)
-    assert other.last is None
-
-
-@pytest.mark.parametrize("target", ["python", "c"])
-def test_output_is_the_same_every_time(target: Any) -> None:
-    first = generate(analysis_of(TEXT), target, "demo")
-    assert generate(analysis_of(TEXT), target, "demo") == first
-    assert all(text.isascii() for text in first.values())
-
-
 def test_all_of_c_compiles_and_runs(tmp_path: Path) -> None:
     for name, text in generate(analysis_of(TEXT), "c", "demo").items():
         (tmp_path / name).write_text(text)
