@@ -8,9 +8,6 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
-from eddi_scaffold.compiling.expressions.form import MAX_CAPACITY
-from eddi_scaffold.compiling.program.instructions import BUFFERED
-from eddi_scaffold.compiling.program.instructions import WINDOWS as WINDOW_OPS
 from eddi_scaffold.conditions.graph import COMPARISONS, At, GraphBuilder, capacity
 from eddi_scaffold.conditions.lists import Elements, elements_of, reduced
 from eddi_scaffold.conditions.scope import (
@@ -24,6 +21,9 @@ from eddi_scaffold.conditions.scope import (
 )
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
 from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.program.builder import MAX_CAPACITY
+from eddi_scaffold.program.instructions import BUFFERED
+from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
 
 _ORDER = ("lt", "le", "gt", "ge")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import add, eq, ge, gt, le, lt, mul, ne, sub
 from typing import Any
 
-from eddi_scaffold.compiling.expressions.form import SIGNATURES, VERSION
-from eddi_scaffold.compiling.program.instructions import BUFFERED
+from eddi_scaffold.program.builder import SIGNATURES, VERSION
+from eddi_scaffold.program.instructions import BUFFERED
 
 Row = dict[str, Any]
 At = tuple[int, int]

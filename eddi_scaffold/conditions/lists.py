@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from eddi_scaffold.common.units import converted, find
-from eddi_scaffold.compiling.program.reduction import OPERATIONS
 from eddi_scaffold.conditions.graph import GraphBuilder, Row
 from eddi_scaffold.conditions.scope import NUMBER, Scope, Variable, result_of
 from eddi_scaffold.conditions.syntax import (
@@ -20,6 +19,7 @@ from eddi_scaffold.conditions.syntax import (
     is_list_path,
 )
 from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.program.lists import OPERATIONS
 
 _ALLOWED = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
 _KEEP_INFINITY = ("list_min", "list_max", "list_median")

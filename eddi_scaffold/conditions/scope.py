@@ -11,8 +11,6 @@ from typing import Any
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, did_you_mean
 from eddi_scaffold.common.units import converted, dimension, words
-from eddi_scaffold.compiling.expressions.form import SIGNATURES
-from eddi_scaffold.compiling.program.reduction import TRUTHS
 from eddi_scaffold.conditions.syntax import (
     REDUCTIONS,
     EventDeclaration,
@@ -23,6 +21,8 @@ from eddi_scaffold.conditions.syntax import (
     VarDeclaration,
 )
 from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.lists import TRUTHS
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from eddi_scaffold.common.problems import Place, Problem, problem
-from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import read_form
-from eddi_scaffold.compiling.program.instructions import BOOL
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.syntax import is_list_path
-from eddi_scaffold.targets import Target, printed
-from eddi_scaffold.targets.monitor_model import StandaloneMonitor, named
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.instructions import BOOL
+from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
+from eddi_scaffold.program.standalone_python import python_module
 
 __all__ = ["Target", "columns", "generate", "monitor_model", "play", "without_limits"]
 
+_PRINTERS = {"python": python_module, "c": c_files}
 Verdict = bool | float | None
 """A truth value or a number; None is UNKNOWN."""
 Column = Literal["float", "bool", "str", "float[]", "bool[]"]
@@ -37,7 +39,7 @@ def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
     Raises:
         EddiError: the language has no lists or texts yet (E026).
     """
-    return printed(monitor_model(analysis, name), target)
+    return _PRINTERS[target](monitor_model(analysis, name))
 
 
 def without_limits(analysis: Analysis, file: str) -> list[Problem]:

@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.targets.python import python_module
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.standalone_python import python_module
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, INPUTS, PERIOD, RATE, Formulas, Step, recording
 from tests.conditions.reference import NearTie, Reference

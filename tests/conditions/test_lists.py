@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.compiling.expressions.engine import build_engine
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
+from eddi_scaffold.program.running import build_engine
 from tests.conditions.reference import NearTie, aggregate, combine
 
 DECLARATIONS = """\

@@ -10,16 +10,16 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.compiling.expressions.engine import build_engine
-from eddi_scaffold.compiling.expressions.form import read_form
 from eddi_scaffold.conditions import Variable, analyse
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.targets.python import python_module
-from eddi_scaffold.targets.values import BoolVal, NumVal
+from eddi_scaffold.program.builder import read_form
+from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.standalone_python import python_module
+from eddi_scaffold.program.three_valued import BoolVal, NumVal
 from tests.conditions import c_program
 from tests.conditions.formulas import Step
 from tests.data_files import data_file
