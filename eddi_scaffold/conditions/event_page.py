@@ -25,7 +25,7 @@ from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, Li
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.report import as_json, as_text
-from eddi_scaffold.conditions.scope import BOOL, NUMBER, Variable
+from eddi_scaffold.conditions.scope import BOOL, Variable
 from eddi_scaffold.conditions.standalone import Target, columns, generate, play
 from eddi_scaffold.conditions.syntax import number_text
 from eddi_scaffold.diagrams.plot import plot, tracks_of
@@ -38,8 +38,7 @@ _POLICY = (
     "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
 )
 _FILES = {"/style.css": CSS, "/page.js": JAVASCRIPT}
-_MIN_ROWS, _MAX_ROWS = 60, 600
-_MAX_CELLS = 4000
+_MAX_ROWS, _MAX_CELLS = 600, 4000
 """Of example values: the page takes them back in a form of limited size."""
 
 
@@ -255,25 +254,13 @@ def _problem(problem: Problem) -> str:
 
 
 def _example_signal(analysis: Analysis, rate: float) -> str:
-    """Return a recording as CSV, some windows long: waves for numbers, slow changes for all else.
-
-    In its last part one sample of each number is missing.
-    """
-    assert analysis.form is not None
-    longest = max((node.get("window", 0) for node in analysis.form["nodes"]), default=0)
-    some_windows = 6 * longest // max(1, analysis.form["period"])
-    room = _MAX_CELLS // (len(analysis.inputs) + 1)
-    count = max(2, min(max(some_windows, _MIN_ROWS), _MAX_ROWS, room))
+    """Return a recording as CSV: waves for numbers, slow changes for all else."""
+    count = min(_MAX_ROWS, _MAX_CELLS // (len(analysis.inputs) + 1))
     lines = [",".join(["t", *(variable.name for variable in analysis.inputs)])]
     for row in range(count):
-        cells = [
+        cells = (
             _cell(variable, row / count, k, analysis) for k, variable in enumerate(analysis.inputs)
-        ]
-        if row == count * 4 // 5:
-            numbers = [variable.type in (None, NUMBER) for variable in analysis.inputs]
-            cells = [
-                "nan" if is_number else cell for is_number, cell in zip(numbers, cells, strict=True)
-            ]
+        )
         lines.append(",".join([number_text(round(row / rate, 9)), *cells]))
     return "\n".join(lines) + "\n"
 
@@ -292,14 +279,9 @@ def _cell(variable: Variable, part: float, number: int, analysis: Analysis) -> s
 
 def _plot(analysis: Analysis, rows: Rows) -> str:
     held: dict[str, Any] = {variable.name: None for variable in analysis.inputs}
-    inputs = []
-    for t, samples in rows:
-        held = {**held, **samples}
-        inputs.append((t, held))
-    verdicts = list(play(analysis, rows))
-    return plot(
-        "Values and verdicts", [*tracks_of("values", inputs), *tracks_of("events", verdicts)]
-    )
+    inputs = [(t, held := {**held, **samples}) for t, samples in rows]
+    tracks = [*tracks_of("values", inputs), *tracks_of("events", list(play(analysis, rows)))]
+    return plot("Values and verdicts", tracks)
 
 
 def _offset(text: str, problems: Sequence[Problem]) -> int | None:
