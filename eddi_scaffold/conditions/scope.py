@@ -200,9 +200,9 @@ def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) ->
         findings.add("W003.variable", declared.at, declared=declared.name)
     elif timeout is None and declared.rate is not None:
         timeout = max(1, round(2.5e9 / declared.rate))
-    word = unit.name if unit is not None else ""
-    range_ = _range(declared, word, findings)
-    return replace(variable, unit=word or None, timeout=timeout, range=range_)
+    unit_name = unit.name if unit is not None else ""
+    range_ = _range(declared, unit_name, findings)
+    return replace(variable, unit=unit_name or None, timeout=timeout, range=range_)
 
 
 def _range(

@@ -247,9 +247,9 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
         if inner is None:
             raise FieldPathError(f"{of} is not a list")
         if isinstance(step, ByKey):
-            found = _keyed(step, inner, parent, taken[-1], fields_of)
+            keyed = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
-            taken[len(taken) - isinstance(found, Beside) :] = [found]
+            taken[len(taken) - isinstance(keyed, Beside) :] = [keyed]
         else:
             taken.append(step)
         of = inner

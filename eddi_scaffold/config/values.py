@@ -101,7 +101,7 @@ def violations(
             yield problem("K003.missing_key", place, section=named, key=key)
         elif error["type"] == "extra_forbidden":
             place = places.get((*path, KEY), place)
-            hint = _hint_for_key(path, places, keys_at(form, path[:-1]))
+            hint = _hint_for_key(key, path, places, keys_at(form, path[:-1]))
             yield problem("K003.unknown_key", place, hint=hint, key=key)
         else:
             raised = error.get("ctx", {}).get("error")  # by our own checks
@@ -114,12 +114,14 @@ def violations(
             yield problem("K003.value", place, hint=hint, key=named, reason=reason)
 
 
-def _hint_for_key(path: Path, places: Mapping[Path, Place], known: Mapping[str, Any]) -> str:
-    key = str(path[-1])
-    siblings = [other[-2] for other in places if other[-1:] == (KEY,) and other[:-2] == path[:-1]]
-    before = [str(other) for other in siblings[: siblings.index(key)] if str(other).isidentifier()]
-    if not key.isidentifier() and before[-1:] == ["expression"]:
-        return "put the expression in quotes: inside { } a comma ends it"
+def _hint_for_key(
+    key: str, path: Path, places: Mapping[Path, Place], known: Mapping[str, Any]
+) -> str:
+    if not key.isidentifier():  # a part of an expression, whose key stands before it?
+        siblings = [at[-2] for at in places if at[-1:] == (KEY,) and at[:-2] == path[:-1]]
+        before = siblings[: siblings.index(path[-1])] if path[-1:] and path[-1] in siblings else []
+        if [name for name in before if str(name).isidentifier()][-1:] == ["expression"]:
+            return "put the expression in quotes: inside { } a comma ends it"
     known_keys = f"known keys: {', '.join(sorted(known))}"
     return hint_for_decimals(key) or did_you_mean(key, known) or known_keys
 
