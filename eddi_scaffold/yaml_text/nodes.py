@@ -343,7 +343,7 @@ class _Composer:
             hint = _NOT
         if what == _NO_COLON and failure.context_mark:
             place = self._place(failure.context_mark)  # of the key; the other is below it
-        parts = ", ".join(part for part in (failure.context, failure.problem) if part)
+        parts = ": ".join(part for part in (failure.context, failure.problem) if part)
         return _Stop(f"this is not YAML: {parts}", place, hint)
 
     def _take(self, event: Any) -> None:
