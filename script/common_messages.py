@@ -16,8 +16,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from eddi_scaffold.config.message_types.common import line_of
-from eddi_scaffold.config.message_types.definitions import fields_of
+from eddi_scaffold.config.message_types import fields_of, line_of
 
 PACKAGES = (
     "actionlib_msgs", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs",

@@ -119,7 +119,7 @@ def event(
 def _source(text: str, path: Path | None) -> tuple[str, str]:
     """Return the text and the name of its file."""
     from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.conditions.findings import EXPRESSION
+    from eddi_scaffold.conditions.tokens import EXPRESSION
 
     if path is None:
         return text, EXPRESSION
@@ -155,7 +155,7 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError
-    from eddi_scaffold.conditions.recorded_values import columns, play
+    from eddi_scaffold.conditions.standalone import columns, play
     from eddi_scaffold.recordings.csv_recording import read_recording
 
     recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
@@ -264,11 +264,10 @@ def _serve(port: int, text: str, rate: float | None) -> None:
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.conditions.event_server import START, open_server
+    from eddi_scaffold.conditions.event_page import Page, open_server
 
-    start = replace(
-        START, text=text or START.text, rate=START.rate if rate is None else f"{rate:g}"
-    )
+    start = Page(text=text) if text else Page()
+    start = start if rate is None else replace(start, rate=f"{rate:g}")
     with open_server(port, _read_signal, start) as server:
         console.say(f"the Event Creator is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         server.serve_forever()

@@ -15,22 +15,18 @@ from eddi_scaffold.common.problems import (
     problem,
     with_excerpts,
 )
-from eddi_scaffold.conditions.alignment import Value
-from eddi_scaffold.conditions.checker import Checker
-from eddi_scaffold.conditions.findings import (
+from eddi_scaffold.conditions.checker import Checker, Value
+from eddi_scaffold.conditions.graph import GraphBuilder, Row
+from eddi_scaffold.conditions.parser import parse
+from eddi_scaffold.conditions.scope import TEXT, Scope, Variable, build_scope, infer_types
+from eddi_scaffold.conditions.syntax import EventDeclaration, File, canonical
+from eddi_scaffold.conditions.tokens import (
     EXPRESSION,
     Locate,
     TextFindings,
     in_text,
     line_and_column,
 )
-from eddi_scaffold.conditions.form_builder import GraphBuilder
-from eddi_scaffold.conditions.parser import parse
-from eddi_scaffold.conditions.scope import TEXT, Scope, Variable, build_scope
-from eddi_scaffold.conditions.syntax import EventDeclaration, File, canonical
-from eddi_scaffold.conditions.type_inference import infer_types
-
-MAX_RATE = 1e9
 
 
 @dataclass(frozen=True)
@@ -42,8 +38,8 @@ class Event:
         polarity: ``EVIDENCE`` or ``HAZARD``.
         type: ``bool``, or ``number`` for a bare numeric expression.
         canonical: its expression in canonical form.
-        unit: of a number, ``None`` for none.
         at: offset of its name.
+        unit: of a number, ``None`` for none.
     """
 
     id: str
@@ -60,7 +56,7 @@ class Analysis:
 
     Attributes:
         problems: everything that is wrong with it, in order, with source lines.
-        events: in the order of the text; those with an error are left out.
+        events: in the order of the text; those with an error are omitted.
         variables: those that are used, in the order of the form.
         enums: ENUM -> literals.
         form: the intermediate form (``eddi_scaffold.program.builder``); ``None`` after
@@ -104,89 +100,68 @@ def analyse(
         locate: offset -> place, for a text inside of another file.
         any_rate: the rate is given later: what only it decides is not checked, and the form is
             good for nothing.
-        only: the one event that is wanted; of the others, those that it uses are checked.
+        only: the one event that is needed; of the others, those that it uses are checked.
 
     Raises:
         EddiError: the rate is not a positive number up to 1e9 (E005).
     """
     findings = TextFindings(text, locate or in_text(text, name))
-    builder = GraphBuilder(1 if any_rate else period_of(rate))
+    builder = GraphBuilder(1 if any_rate else _period(rate))
     file = parse(text, findings)
     if not file.events and not findings.problems:
         findings.add("E026.no_event", 0)
     file = file if only is None else file.reduced_to(only)
     outer = parse(declarations, TextFindings("", in_text(declarations))) if declarations else None
     scope = build_scope(file, findings, variables, outer)
-    syntax_errors = has_errors(findings.problems)
-    if not syntax_errors:
+    if not has_errors(findings.problems):
         infer_types(file, scope)
     checker = Checker(file, scope, findings, builder, line_and_column(text), any_rate=any_rate)
     values = {event.name: checker.event(event) for event in scope.order}
-    wanted = [event for event in file.events if only in (None, event.name)]
-    declared = [event for event in wanted if values.get(event.name) is not None]
-    _warn(file, declared, values, findings, builder)
+    events, outputs = [], []
+    for event in file.events:
+        value = values.get(event.name) if only in (None, event.name) else None
+        if value is not None:
+            _warn(file, event, value, findings, builder)
+            polarity = event.polarity or "EVIDENCE"
+            expression = canonical(file, event.root)
+            kind = value.type.kind
+            events.append(Event(event.name, polarity, kind, expression, event.at, value.unit))
+            outputs.append({"id": event.name, "node": value.node, "polarity": polarity})
     problems = in_order(findings.problems)
     if locate is None:
         problems = with_excerpts(problems, text)
     used = tuple(scope.variables.get(n) or scope.reductions[n] for n in checker.used)
     form = None
     if not has_errors(problems):
-        rows = [_variable_row(variable, scope) for variable in used]
-        form = builder.document(rows, [_output(event, values) for event in declared])
-    events = tuple(_event(event, values, file) for event in declared)
-    return Analysis(tuple(problems), events, used, dict(scope.enums), form, text)
+        form = builder.document([_variable_row(variable, scope) for variable in used], outputs)
+    return Analysis(tuple(problems), tuple(events), used, dict(scope.enums), form, text)
 
 
-def period_of(rate: float | None) -> int:
-    """Return the nanoseconds between two steps, 0 for no rate.
-
-    Raises:
-        EddiError: the rate is not a positive number up to 1e9 (E005).
-    """
+def _period(rate: float | None) -> int:
+    """Return the nanoseconds between two steps, 0 for no rate."""
     if rate is None:
         return 0
-    if not (math.isfinite(rate) and 1e-6 <= rate <= MAX_RATE):
+    if not (math.isfinite(rate) and 1e-6 <= rate <= 1e9):
         raise EddiError(problem("E005.rate_range", rate=rate))
     return round(1e9 / rate)
 
 
 def _warn(
-    file: File,
-    declared: list[EventDeclaration],
-    values: Mapping[str, Value | None],
-    findings: TextFindings,
-    builder: GraphBuilder,
+    file: File, event: EventDeclaration, value: Value, findings: TextFindings, builder: GraphBuilder
 ) -> None:
-    for event in declared:
-        value = values[event.name]
-        if value is not None and builder.is_constant(value.node):
-            at = file.nodes[event.root].start
-            findings.add("W004.constant", at)
-        if event.polarity == "HAZARD" and file.nodes[event.root].op == "implies":
-            findings.add("W002.implies", file.nodes[event.root].at, event=event.name)
-        if event.polarity is None and not event.anonymous:
-            findings.add("W002.polarity", event.at, event=event.name)
+    root = file.nodes[event.root]
+    if builder.is_constant(value.node):
+        findings.add("W004.constant", root.start)
+    if event.polarity == "HAZARD" and root.op == "implies":
+        findings.add("W002.implies", root.at, event=event.name)
+    if event.polarity is None and not event.anonymous:
+        findings.add("W002.polarity", event.at, event=event.name)
 
 
-def _output(event: EventDeclaration, values: Mapping[str, Value | None]) -> dict[str, Any]:
-    value = values[event.name]
-    assert value is not None
-    return {"id": event.name, "node": value.node, "polarity": event.polarity or "EVIDENCE"}
-
-
-def _event(event: EventDeclaration, values: Mapping[str, Value | None], file: File) -> Event:
-    value = values[event.name]
-    assert value is not None
-    text = canonical(file, event.root)
-    polarity = event.polarity or "EVIDENCE"
-    return Event(event.name, polarity, value.type.kind, text, event.at, value.unit)
-
-
-def _variable_row(variable: Variable, scope: Scope) -> dict[str, Any]:
+def _variable_row(variable: Variable, scope: Scope) -> Row:
     assert variable.type is not None
-    is_text = variable.type == TEXT
-    row: dict[str, Any] = {"name": variable.name, "type": variable.type.kind}
-    if is_text:
+    row: Row = {"name": variable.name, "type": variable.type.kind}
+    if variable.type == TEXT:
         row |= {"type": "number", "text": True}
     if variable.reduction is not None:
         row["reduction"] = dict(variable.reduction)
@@ -196,8 +171,7 @@ def _variable_row(variable: Variable, scope: Scope) -> dict[str, Any]:
         row["timeout"] = variable.timeout
     if variable.infinite:
         row["infinite"] = True
-    if variable.infinite and variable.defined:
-        row["defined"] = True
+        row |= {"defined": True} if variable.defined else {}
     if variable.type.enum:
         row["literals"] = list(scope.enums[variable.type.enum])
     return row

@@ -2,29 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.problems import SimilarNames
-from eddi_scaffold.common.units import root
-from eddi_scaffold.conditions.alignment import Pair, Value, aligned
-from eddi_scaffold.conditions.findings import TextFindings
-from eddi_scaffold.conditions.form_builder import GraphBuilder, capacity
-from eddi_scaffold.conditions.lists import Elements, elements_of, reduced, unit_of_list
-from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Scope, Type
-from eddi_scaffold.conditions.signatures import arguments_of, result_of
+from eddi_scaffold.common.units import converted, dimension, factor, root, word
+from eddi_scaffold.conditions.graph import COMPARISONS, At, GraphBuilder, capacity
+from eddi_scaffold.conditions.lists import Elements, elements_of, reduced
+from eddi_scaffold.conditions.scope import (
+    BOOL,
+    NUMBER,
+    TEXT,
+    Scope,
+    Type,
+    arguments_of,
+    result_of,
+)
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
-from eddi_scaffold.conditions.uses import Bounds, bounds, decided
+from eddi_scaffold.conditions.tokens import TextFindings
 from eddi_scaffold.program.builder import MAX_CAPACITY
 from eddi_scaffold.program.instructions import BUFFERED
 from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
 
 _ORDER = ("lt", "le", "gt", "ge")
-_SAME_UNIT = ("add", "sub", *_ORDER, "eq", "ne", "least", "greatest", "hypot")
 _UNIT_OF_BOTH = ("add", "sub", "least", "greatest", "hypot")
-_KEEPS_UNIT = ("neg", "abs", "average", "max", "min", "sum", "stddev", "median")
-_SECONDS = ("elapsed", "age")
+_SAME_UNIT = (*_UNIT_OF_BOTH, *COMPARISONS)
+_IN_RANGE = ("average", "max", "min", "median")
+"""Windows whose value lies in the range of their samples."""
+_KEEPS_UNIT = ("neg", "abs", "sum", "stddev", *_IN_RANGE)
 _VAR_ADVICE = "declare it: VAR {0} : NUMBER, or VAR {0} : BOOL"
+Bounds = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Value:
+    """What a node of the text is.
+
+    Attributes:
+        type: of its value.
+        unit: of its value, ``None`` for none.
+        node: its number in the graph.
+    """
+
+    type: Type
+    unit: str | None
+    node: int
 
 
 class Checker:
@@ -40,7 +63,7 @@ class Checker:
         scope: Scope,
         findings: TextFindings,
         builder: GraphBuilder,
-        locate: Callable[[int], tuple[int, int]],
+        locate: Callable[[int], At],
         *,
         any_rate: bool = False,
     ) -> None:
@@ -55,27 +78,23 @@ class Checker:
         self._any_rate = any_rate
         self._events: dict[str, Value | None] = {}
         self._reported: set[str] = set()
-        self._near: SimilarNames | None = None
+        self._similar: SimilarNames | None = None
 
     def event(self, event: EventDeclaration) -> Value | None:
         """Check one expression; return ``None`` when something is wrong with it."""
         values: dict[int, Value | None] = {}
         for k in range(event.first, event.root + 1):
             node = self._file.nodes[k]
-            args = [values.pop(arg) for arg in node.args]
             self._inside = self._elements.get(k)
-            values[k] = self._value(k, node, args)
-        found = values[event.root]
-        root = self._file.nodes[event.root]
-        if (
-            found is not None
-            and found.type != BOOL
-            and not (event.anonymous and found.type == NUMBER)
-        ):
-            self._findings.add("E007.event", root.start, type=found.type)
-            found = None
-        self._events[event.name] = found
-        return found
+            values[k] = self._value(k, node, [values.pop(arg) for arg in node.args])
+        value = values[event.root]
+        expected = (BOOL, NUMBER) if event.anonymous else (BOOL,)
+        if value is not None and value.type not in expected:
+            start = self._file.nodes[event.root].start
+            self._findings.add("E007.event", start, type=value.type)
+            value = None
+        self._events[event.name] = value
+        return value
 
     @property
     def _builder(self) -> GraphBuilder:
@@ -84,280 +103,296 @@ class Checker:
 
     def _value(self, k: int, node: SyntaxNode, args: list[Value | None]) -> Value | None:
         at = self._locate(node.at)
-        if self._is_misplaced(node):
+        objection = "" if self._inside is None else self._inside.objection(node, self._scope)
+        if objection:
+            self._findings.add("E007.objection", node.start, reason=objection)
             return None
         if node.op == "number":
-            return Value(NUMBER, node.unit, self._builder.number(float(node.text), at))
+            return Value(NUMBER, node.unit, self._builder.leaf("number", float(node.text), at))
         if node.op == "truth":
             truth = 2 if node.text.upper() == "TRUE" else 0
-            return Value(BOOL, None, self._builder.truth(truth, at))
+            return Value(BOOL, None, self._builder.leaf("truth", truth, at))
         if node.op == "name":
             return self._name(node, at)
-        if not self._arguments_fit(node, args):
-            return None
         known = [arg for arg in args if arg is not None]
-        if len(known) != len(args):
+        if not self._arguments_fit(node, args) or len(known) != len(args):
             return None
         if node.options is not None:
             return self._reduction(k, node, known, at)
         if node.op in WINDOW_OPS:
             return self._window(node, known[0], at)
-        if node.op == "age":
-            return self._age(node, known[0], at)
         return self._operation(node, known, at)
 
-    def _is_misplaced(self, node: SyntaxNode) -> bool:
-        """Report a list that nothing reduces, and what a reduction cannot hold."""
-        if self._inside is None:
-            if not node.is_list or node.op != "name":
-                return False
-            self._findings.add("E007.list", node.start, list=node.text)
-            return True
-        why = self._inside.objection(node, self._scope)
-        if why:
-            self._findings.add("E007.objection", node.start, reason=why)
-        return bool(why)
-
-    def _reduction(
-        self, k: int, node: SyntaxNode, args: list[Value], at: tuple[int, int]
-    ) -> Value | None:
+    def _reduction(self, k: int, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
         """Return the value of a list; it is a variable that a message gives."""
         elements = self._elements[node.args[0]]
         self._inside = elements
-        limited = Value(NUMBER, unit_of_list(elements, self._scope), args[0].node)
-        bounds = [
-            self._aligned(node, limited, argument, operands=(0, n))
-            for n, argument in enumerate(args[1:], start=1)
+        element = Value(NUMBER, elements.unit(self._scope), args[0].node)
+        pairs = [
+            self._in_one_unit(node, element, limit, operands=(0, n))
+            for n, limit in enumerate(args[1:], start=1)
         ]
         self._inside = None
-        if None in bounds:
+        nodes = [args[0].node, *(pair[1].node for pair in pairs if pair is not None)]
+        if len(nodes) != len(args):
             return None
-        nodes = [args[0].node, *(pair[1].node for pair in bounds if pair is not None)]
-        made = reduced(self._file, k, elements, nodes, self._scope, self._findings)
-        if made is None:
+        variable = reduced(self._file, k, elements, nodes, self._scope, self._findings)
+        if variable is None:
             return None
-        unit = args[0].unit if result_of(node.op) == NUMBER and node.op != "list_count" else None
-        self._scope.reductions.setdefault(made.name, replace(made, unit=unit))
-        number = self.used.setdefault(made.name, len(self.used))
-        return Value(result_of(node.op), unit, self._outer.variable("variable", number, at))
+        type_ = result_of(node.op)
+        unit = args[0].unit if type_ == NUMBER and node.op != "list_count" else None
+        self._scope.reductions.setdefault(variable.name, replace(variable, unit=unit))
+        return Value(type_, unit, self._read(variable.name, self.used, self._outer, at))
+
+    @staticmethod
+    def _read(name: str, used: dict[str, int], builder: GraphBuilder, at: At) -> int:
+        return builder.leaf("variable", used.setdefault(name, len(used)), at)
 
     # names
 
-    def _name(self, node: SyntaxNode, at: tuple[int, int]) -> Value | None:
+    def _name(self, node: SyntaxNode, at: At) -> Value | None:
         name, scope = node.text, self._scope
+        if self._inside is None and node.is_list:
+            self._findings.add("E007.list", node.start, list=name)
+            return None
         if name in scope.literals:
             enum, number = scope.literals[name]
-            return Value(Type("enum", enum), None, self._builder.literal(number, at))
+            return Value(Type("enum", enum), None, self._builder.leaf("literal", number, at))
         if name in scope.constants:
             bound = scope.constants[name]
-            return Value(NUMBER, bound.unit, self._builder.number(bound.value, at))
+            return Value(NUMBER, bound.unit, self._builder.leaf("number", bound.value, at))
         if name in scope.variables:
-            return self._variable(node, at)
-        if scope.knows(name):
+            variable = scope.variables[name]
+            if variable.type is not None:
+                used = self.used if self._inside is None else self._inside.used
+                read = self._read(name, used, self._builder, at)
+                return Value(variable.type, variable.unit, read)
+            if not variable.declared and name not in self._reported:
+                self._reported.add(name)
+                advice = variable.advice or _VAR_ADVICE.format(name)
+                self._findings.add("E008.list_type", node.start, hint=advice, node=name)
+        elif scope.knows(name):
             return self._events.get(name)
         # without declarations, only a text with another error has names that are not inferred
-        if scope.closed and name not in self._reported and name not in self._file.broken:
+        elif scope.closed and name not in self._reported and name not in self._file.broken:
             self._reported.add(name)
-            self._near = self._near or SimilarNames(scope.names, "there are")
-            self._findings.add(
-                "E008.unknown_variable", node.start, hint=self._near.hint(name), name=name
-            )
+            self._similar = self._similar or SimilarNames(scope.names, "there are")
+            hint = self._similar.hint(name)
+            self._findings.add("E008.unknown_variable", node.start, hint=hint, name=name)
         return None
-
-    def _variable(self, node: SyntaxNode, at: tuple[int, int]) -> Value | None:
-        variable = self._scope.variables[node.text]
-        if variable.type is None:
-            if not variable.declared and node.text not in self._reported:
-                self._reported.add(node.text)
-                hint = variable.advice or _VAR_ADVICE.format(node.text)
-                self._findings.add("E008.list_type", node.start, hint=hint, node=node.text)
-            return None
-        used = self.used if self._inside is None else self._inside.used
-        number = used.setdefault(node.text, len(used))
-        made = self._builder.variable("variable", number, at)
-        return Value(variable.type, variable.unit, made)
 
     # types
 
     def _arguments_fit(self, node: SyntaxNode, args: list[Value | None]) -> bool:
         """Report operands of a wrong type."""
-        if node.op in ("known", "age"):
-            return self._is_no_text(node, args)
-        if node.op in ("eq", "ne"):
-            return self._same_types(node, args)
-        types = arguments_of(node.op)
-        wrong = [k for k, arg in enumerate(args) if arg is not None and arg.type != types[k]]
-        if not wrong:
-            return True
+        types = [arg.type for arg in args if arg is not None]
+        if node.op in ("known", "age", "eq", "ne"):
+            if len(set(types)) > 1:
+                self._findings.add("E007.comparison", node.at, left=types[0], right=types[1])
+            elif TEXT in types and None not in args:
+                operand = self._file.nodes[node.args[0]]
+                self._findings.add("E007.text", operand.start, operand=operand.text)
+            else:
+                return True
+            return False
+        expected = arguments_of(node.op)
+        wrong = [
+            (self._file.nodes[k], arg.type, type_)
+            for k, arg, type_ in zip(node.args, args, expected, strict=False)
+            if arg is not None and arg.type != type_
+        ]
         if node.op in _ORDER and len(wrong) == 2:
-            shown = " and ".join(sorted({str(arg.type) for arg in args if arg is not None}))
+            shown = " and ".join(sorted(set(map(str, types))))
             self._findings.add("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
             return False
-        for k in wrong:
-            self._wrong_type(node, self._file.nodes[node.args[k]], args[k], types[k])
-        return False
+        for operand, actual, type_ in wrong:
+            self._report_type(operand, actual, word_of(node.op), type_)
+        return not wrong
 
-    def _is_no_text(self, node: SyntaxNode, args: list[Value | None]) -> bool:
-        if not any(arg is not None and arg.type == TEXT for arg in args):
-            return True
-        operand = self._file.nodes[node.args[0]]
-        self._findings.add("E007.text", operand.start, operand=operand.text)
-        return False
-
-    def _wrong_type(
-        self, node: SyntaxNode, operand: SyntaxNode, value: Value | None, wanted: Type
-    ) -> None:
-        assert value is not None
-        shown = word_of(node.op)
+    def _report_type(self, operand: SyntaxNode, actual: Type, shown: str, expected: Type) -> None:
         variable = self._scope.variables.get(operand.text) if operand.op == "name" else None
-        if variable is not None and not variable.declared:
-            hint = _VAR_ADVICE.format(operand.text)
+        if variable is None or variable.declared:
             self._findings.add(
-                "E008.elsewhere",
-                operand.start,
-                hint=hint,
-                operand=operand.text,
-                type=value.type,
-                shown=shown,
-                expected=wanted,
+                "E007.operand", operand.start, shown=shown, expected=expected, type=actual
             )
-        else:
-            self._findings.add(
-                "E007.operand", operand.start, shown=shown, expected=wanted, type=value.type
-            )
-
-    def _same_types(self, node: SyntaxNode, args: list[Value | None]) -> bool:
-        left, right = args
-        if left is None or right is None:
-            return True
-        if left.type == right.type:
-            return self._is_no_text(node, args)
-        self._findings.add("E007.comparison", node.at, left=left.type, right=right.type)
-        return False
+            return
+        self._findings.add(
+            "E008.elsewhere",
+            operand.start,
+            hint=_VAR_ADVICE.format(operand.text),
+            operand=operand.text,
+            type=actual,
+            shown=shown,
+            expected=expected,
+        )
 
     # operations
 
-    def _operation(self, node: SyntaxNode, args: list[Value], at: tuple[int, int]) -> Value | None:
-        op, unit = node.op, None
+    def _operation(self, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
+        op, unit, builder = node.op, None, self._builder
+        operand = self._file.nodes[node.args[0]]
         if op == "number_of":
-            return self._number_of(node, args[0])
+            if operand.op == "name":
+                return Value(NUMBER, None, args[0].node)
+            self._findings.add("E007.number", operand.start)
+            return None
+        if op == "age":
+            if operand.op == "name" and operand.text in self._scope.variables:
+                return Value(NUMBER, "s", builder.leaf("age", self.used[operand.text], at))
+            self._findings.add("E007.age", operand.start)
+            return None
+        if op in ("hysteresis", "clamp"):
+            return self._bounded(node, args, at)
         if op in _SAME_UNIT and args[0].type == NUMBER:
-            pair = self._aligned(node, args[0], args[1])
+            pair = self._in_one_unit(node, args[0], args[1])
             if pair is None:
                 return None
             args = list(pair)
-            if op in (*_ORDER, "eq", "ne"):
+            if op in COMPARISONS:
                 self._warn_decided(node, args)
             unit = args[0].unit or args[1].unit if op in _UNIT_OF_BOTH else None
-        if op == "hypot":
-            return self._hypot(args, unit, at)
-        if op in ("hysteresis", "clamp"):
-            return self._bounded(node, args, at)
-        if op in ("eq", "ne", "known") and args[0].type != NUMBER:
+        nodes = [arg.node for arg in args]
+        if op == "hypot":  # nothing else, so that every target rounds alike
+            squares = [builder.operation("mul", (k, k), at) for k in nodes]
+            op, nodes = "sqrt", [builder.operation("add", squares, at)]
+        elif op in ("eq", "ne", "known") and args[0].type != NUMBER:
             op = f"{op}_{args[0].type.kind}"
-        if op in _KEEPS_UNIT:
+        elif op in _KEEPS_UNIT:
             unit = args[0].unit
-        elif op in _SECONDS:
+        elif op == "elapsed":
             unit = "s"
         elif op == "sqrt":
             unit = root(args[0].unit)
-        made = self._builder.operation(op, tuple(arg.node for arg in args), at)
-        return Value(result_of(op), unit, made)
+        return Value(result_of(op), unit, builder.operation(op, nodes, at))
 
     def _warn_decided(self, node: SyntaxNode, args: list[Value]) -> None:
         """Warn of a comparison that the declared range of its variable decides alone."""
-        both = [self._bounds(k, arg) for k, arg in zip(node.args, args, strict=True)]
-        truth = decided(node.op, *both)
-        if truth is None or all(self._builder.is_constant(arg.node) for arg in args):
+        left, right = (self._bounds(k, arg) for k, arg in zip(node.args, args, strict=True))
+        if None in (left, right) or all(self._builder.is_constant(arg.node) for arg in args):
             return
-        left, right = (
-            f"{low:g} .. {high:g}" if low < high else f"{low:g}" for low, high in filter(None, both)
-        )
+        assert left is not None
+        assert right is not None
+        if node.op in _ORDER:
+            truths = {COMPARISONS[node.op](a, b) for a in left for b in right}
+        else:
+            is_apart = left[1] < right[0] or right[1] < left[0]
+            truths = {node.op == "ne"} if is_apart else set()
+        if len(truths) != 1:
+            return
         unit = args[0].unit or args[1].unit
         self._findings.add(
             "W004.decided",
             node.at,
-            value="TRUE" if truth else "FALSE",
-            left=left,
+            value=str(*truths).upper(),
+            left=" .. ".join(f"{end:g}" for end in dict.fromkeys(left)),
             operators=OPERATORS[node.op],
-            right=right,
+            right=" .. ".join(f"{end:g}" for end in dict.fromkeys(right)),
             unit=f", in {unit}" if unit else "",
         )
 
     def _bounds(self, k: int, arg: Value) -> Bounds | None:
+        """Return between which numbers an operand lies, ``None`` where that is not known."""
         if self._builder.is_constant(arg.node):
-            value = self._builder.value(arg.node)
+            value = self._builder.rows[arg.node]["value"]
             return None if value is None else (value, value)
-        return bounds(self._file.nodes, self._file.nodes[k], self._range)
-
-    def _range(self, name: str) -> Bounds | None:
-        found = self._scope.variables.get(name)
-        return None if found is None or found.infinite else found.range
-
-    def _number_of(self, node: SyntaxNode, arg: Value) -> Value | None:
-        operand = self._file.nodes[node.args[0]]
-        if operand.op != "name":
-            self._findings.add("E007.number", operand.start)
+        node, is_negative = self._file.nodes[k], False
+        while node.op in (*_IN_RANGE, "neg"):
+            is_negative ^= node.op == "neg"
+            node = self._file.nodes[node.args[0]]
+        variable = self._scope.variables.get(node.text) if node.op == "name" else None
+        if variable is None or variable.infinite or variable.range is None:
             return None
-        return Value(NUMBER, None, arg.node)
+        low, high = variable.range
+        return (-high, -low) if is_negative else (low, high)
 
-    def _hypot(self, args: list[Value], unit: str | None, at: tuple[int, int]) -> Value:
-        """Add SQRT(x * x + y * y): nothing else, so that every target rounds alike."""
-        squares = (
-            self._builder.operation("mul", (argument.node, argument.node), at) for argument in args
-        )
-        total = self._builder.operation("add", tuple(squares), at)
-        return Value(NUMBER, unit, self._builder.operation("sqrt", (total,), at))
-
-    def _bounded(self, node: SyntaxNode, args: list[Value], at: tuple[int, int]) -> Value | None:
-        x, *bounds = args
-        for k in (0, 1):
-            pair = self._aligned(node, x, bounds[k], operands=(0, k + 1))
-            if pair is None:
-                return None
-            bounds[k] = pair[1]
-        low, high = bounds
-        if self._builder.is_constant(low.node) and self._builder.is_constant(high.node):
-            ends = self._builder.value(low.node), self._builder.value(high.node)
-            if None not in ends and ends[0] >= ends[1]:
-                self._findings.add("E006.bounds", node.at, word=node.op.upper())
-                return None
+    def _bounded(self, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
+        x, *limits = args
+        pairs = [
+            self._in_one_unit(node, x, limit, operands=(0, k)) for k, limit in enumerate(limits, 1)
+        ]
+        ends = [pair[1] for pair in pairs if pair is not None]
+        if len(ends) != len(limits):
+            return None
+        low, high = ends
+        builder = self._builder
+        values = [builder.rows[end.node]["value"] for end in ends if builder.is_constant(end.node)]
+        if len(values) == 2 and None not in values and values[0] >= values[1]:
+            self._findings.add("E006.bounds", node.at, word=node.op.upper())
+            return None
         if node.op == "clamp":
-            made = self._builder.operation("greatest", (x.node, low.node), at)
-            made = self._builder.operation("least", (made, high.node), at)
-            return Value(NUMBER, x.unit or low.unit, made)
-        made = self._builder.operation("hysteresis", (x.node, low.node, high.node), at)
-        return Value(BOOL, None, made)
+            least = builder.operation("greatest", (x.node, low.node), at)
+            clamped = builder.operation("least", (least, high.node), at)
+            return Value(NUMBER, x.unit or low.unit, clamped)
+        nodes = (x.node, low.node, high.node)
+        return Value(BOOL, None, builder.operation("hysteresis", nodes, at))
 
-    def _window(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
-        period = self._builder.period
+    def _window(self, node: SyntaxNode, arg: Value, at: At) -> Value | None:
+        period, place = self._builder.period, node.window_at
+        too_many = (
+            node.op in BUFFERED
+            and not self._any_rate
+            and capacity(node.window, period or 1) > MAX_CAPACITY
+        )
         if not period:
-            self._findings.add("E005.no_rate", node.window_at, word=node.op.upper())
-            return None
-        if node.window < period:
-            self._findings.add("E005.short_window", node.window_at, period=period / 1000000000.0)
-            return None
-        too_many = node.op in BUFFERED and capacity(node.window, period) > MAX_CAPACITY
-        if too_many and not self._any_rate:
-            samples = -(-node.window // period)
+            self._findings.add("E005.no_rate", place, word=node.op.upper())
+        elif node.window < period:
+            self._findings.add("E005.short_window", place, period=period / 1e9)
+        elif too_many:
+            samples, limit = -(-node.window // period), MAX_CAPACITY // 2 - 8
+            self._findings.add("E013.window", place, samples=samples, limit=limit)
+        else:
+            unit = arg.unit if node.op in _KEEPS_UNIT else None
+            window = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
+            return Value(result_of(node.op), unit, window)
+        return None
+
+    # units
+
+    def _in_one_unit(
+        self, node: SyntaxNode, left: Value, right: Value, operands: Sequence[int] = (0, 1)
+    ) -> tuple[Value, Value] | None:
+        """Bring two numbers to one unit; report where that cannot be."""
+        starts = [self._file.nodes[node.args[k]].start for k in operands]
+        constant = [self._builder.is_constant(value.node) for value in (left, right)]
+        if left.unit == right.unit:
+            return left, right
+        if left.unit is not None and factor(left.unit, right.unit or "") == 1:
+            return left, replace(right, unit=left.unit)  # another name of the same
+        if left.unit is None or right.unit is None:
+            plain, unit = (left if left.unit is None else right), left.unit or right.unit or ""
+            other = 1 if plain is left else 0
+            if not constant[other] or constant[1 - other]:
+                return replace(left, unit=unit), replace(right, unit=unit)
+            hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
+            if self._builder.rows[plain.node]["op"] != "variable":
+                hint = "what *, / and RATE give has no unit: write the number without one"
+            self._findings.add("E009.one_side", starts[other], hint=hint, unit=unit)
+        elif dimension(left.unit) != dimension(right.unit):
+            shown = " and ".join(f"{unit} ({dimension(unit)})" for unit in (left.unit, right.unit))
+            at = starts[0 if constant[0] and not constant[1] else 1]
+            self._findings.add("E009.apart", at, shown=shown)
+        elif constant[1]:
+            converted_right = self._converted(right, left.unit, starts[1])
+            return None if converted_right is None else (left, converted_right)
+        elif constant[0]:
+            converted_left = self._converted(left, right.unit, starts[0])
+            return None if converted_left is None else (converted_left, right)
+        else:
             self._findings.add(
-                "E013.window", node.window_at, samples=samples, limit=MAX_CAPACITY // 2 - 8
+                "E009.scale",
+                starts[1],
+                unit=left.unit,
+                right_unit=right.unit,
+                times=converted(1.0, right.unit, left.unit),
             )
-            return None
-        made = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
-        unit = arg.unit if node.op in _KEEPS_UNIT else None
-        return Value(result_of(node.op), unit, made)
+        return None
 
-    def _age(self, node: SyntaxNode, arg: Value, at: tuple[int, int]) -> Value | None:
-        operand = self._file.nodes[node.args[0]]
-        if operand.op != "name" or operand.text not in self._scope.variables:
-            self._findings.add("E007.age", operand.start)
+    def _converted(self, value: Value, unit: str, start: int) -> Value | None:
+        """Return a constant in another unit of its dimension."""
+        row = self._builder.rows[value.node]
+        number = None if row["value"] is None else converted(row["value"], value.unit or "", unit)
+        if number is not None and not math.isfinite(number):
+            self._findings.add("E013.number_in_unit", start, unit=unit)
             return None
-        number = self.used[operand.text]
-        return Value(NUMBER, "s", self._builder.variable("age", number, at))
-
-    def _aligned(
-        self, node: SyntaxNode, left: Value, right: Value, operands: tuple[int, int] = (0, 1)
-    ) -> Pair | None:
-        places = [self._file.nodes[node.args[k]].start for k in operands]
-        return aligned(left, right, places, self._builder, self._findings)
+        line, column = row["at"]
+        return Value(NUMBER, unit, self._builder.leaf("number", number, (line, column)))

@@ -1,128 +1,234 @@
 """The Event Creator page of SESAME D7.2 Fig 24: served on this machine only, nothing from outside.
 
 One HTML form, rendered here; it works without JavaScript, which only adds copying, Ctrl+Enter and
-the caret at an error.
+the caret at an error. Nothing is written to disk.
 """
 
 from __future__ import annotations
 
 import base64
 import io
+import json
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
+from http import HTTPStatus
+from importlib.resources import files
+from string import Template
 from typing import Any
+from urllib.parse import parse_qs
 
-from eddi_scaffold.common.problems import EddiError, Problem, problem
+from eddi_scaffold.common import local_server
+from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.recorded_values import columns, play
-from eddi_scaffold.conditions.report import as_text
-from eddi_scaffold.conditions.scope import Variable
-from eddi_scaffold.conditions.standalone import Target, generate
+from eddi_scaffold.conditions.report import as_json, as_text
+from eddi_scaffold.conditions.scope import BOOL, Variable
+from eddi_scaffold.conditions.standalone import Target, columns, generate, play
 from eddi_scaffold.conditions.syntax import number_text
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 
-_TARGETS = {"python": "Python", "c": "C99"}
-TITLE = "Event Creator"
+Rows = Sequence[tuple[float, Mapping[str, Any]]]
+ReadSignal = Callable[[str, Mapping[str, str]], tuple[Rows | None, Sequence[Problem]]]
+"""CSV text, type of each column -> (time, new samples) rows, and what is wrong with it."""
+_POLICY = (
+    "default-src 'none'; style-src 'self'; script-src 'self'; img-src data:; "
+    "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+)
+_FILES = {"/style.css": CSS, "/page.js": JAVASCRIPT}
+_MAX_ROWS, _MAX_CELLS = 600, 4000
+"""Of example values: the page takes them back in a form of limited size."""
 
 
 @dataclass(frozen=True)
 class Page:
-    """The contents of the page.
+    """The contents of the page: what was typed, and the result.
 
     Attributes:
         text: the events.
-        rate: as it was typed.
-        target: ``python`` or ``c``.
+        rate: in Hz, as typed; empty for none.
+        target: of the generated code.
         name: of the monitor.
         signal: recorded values as CSV.
-        asked: something was asked for: there is a result.
-        problems: what is wrong.
-        lines: report on a checked text.
+        result: HTML.
         files: what was generated.
-        plot: SVG of the signal and the verdicts, empty for none.
         error_at: offset of the first error in the text, ``None`` for none.
     """
 
-    text: str = ""
+    text: str = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
     rate: str = "10"
-    target: str = "python"
+    target: Target = "python"
     name: str = "event"
     signal: str = ""
-    asked: bool = False
-    problems: Sequence[Problem] = ()
-    lines: Sequence[str] = ()
+    result: str = ""
     files: Mapping[str, str] = field(default_factory=dict)
-    plot: str = ""
     error_at: int | None = None
 
 
-def render(page: Page) -> str:
-    """Return the whole page."""
-    at = "" if page.error_at is None else f' data-at="{page.error_at}"'
-    options = "".join(
-        f'<option value="{key}"{" selected" if key == page.target else ""}>{label}</option>'
-        for key, label in _TARGETS.items()
+def open_server(
+    port: int,
+    read_signal: ReadSignal,
+    start: Page | None = None,
+    *,
+    seconds: float = 20.0,
+    connections: int = 32,
+) -> LimitedServer:
+    """Return a server of the page on the loopback interface, not serving yet.
+
+    Args:
+        port: 0 for any that is free.
+        read_signal: reads recorded values.
+        start: what the page shows at first.
+        seconds: within which a request has come and its answer is taken, or the connection ends.
+        connections: at once; a further one is asked to retry.
+
+    Raises:
+        EddiError: the port is taken (E024).
+    """
+    parts = {"read_signal": staticmethod(read_signal), "start": start or Page(), "seconds": seconds}
+    return local_server.open_server(port, _Handler, parts, connections=connections)
+
+
+class _Handler(Handler):
+    """Answers one connection."""
+
+    read_signal: ReadSignal
+    start: Page
+    policy = _POLICY
+
+    def get(self) -> None:
+        """Answer with the page, or one of its two files."""
+        if self.path == "/":
+            self.send(HTTPStatus.OK, HTML, _render(self.start))
+        elif self.path in _FILES:
+            self.send(HTTPStatus.OK, _FILES[self.path], _file(self.path[1:]))
+        else:
+            super().get()
+
+    def post(self) -> None:
+        """Check or generate what was sent."""
+        if self.path not in ("/check", "/generate"):
+            super().post()
+        body, kind = self.body(), self.headers.get_content_type()
+        code = self.path == "/generate"
+        if kind == "application/json":
+            self.send(HTTPStatus.OK, kind, json.dumps(_json_answer(body, code=code)).encode())
+            return
+        if kind != "application/x-www-form-urlencoded":
+            raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a form or JSON is expected")
+        try:
+            pairs = parse_qs(body.decode("utf-8"), keep_blank_values=True, max_num_fields=20)
+        except ValueError:
+            raise Refused(HTTPStatus.BAD_REQUEST, "this is not a form") from None
+        form = {name: values[-1] for name, values in pairs.items()}
+        example = bool(form.get("example"))
+        page = _answer(_typed(form), self.read_signal, code=code, example=example)
+        if form.get("download") and page.files:
+            name, data = _download(page.files)
+            disposition = {"Content-Disposition": f'attachment; filename="{name}"'}
+            self.send(HTTPStatus.OK, "application/octet-stream", data, disposition)
+        else:
+            self.send(HTTPStatus.OK, HTML, _render(page))
+
+
+def _typed(form: Mapping[str, str]) -> Page:
+    text, signal = (form.get(name, "").replace("\r\n", "\n") for name in ("text", "signal"))
+    target: Target = "c" if form.get("target") == "c" else "python"
+    return Page(text, form.get("rate", ""), target, form.get("name") or "event", signal)
+
+
+def _analysis(page: Page) -> Analysis:
+    text = page.rate.strip()
+    try:
+        rate = float(text) if text else None
+    except ValueError:
+        raise EddiError(problem("E005.rate_text", rate=text[:40])) from None
+    return analyse(page.text, rate=rate)
+
+
+def _json_answer(body: bytes, *, code: bool) -> dict[str, Any]:
+    try:
+        document = json.loads(body)
+    except (ValueError, RecursionError):
+        document = None
+    if not isinstance(document, dict):
+        raise Refused(HTTPStatus.BAD_REQUEST, "a JSON object is expected")
+    page = _typed({name: str(value) for name, value in document.items()})
+    try:
+        analysis = _analysis(page)
+    except EddiError as failure:
+        return {"ok": False, "problems": [problem.as_json() for problem in failure.problems]}
+    is_good = code and analysis.form is not None
+    return as_json(analysis, generate(analysis, page.target, page.name) if is_good else {})
+
+
+def _answer(page: Page, read_signal: ReadSignal, *, code: bool, example: bool) -> Page:
+    """Return the page with the result of what was typed."""
+    try:
+        analysis = _analysis(page)
+    except EddiError as failure:
+        return replace(page, result=_result(failure.problems))
+    problems, picture = list(analysis.problems), ""
+    if analysis.form is None:
+        page = replace(page, error_at=_offset(page.text, problems))
+    else:
+        if example:
+            page = replace(page, signal=_example_signal(analysis, float(page.rate.strip() or 1)))
+        if page.signal.strip():
+            rows, more = read_signal(page.signal, columns(analysis))
+            problems += more
+            picture = _plot(analysis, rows) if rows else ""
+        if code:
+            page = replace(page, files=generate(analysis, page.target, page.name))
+    return replace(page, result=_result(problems, as_text(analysis), picture, page.files))
+
+
+def _download(texts: Mapping[str, str]) -> tuple[str, bytes]:
+    """Return name and content of one file: the module, or a zip of several files."""
+    if len(texts) == 1:
+        ((name, text),) = texts.items()
+        return name, text.encode()
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, text in texts.items():
+            archive.writestr(zipfile.ZipInfo(name), text)
+    return f"{min(texts, key=len).partition('.')[0]}.zip", stream.getvalue()
+
+
+def _file(name: str) -> bytes:
+    return files(__package__).joinpath("page", name).read_bytes()
+
+
+def _render(page: Page) -> bytes:
+    fields = {name: escape(getattr(page, name)) for name in ("text", "rate", "name", "signal")}
+    html = Template(_file("index.html").decode()).substitute(
+        fields,
+        error_at="" if page.error_at is None else f' data-at="{page.error_at}"',
+        python=" selected" if page.target == "python" else "",
+        c=" selected" if page.target == "c" else "",
+        open=" open" if page.signal else "",
+        result=page.result,
     )
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{TITLE}</title>
-<link rel="stylesheet" href="/style.css">
-<script src="/page.js" defer></script>
-</head>
-<body>
-<main>
-<h1>{TITLE}</h1>
-<form method="post" action="/check">
-<label for="text">Expression, or declarations and events</label>
-<textarea id="text" name="text" rows="6" spellcheck="false" autofocus{at}>
-{escape(page.text)}</textarea>
-<div class="row">
-<p><label for="rate">Sampling rate in Hz</label>
-<input id="rate" name="rate" inputmode="decimal" value="{escape(page.rate)}"></p>
-<p><label for="target">Target language</label>
-<select id="target" name="target">{options}</select></p>
-<p><label for="name">Name of the monitor</label>
-<input id="name" name="name" value="{escape(page.name)}"></p>
-</div>
-<details{" open" if page.signal else ""}>
-<summary>Recorded values (CSV with a column t, and one for each variable)</summary>
-<label for="signal">Values</label>
-<textarea id="signal" name="signal" rows="6" spellcheck="false">
-{escape(page.signal)}</textarea>
-<button name="example" value="1">Example values</button>
-</details>
-<p class="buttons">
-<button id="check">Check</button>
-<button id="generate" formaction="/generate">Generate</button>
-<button id="download" formaction="/generate" name="download" value="1">Download</button>
-</p>
-</form>
-<section id="result" aria-label="Result" aria-live="polite">
-{_result(page) if page.asked else ""}
-</section>
-</main>
-</body>
-</html>
-"""
+    return html.encode("utf-8", "replace")
 
 
-def _result(page: Page) -> str:
-    parts = [_problem(problem) for problem in page.problems]
-    if not any(problem.level == "error" for problem in page.problems):
-        parts.insert(0, '<p class="good">No errors.</p>')
-    if page.lines:
-        parts.append(f"<pre>{escape(chr(10).join(page.lines))}</pre>")
-    if page.plot:
-        data = base64.b64encode(page.plot.encode()).decode()
+def _result(
+    problems: Sequence[Problem],
+    lines: Sequence[str] = (),
+    picture: str = "",
+    texts: Mapping[str, str] | None = None,
+) -> str:
+    parts = [] if has_errors(problems) else ['<p class="good">No errors.</p>']
+    parts += map(_problem, problems)
+    if lines:
+        parts.append(f"<pre>{escape(chr(10).join(lines))}</pre>")
+    if picture:
+        data = base64.b64encode(picture.encode()).decode()
         alt = "Values and verdicts over time"
         parts.append(f'<img alt="{alt}" src="data:image/svg+xml;base64,{data}">')
-    for number, (name, text) in enumerate(page.files.items()):
+    for number, (name, text) in enumerate((texts or {}).items()):
         rows = min(30, text.count("\n") + 1)
         parts.append(
             f'<h2><label for="code{number}">{escape(name)}</label> '
@@ -136,55 +242,27 @@ def _result(page: Page) -> str:
 def _problem(problem: Problem) -> str:
     place = ":".join(str(part) for part in (problem.place.line, problem.place.col) if part)
     text = f"<strong>{problem.level}</strong> {place} {escape(problem.message)} [{problem.code}]"
-    shown = [f'<div class="problem {problem.level}"><p>{text}</p>']
+    html = f'<div class="problem {problem.level}"><p>{text}</p>'
     if problem.excerpt is not None and problem.place.col is not None:
-        shown.append(f"<pre>{_marked(problem.excerpt, problem.place.col)}</pre>")
+        line, column = problem.excerpt, problem.place.col
+        before, at = line[max(0, column - 80) : column - 1], line[column - 1 : column] or " "
+        marked = f"{escape(before)}<mark>{escape(at)}</mark>{escape(line[column : column + 80])}"
+        html += f"<pre>{marked}\n{' ' * len(before)}^</pre>"
     if problem.hint:
-        shown.append(f"<p>Hint: {escape(problem.hint)}</p>")
-    return "".join([*shown, "</div>"])
+        html += f"<p>Hint: {escape(problem.hint)}</p>"
+    return f"{html}</div>"
 
 
-def _marked(line: str, column: int) -> str:
-    """Return a line with the character at a column highlighted, and a caret below it."""
-    start = max(0, column - 80)
-    before, at, after = line[start : column - 1], line[column - 1 : column], line[column:]
-    caret = " " * len(before) + "^"
-    return f"{escape(before)}<mark>{escape(at) or ' '}</mark>{escape(after[:80])}\n{caret}"
-
-
-MIN_ROWS, MAX_ROWS = 60, 600
-_CELLS = 4000
-"""Cells at most: the page takes the values back in a form of limited size."""
-
-
-def example_signal(analysis: Analysis, rate: float | None) -> str:
-    """Return a recording as CSV, some windows long: waves for numbers, slow changes for all else.
-
-    In its last part one sample of each number is missing.
-    """
-    rows = _rows(analysis)
+def _example_signal(analysis: Analysis, rate: float) -> str:
+    """Return a recording as CSV: waves for numbers, slow changes for all else."""
+    count = min(_MAX_ROWS, _MAX_CELLS // (len(analysis.inputs) + 1))
     lines = [",".join(["t", *(variable.name for variable in analysis.inputs)])]
-    for row in range(rows):
-        part = row / rows
-        missing = row == rows * 4 // 5
-        cells = [
-            "nan" if missing and _kind(variable) == "number" else _cell(variable, part, k, analysis)
-            for k, variable in enumerate(analysis.inputs)
-        ]
-        lines.append(",".join([number_text(round(row / (rate or 1.0), 9)), *cells]))
+    for row in range(count):
+        cells = (
+            _cell(variable, row / count, k, analysis) for k, variable in enumerate(analysis.inputs)
+        )
+        lines.append(",".join([number_text(round(row / rate, 9)), *cells]))
     return "\n".join(lines) + "\n"
-
-
-def _rows(analysis: Analysis) -> int:
-    assert analysis.form is not None
-    longest: int = max((node.get("window", 0) for node in analysis.form["nodes"]), default=0)
-    wanted: int = 6 * longest // max(1, analysis.form["period"])
-    room = _CELLS // (len(analysis.inputs) + 1)
-    return max(2, min(max(wanted, MIN_ROWS), MAX_ROWS, room))
-
-
-def _kind(variable: Variable) -> str:
-    return "number" if variable.type is None else variable.type.kind
 
 
 def _cell(variable: Variable, part: float, number: int, analysis: Analysis) -> str:
@@ -192,127 +270,24 @@ def _cell(variable: Variable, part: float, number: int, analysis: Analysis) -> s
     if variable.type is not None and variable.type.enum:
         literals = analysis.enums[variable.type.enum]
         return literals[int(part * 3 * len(literals)) % len(literals)]
-    if _kind(variable) == "bool":
+    if variable.type == BOOL:
         return "false" if (part * (3 + number)) % 1 < 0.15 else "true"
     low, high = variable.range or (0.0, 120.0)
     wave = 0.5 - 0.5 * math.cos(2 * math.pi * part * (2 + 0.5 * number))
     return number_text(round(low + (high - low) * min(1.0, 1.5 * wave), 3))
 
 
-Rows = Sequence[tuple[float, Mapping[str, Any]]]
-ReadSignal = Callable[[str, Mapping[str, str]], tuple[Rows | None, Sequence[Problem]]]
-"""CSV text, type of each column -> (time, new samples) rows, and what is wrong with it."""
-
-
-@dataclass(frozen=True)
-class Request:
-    """What was typed.
-
-    Attributes:
-        text: the events.
-        rate: in Hz, as typed; empty for none.
-        target: ``python`` or ``c``.
-        name: of the monitor.
-        signal: CSV.
-        example: example values are wanted.
-    """
-
-    text: str = ""
-    rate: str = ""
-    target: str = "python"
-    name: str = "event"
-    signal: str = ""
-    example: bool = False
-
-    @property
-    def language(self) -> Target:
-        """The target; Python when it is no other that we know."""
-        return "c" if self.target == "c" else "python"
-
-
-def analysis_of(request: Request) -> Analysis:
-    """Check what was typed.
-
-    Raises:
-        EddiError: the rate is not a number of steps per second (E005).
-    """
-    rate = None
-    if request.rate.strip():
-        try:
-            rate = float(request.rate.strip())
-        except ValueError:
-            raise EddiError(problem("E005.rate_text", rate=request.rate.strip()[:40])) from None
-    return analyse(_lines(request.text), rate=rate)
-
-
-def answer(request: Request, read_signal: ReadSignal, *, code: bool) -> Page:
-    """Return the page for a request.
-
-    Args:
-        request: what was typed.
-        read_signal: reads the recorded values.
-        code: generate the monitor as well.
-    """
-    text = _lines(request.text)
-    page = Page(
-        text=text,
-        rate=request.rate,
-        target=request.language,
-        name=request.name,
-        signal=_lines(request.signal),
-        asked=True,
-    )
-    try:
-        analysis = analysis_of(request)
-    except EddiError as failure:
-        return replace(page, problems=failure.problems)
-    page = replace(page, problems=analysis.problems, lines=as_text(analysis))
-    if analysis.form is None:
-        return replace(page, error_at=_offset(text, analysis.problems))
-    if request.example:
-        rate = float(request.rate) if request.rate.strip() else None
-        page = replace(page, signal=example_signal(analysis, rate))
-    if page.signal.strip():
-        rows, found = read_signal(page.signal, columns(analysis))
-        page = replace(page, problems=[*page.problems, *found])
-        if rows:
-            page = replace(page, plot=_plot(analysis, rows))
-    return replace(page, files=generate(analysis, request.language, request.name)) if code else page
-
-
-def download(files: Mapping[str, str]) -> tuple[str, bytes]:
-    """Return name and content of one file: the module, or a zip of several files."""
-    if len(files) == 1:
-        ((name, text),) = files.items()
-        return name, text.encode()
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w") as archive:
-        for name, text in files.items():
-            archive.writestr(zipfile.ZipInfo(name), text)
-    return f"{min(files, key=len).partition('.')[0]}.zip", stream.getvalue()
-
-
 def _plot(analysis: Analysis, rows: Rows) -> str:
     held: dict[str, Any] = {variable.name: None for variable in analysis.inputs}
-    inputs = []
-    for t, samples in rows:
-        held = {**held, **samples}
-        inputs.append((t, held))
-    verdicts = list(play(analysis, rows))
-    return plot(
-        "Values and verdicts", [*tracks_of("values", inputs), *tracks_of("events", verdicts)]
-    )
-
-
-def _lines(text: str) -> str:
-    """Return a text as it was typed: forms send CR LF."""
-    return text.replace("\r\n", "\n")
+    inputs = [(t, held := {**held, **samples}) for t, samples in rows]
+    tracks = [*tracks_of("values", inputs), *tracks_of("events", list(play(analysis, rows)))]
+    return plot("Values and verdicts", tracks)
 
 
 def _offset(text: str, problems: Sequence[Problem]) -> int | None:
     """Return the offset of the first error."""
-    for reported in problems:
-        line, col = reported.place.line, reported.place.col
-        if reported.level == "error" and line is not None and col is not None:
-            return sum(len(one) + 1 for one in text.split("\n")[: line - 1]) + col - 1
+    for error in problems:
+        line, col = error.place.line, error.place.col
+        if error.level == "error" and line is not None and col is not None:
+            return sum(len(above) + 1 for above in text.split("\n")[: line - 1]) + col - 1
     return None

@@ -8,8 +8,8 @@ from typing import Any, Literal
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.findings import Locate
-from eddi_scaffold.conditions.scope import Variable
+from eddi_scaffold.conditions.scope import Type, Variable
+from eddi_scaffold.conditions.tokens import Locate
 
 ExpressionType = Literal["bool", "float", "int", "state"]
 
@@ -72,7 +72,6 @@ def compile_input(
     Returns:
         The expression, ``None`` after an error, and all problems, with places in the configuration.
     """
-    parts: list[dict[str, Any]] = []
     problems: list[Problem] = []
     analyses: list[Analysis] = []
     for text in texts:
@@ -86,16 +85,21 @@ def compile_input(
         )
         problems += [*analysis.problems, *_wrong_type(analysis, text, type_)]
         analyses.append(analysis)
-        parts.append({"form": analysis.form, **({"state": text.state} if text.state else {})})
     if has_errors(problems):
         return None, problems
-    names = dict.fromkeys(input_.name for analysis in analyses for input_ in analysis.inputs)
-    requires = tuple(dict.fromkeys(name.split(".")[0].split("[")[0] for name in names))
-    canonical = tuple(analysis.events[0].canonical for analysis in analyses)
-    document = {"type": type_, "polarity": polarity, "parts": parts}
-    return CompiledExpression(
-        document, tuple(names), requires, canonical, analyses[0].events[0].unit
-    ), problems
+    parts = [
+        {"form": analysis.form, **({"state": text.state} if text.state else {})}
+        for analysis, text in zip(analyses, texts, strict=True)
+    ]
+    names = dict.fromkeys(entry.name for analysis in analyses for entry in analysis.inputs)
+    expression = CompiledExpression(
+        {"type": type_, "polarity": polarity, "parts": parts},
+        tuple(names),
+        tuple(dict.fromkeys(name.split(".")[0].split("[")[0] for name in names)),
+        tuple(analysis.events[0].canonical for analysis in analyses),
+        analyses[0].events[0].unit,
+    )
+    return expression, problems
 
 
 def _wrong_type(
@@ -106,13 +110,8 @@ def _wrong_type(
         return ()
     if len(analysis.events) != 1:
         return (problem("E001.several_events", text.locate(0)),)
-    place = text.locate(0 if text.event is None else analysis.events[0].at)
-    wanted = "bool" if type_ in ("bool", "state") else "number"
-    if analysis.events[0].type == wanted:
+    event, expected = analysis.events[0], "bool" if type_ in ("bool", "state") else "number"
+    if event.type == expected:
         return ()
-    shown = {"bool": "a boolean", "number": "a number"}
-    return (
-        problem(
-            "E007.input_type", place, expected=shown[wanted], actual=shown[analysis.events[0].type]
-        ),
-    )
+    place = text.locate(0 if text.event is None else event.at)
+    return (problem("E007.input_type", place, expected=Type(expected), actual=Type(event.type)),)

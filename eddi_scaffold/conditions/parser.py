@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from dataclasses import replace
 
 from eddi_scaffold.common.problems import did_you_mean
-from eddi_scaffold.conditions.expressions import ExpressionParser
-from eddi_scaffold.conditions.findings import TextFindings
+from eddi_scaffold.conditions.expressions import ExpressionParser, temporal_hint
 from eddi_scaffold.conditions.syntax import (
     ConstDeclaration,
     EnumDeclaration,
@@ -16,11 +15,17 @@ from eddi_scaffold.conditions.syntax import (
     Identifier,
     VarDeclaration,
 )
-from eddi_scaffold.conditions.tokens import RESERVED, Token, Wrong, tokens_of
+from eddi_scaffold.conditions.tokens import (
+    DECLARATIONS,
+    RESERVED,
+    TextFindings,
+    Token,
+    Unreadable,
+    tokens_of,
+)
 
 MAX_TEXT = 64 * 1024
-_DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")
-_WANTED = {
+_OPTIONS = {
     "UNIT": "a unit",
     "RATE": "a rate such as 10 Hz",
     "TIMEOUT": "a duration such as 500ms",
@@ -33,186 +38,163 @@ ANONYMOUS = "event"
 
 
 def parse(text: str, findings: TextFindings) -> File:
-    """Parse a text: declarations, an expression, or declarations and an expression behind them.
+    """Parse declarations, an expression, or declarations and an expression behind them.
 
-    What is wrong goes to ``findings`` (E001 to E006, E013, W001); the declarations that
+    What is wrong goes to ``findings`` (E001, E005, E006, E009, E013, W001); the declarations that
     could be read are returned.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_TEXT:
         findings.add("E013.text", 0, limit=MAX_TEXT)
         return File()
     tokens = tokens_of(text, findings)
-    if findings.problems:
-        return File()
-    return _Parser(tokens, findings).file()
+    return File() if findings.problems else _Parser(tokens, findings).file()
 
 
 class _Parser(ExpressionParser):
     def __init__(self, tokens: tuple[Token, ...], findings: TextFindings) -> None:
         super().__init__(tokens, findings)
-        self._behind_declaration = False
+        self._is_behind_declaration = False
 
     def file(self) -> File:
-        enums: list[EnumDeclaration] = []
-        variables: list[VarDeclaration] = []
-        constants: list[ConstDeclaration] = []
-        events: list[EventDeclaration] = []
-        broken: set[str] = set()
-        readers: dict[str, Callable[[], None]] = {
-            "ENUM": lambda: enums.append(self._enum()),
-            "VAR": lambda: variables.append(self._variable()),
-            "CONST": lambda: constants.append(self._constant()),
-            "EVENT": lambda: events.append(self._event()),
+        readers = {
+            "ENUM": self._enum,
+            "VAR": self._variable,
+            "CONST": self._constant,
+            "EVENT": self._event,
         }
-        bare = lambda: events.append(self._bare())  # noqa: E731 - one of five readers
+        declarations: list[Identifier] = []
+        broken: set[str] = set()
         while True:
-            while self._is_symbol(";"):
-                self._k += 1
-            if self._token.kind == "end" and (enums or variables or constants or events):
+            while self._took(";"):
+                pass
+            if self._token.kind == "end" and (declarations or self._findings.problems):
                 break
-            if self._token.kind == "end" and self._findings.problems:
-                break
-            before = self._k
+            first = self._index
             self._declared = ""
             try:
-                readers.get(self._declaration(), bare)()
-                if not self._at_declaration():
-                    hint = self._comparison_hint() or self._misspelt(before, readers)
-                    hint = self._temporal_hint(self._k) or self._temporal_hint(self._k - 1) or hint
-                    self._fail("E001.rest", hint=hint, shown=self._token.shown)
-            except Wrong:
+                declarations.append(readers.get(self._declaration(), self._bare)())
+                self._expect_end(first, readers)
+            except Unreadable:
                 broken.add(self._declared)
-                self._skip(before)
+                self._index += self._index == first and self._token.kind != "end"
+                while not (self._token.kind == "end" or self._is_symbol(";")):
+                    if self._declaration():
+                        break
+                    self._index += 1
         return File(
             tuple(self._nodes),
-            tuple(enums),
-            tuple(variables),
-            tuple(constants),
-            tuple(events),
+            tuple(entry for entry in declarations if isinstance(entry, EnumDeclaration)),
+            tuple(entry for entry in declarations if isinstance(entry, VarDeclaration)),
+            tuple(entry for entry in declarations if isinstance(entry, ConstDeclaration)),
+            tuple(entry for entry in declarations if isinstance(entry, EventDeclaration)),
             frozenset(broken),
         )
 
-    def _misspelt(self, first: int, keywords: Collection[str]) -> str | None:
-        """Return the hint at the keyword that a text of one word may be meant to be."""
-        word = self._tokens[first]
-        if self._k != first + 1 or word.kind != "word" or self._token.kind != "word":
-            return None
-        hint = did_you_mean(word.word, keywords)
-        if hint is not None:
-            self._declared = word.text  # it is no variable that is missing
-        return hint
-
-    def _at_declaration(self) -> bool:
-        """Return whether a declaration, or a bare expression after them, may begin here."""
-        return (
-            self._token.kind == "end"
-            or self._is_symbol(";")
-            or bool(self._declaration())
-            or self._behind_declaration
-        )
-
-    def _skip(self, before: int) -> None:
-        """Go to the next declaration behind a wrong one."""
-        self._k = max(self._k, before + 1) if self._token.kind != "end" else self._k
-        while not (self._token.kind == "end" or self._is_symbol(";") or self._declaration()):
-            self._k += 1
+    def _expect_end(self, first: int, keywords: Collection[str]) -> None:
+        """Check that a declaration, or a bare expression after them, may begin here."""
+        is_end = self._token.kind == "end" or self._is_symbol(";")
+        if is_end or self._declaration() or self._is_behind_declaration:
+            return
+        hint, before = self._comparison_hint(), self._tokens[self._index - 1]
+        if self._index == first + 1 and before.kind == self._token.kind == "word":
+            keyword = did_you_mean(before.keyword, keywords)
+            if keyword is not None:
+                hint, self._declared = keyword, before.text  # it is no variable that is missing
+        hint = temporal_hint(self._token) or temporal_hint(before) or hint
+        self._fail("E001.rest", hint=hint, shown=self._token.shown)
 
     def _enum(self) -> EnumDeclaration:
-        self._k += 1
+        self._index += 1
         name = self._new_name("the name of the ENUM")
         self._expect("{")
         literals = [self._new_name("a literal of the ENUM")]
-        while self._is_symbol(","):
-            self._k += 1
+        while self._took(","):
             literals.append(self._new_name("a literal of the ENUM"))
         self._expect("}")
-        self._behind_declaration = True
+        self._is_behind_declaration = True
         return EnumDeclaration(name.name, name.at, tuple(literals))
 
     def _variable(self) -> VarDeclaration:
-        self._k += 1
-        at = self._token.start
-        self._new_name("the name of a variable")
-        name = self._path_rest(self._tokens[self._k - 1].text)
+        self._index += 1
+        name = self._new_name("the name of a variable")
+        path = self._path_rest(name.name)
         self._expect(":")
-        found = VarDeclaration(name, at, self._new_name("NUMBER, BOOL or the name of an ENUM"))
-        while True:
-            option = self._option(found)
-            if option is None:
-                self._refuse_option()
-                self._behind_declaration = True
-                return found
-            found = option
+        type_ = self._new_name("NUMBER, BOOL or the name of an ENUM")
+        variable: VarDeclaration | None = VarDeclaration(path, name.at, type_)
+        while variable is not None:
+            declared = variable
+            variable = self._option(declared)
+        self._refuse_option()
+        self._is_behind_declaration = True
+        return declared
 
-    def _option(self, found: VarDeclaration) -> VarDeclaration | None:
-        word, after = self._token.word, self._peek()
+    def _option(self, variable: VarDeclaration) -> VarDeclaration | None:
+        """Take an option; None where this is none."""
+        word, value = self._token.keyword, self._peek()
         if word == "UNIT":
             self._refuse_compound_unit(1)
-        if word == "UNIT" and after.kind == "word" and after.word not in _DECLARATIONS:
-            self._k += 2
-            return replace(found, unit=Identifier(after.text, after.start))
-        if word == "RATE" and after.kind == "number":
-            self._k += 1
-            rate = self._number()
-            if self._token.text != "Hz" or not 0 < rate <= 1e9:
-                self._fail("E001.rate", after.start)
-            self._k += 1
-            return replace(found, rate=rate)
-        if word == "TIMEOUT" and after.kind == "number":
-            self._k += 1
-            return replace(found, timeout=self._duration())
-        if word == "RANGE" and (after.kind == "number" or after.text == "-"):
-            self._k += 1
+        if word == "UNIT" and value.kind == "word" and value.keyword not in DECLARATIONS:
+            self._index += 2
+            return replace(variable, unit=Identifier(value.text, value.start))
+        if word == "ALLOW" and value.keyword == "INF":
+            self._index += 2
+            return replace(variable, infinite=True)
+        is_number = value.kind == "number"
+        if word == "RANGE" and (is_number or value.text == "-"):
+            self._index += 1
             low = self._signed()
             self._expect("..")
-            return replace(found, range=(low, self._signed()))
-        if word == "ALLOW" and after.word == "INF":
-            self._k += 2
-            return replace(found, infinite=True)
-        return None
+            return replace(variable, range=(low, self._signed()))
+        if word not in ("RATE", "TIMEOUT") or not is_number:
+            return None
+        self._index += 1
+        if word == "TIMEOUT":
+            return replace(variable, timeout=self._duration())
+        rate = self._number()
+        if self._token.text != "Hz" or not 0 < rate <= 1e9:
+            self._fail("E001.rate", value.start)
+        self._index += 1
+        return replace(variable, rate=rate)
 
     def _refuse_option(self) -> None:
         """Refuse a word that can only be meant as an option: no expression goes on like that."""
-        word, after = self._token, self._peek()
-        goes_on = after.kind == "number" or (after.kind == "word" and after.word not in RESERVED)
-        wanted = _WANTED.get(word.word)
-        if wanted is not None and (goes_on or after.word in _DECLARATIONS):
-            self._fail(
-                "E001.behind", after.start, expected=wanted, word=word.word, shown=after.shown
-            )
-        hint = did_you_mean(word.word, _WANTED) if word.kind == "word" and goes_on else None
-        if hint is not None and word.word not in RESERVED:
+        word, value = self._token, self._peek()
+        goes_on = value.kind == "number" or (value.kind == "word" and value.keyword not in RESERVED)
+        expected = _OPTIONS.get(word.keyword)
+        if expected is not None and (goes_on or value.keyword in DECLARATIONS):
+            expected = f"{expected} behind {word.keyword}"
+            self._fail("E001.word", value.start, expected=expected, shown=value.shown)
+        hint = did_you_mean(word.keyword, _OPTIONS) if word.kind == "word" and goes_on else None
+        if hint is not None and word.keyword not in RESERVED:
             self._fail("E001.variable_option", hint=hint, shown=word.shown)
 
     def _constant(self) -> ConstDeclaration:
-        self._k += 1
+        self._index += 1
         name = self._new_name("the name of a constant")
         self._expect("=")
         value = self._signed()
-        self._behind_declaration = True
+        self._is_behind_declaration = True
         return ConstDeclaration(name.name, name.at, value)
 
     def _event(self) -> EventDeclaration:
-        self._k += 1
+        self._index += 1
         name = self._new_name("the name of the event")
         polarity = None
-        if self._is_symbol("("):
-            self._k += 1
-            polarity = self._token.word
+        if self._took("("):
+            polarity = self._token.keyword
             if polarity not in ("EVIDENCE", "HAZARD"):
-                self._fail("E001.polarity", shown=self._token.shown)
-            self._k += 1
+                self._missing("EVIDENCE or HAZARD")
+            self._index += 1
             self._expect(")")
         self._expect(":=")
-        first = len(self._nodes)
-        root = self._read_definition()
-        return EventDeclaration(name.name, name.at, polarity, first, root)
+        return EventDeclaration(name.name, name.at, polarity, *self._definition())
 
     def _bare(self) -> EventDeclaration:
-        first, at = len(self._nodes), self._token.start
-        return EventDeclaration(ANONYMOUS, at, None, first, self._read_definition(), anonymous=True)
+        at = self._token.start
+        return EventDeclaration(ANONYMOUS, at, None, *self._definition(), anonymous=True)
 
-    def _read_definition(self) -> int:
-        self._behind_declaration = False
-        self._depth = 0
-        return self._expression()
+    def _definition(self) -> tuple[int, int]:
+        """Return the first and the last node of an expression."""
+        self._is_behind_declaration = False
+        self._depth, first = 0, len(self._nodes)
+        return first, self._expression()

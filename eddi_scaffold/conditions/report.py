@@ -18,39 +18,37 @@ _RING_BYTES = 48
 
 
 def as_json(analysis: Analysis, files: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """Return the stable JSON of ``event --json``.
-
-    Args:
-        analysis: what was checked.
-        files: file name -> text of what was generated.
-    """
+    """Return the stable JSON of ``event --json``, with the files that were generated."""
+    problems = [problem.as_json() for problem in analysis.problems]
+    keys = {"code": "code", "severity": "level", "line": "line", "column": "col"}
+    keys |= {"message": "message", "hint": "hint"}
     return {
         "ok": analysis.form is not None,
-        "problems": [problem.as_json() for problem in analysis.problems],
-        "diagnostics": [
-            {
-                "code": problem.code,
-                "severity": problem.level,
-                "line": problem.place.line,
-                "column": problem.place.col,
-                "message": problem.message,
-                "hint": problem.hint,
-            }
-            for problem in analysis.problems
-        ],
+        "problems": problems,
+        "diagnostics": [{name: problem[key] for name, key in keys.items()} for problem in problems],
         "canonical": {event.id: event.canonical for event in analysis.events},
-        "variables": [_variable_json(variable) for variable in analysis.inputs],
+        "variables": [
+            {
+                "name": entry.name,
+                "type": _type_text(entry),
+                "unit": entry.unit,
+                "range": None if entry.range is None else list(entry.range),
+                "timeout_s": None if entry.timeout is None else entry.timeout / 1e9,
+                "infinite": entry.infinite,
+            }
+            for entry in analysis.inputs
+        ],
         "files": dict(files or {}),
     }
 
 
 def as_text(analysis: Analysis) -> list[str]:
-    """Return the lines of ``event --check`` for a text without errors."""
+    """Return the lines of ``event --check``."""
     lines = []
     for event in analysis.events:
         polarity = "" if event.type == "number" else f" ({event.polarity})"
         lines.append(f"EVENT {event.id}{polarity} := {event.canonical}")
-    lines += [f"VAR {_variable_text(variable)}" for variable in analysis.inputs]
+    lines += map(_variable_text, analysis.inputs)
     if analysis.form is not None and not has_errors(analysis.problems):
         lines.append(cost_line(analysis.form))
     return lines
@@ -58,37 +56,27 @@ def as_text(analysis: Analysis) -> list[str]:
 
 def cost_line(document: Mapping[str, Any]) -> str:
     """Return one line on memory (of the C target) and operations in a step."""
-    done = read_form(document).operations
-    operations = sum(one.op not in LEAVES for one in done)
-    windows = sum(one.op in WINDOWS for one in done)
-    memory = sum(map(_bytes, done))
+    operations = [entry for entry in read_form(document).operations if entry.op not in LEAVES]
+    windows = sum(operation.op in WINDOWS for operation in operations)
+    memory = sum(map(_bytes, operations))
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"
-    return f"a step: {plural(operations, 'operation')}, {plural(windows, 'window')}, {size}"
+    return f"a step: {plural(len(operations), 'operation')}, {plural(windows, 'window')}, {size}"
 
 
-def _bytes(one: Operation) -> int:
+def _bytes(operation: Operation) -> int:
     """Return what an operation remembers in C, about."""
-    if one.op in BUFFERED:
-        covered = 0 if one.coverage is None else 9 * one.capacity + _RING_BYTES
-        return 8 * _ARRAYS.get(one.op, 2) * one.capacity + _RING_BYTES + covered
-    return 0 if one.op in LEAVES else 16
-
-
-def _variable_json(variable: Variable) -> dict[str, Any]:
-    return {
-        "name": variable.name,
-        "type": _type_text(variable),
-        "unit": variable.unit,
-        "range": None if variable.range is None else list(variable.range),
-        "timeout_s": None if variable.timeout is None else variable.timeout / 1e9,
-        "infinite": variable.infinite,
-    }
+    if operation.op not in BUFFERED:
+        return 16
+    covered = 0 if operation.coverage is None else 9 * operation.capacity + _RING_BYTES
+    return 8 * _ARRAYS.get(operation.op, 2) * operation.capacity + _RING_BYTES + covered
 
 
 def _variable_text(variable: Variable) -> str:
-    parts = [f"{variable.name} : {_type_text(variable)}"]
-    parts += [f"UNIT {variable.unit}"] if variable.unit else []
-    parts += [f"TIMEOUT {duration_text(variable.timeout)}"] if variable.timeout else []
+    parts = [f"VAR {variable.name} : {_type_text(variable)}"]
+    if variable.unit:
+        parts.append(f"UNIT {variable.unit}")
+    if variable.timeout:
+        parts.append(f"TIMEOUT {duration_text(variable.timeout)}")
     if variable.range is not None:
         parts.append(f"RANGE {variable.range[0]!r} .. {variable.range[1]!r}")
     return " ".join([*parts, *(["ALLOW INF"] if variable.infinite else [])])

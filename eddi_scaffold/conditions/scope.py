@@ -1,24 +1,28 @@
-"""What names mean in a text of events."""
+"""What names mean in a text of events, and the types that follow from their use."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from graphlib import CycleError, TopologicalSorter
+from graphlib import TopologicalSorter
 from typing import Any
 
+from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, did_you_mean
 from eddi_scaffold.common.units import converted, dimension, words
-from eddi_scaffold.conditions.findings import TextFindings
 from eddi_scaffold.conditions.syntax import (
-    EnumDeclaration,
+    REDUCTIONS,
     EventDeclaration,
     File,
     Identifier,
     NumberWithUnit,
+    SyntaxNode,
     VarDeclaration,
 )
+from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.lists import TRUTHS
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,7 @@ class Type:
 
 
 NUMBER, BOOL, TEXT = Type("number"), Type("bool"), Type("text")
+_TYPES = {"NUMBER": NUMBER, "BOOL": BOOL, "TEXT": TEXT}
 
 
 @dataclass(frozen=True)
@@ -79,8 +84,10 @@ class Scope:
 
     Attributes:
         closed: every variable is declared; another name is an error.
+        literals: literal -> its ENUM and number.
         reductions: what lists of messages are reduced to, by canonical text.
-        order: events, those that others use first; members of a cycle are left out.
+        events: by name; a bare expression cannot be named.
+        order: events, those that others use first; members of a cycle are omitted.
     """
 
     closed: bool
@@ -94,12 +101,12 @@ class Scope:
 
     @property
     def names(self) -> list[str]:
-        """Every name that has a meaning; a bare expression has none."""
+        """Every name that has a meaning."""
         events = [name for name, event in self.events.items() if not event.anonymous]
         return [*self.variables, *self.constants, *self.literals, *events]
 
     def knows(self, name: str) -> bool:
-        """Return whether a name has a meaning; a bare expression has no name."""
+        """Return whether a name has a meaning."""
         if name in self.events:
             return not self.events[name].anonymous
         return name in self.variables or name in self.constants or name in self.literals
@@ -116,135 +123,178 @@ class Scope:
 
 
 def build_scope(
-    file: File, findings: TextFindings, given: Mapping[str, Variable] | None, outer: File | None
+    file: File, findings: TextFindings, known: Mapping[str, Variable] | None, outer: File | None
 ) -> Scope:
     """Collect the names of a text.
 
     Args:
         file: the text.
-        findings: gets E008, E009, W003.
-        given: variables that the caller knows; ``None``: variables may be inferred.
+        findings: gets E007, E008, E009, E013, W003.
+        known: variables that the caller knows; ``None``: variables may be inferred.
         outer: declarations from elsewhere; problems in them are reported there.
     """
-    scope = Scope(closed=given is not None or bool(file.variables))
-    quiet = TextFindings("", lambda _: Place())
-    for source, sink in ((outer, quiet), (file, findings)):
-        if source is not None:
-            _collect(source, scope, sink)
-    for name, variable in (given or {}).items():
-        scope.variables.setdefault(name, variable)
-    scope.order = _in_order(file, scope, findings)
+    scope = Scope(closed=known is not None or bool(file.variables))
+    if outer is not None:
+        _collect(outer, scope, TextFindings("", lambda _: Place()))
+    _collect(file, scope, findings)
+    scope.variables = scope.variables | {
+        name: variable for name, variable in (known or {}).items() if name not in scope.variables
+    }
+    nameable = {name for name, event in scope.events.items() if not event.anonymous}
+    uses = {
+        name: sorted({node.text for node in file.nodes_of(event)} & nameable)
+        for name, event in scope.events.items()
+    }
+    in_a_cycle: set[str] = set()
+    while circles := cycles(uses):
+        for first, *others in circles:
+            ring = " uses ".join([first, *reversed(others), first])
+            findings.add("E008.uses_itself", scope.events[first].at, listed=ring)
+            in_a_cycle |= {first, *others}
+        uses |= {name: [] for name in in_a_cycle}
+    order = TopologicalSorter(uses).static_order()
+    scope.order = [scope.events[name] for name in order if name not in in_a_cycle]
     return scope
 
 
 def _collect(file: File, scope: Scope, findings: TextFindings) -> None:
-    seen = set(scope.names) | set(scope.enums)
+    seen = {*scope.names, *scope.enums}
 
-    def new(named: Identifier) -> bool:
-        if named.name in seen:
-            findings.add("E008.two_meanings", named.at, name=named.name)
-            return False
-        seen.add(named.name)
-        return True
+    def is_new(declaration: Identifier) -> bool:
+        is_new = declaration.name not in seen
+        if not is_new:
+            findings.add("E008.two_meanings", declaration.at, name=declaration.name)
+        seen.add(declaration.name)
+        return is_new
 
-    for enum in file.enums:
-        if new(enum):
-            scope.enums[enum.name] = tuple(literal.name for literal in enum.literals)
-            _add_literals(enum, scope, new)
-    for constant in file.constants:
-        if new(constant):
-            scope.constants[constant.name] = constant.value
-    for declared in file.variables:
-        if new(declared):
-            scope.variables[declared.name] = _variable(declared, scope, findings)
+    for enum in filter(is_new, file.enums):
+        scope.enums[enum.name] = tuple(literal.name for literal in enum.literals)
+        for number, literal in enumerate(enum.literals):
+            if is_new(literal):
+                scope.literals[literal.name] = enum.name, number
+    for constant in filter(is_new, file.constants):
+        scope.constants[constant.name] = constant.value
+    for declared in filter(is_new, file.variables):
+        scope.variables[declared.name] = _variable(declared, scope, findings)
     for event in file.events:
-        if event.anonymous or new(event):
+        if event.anonymous or is_new(event):
             scope.events[event.name] = event
 
 
-def _add_literals(enum: EnumDeclaration, scope: Scope, new: Callable[[Identifier], bool]) -> None:
-    for number, literal in enumerate(enum.literals):
-        if new(literal):
-            scope.literals[literal.name] = enum.name, number
-
-
 def _variable(declared: VarDeclaration, scope: Scope, findings: TextFindings) -> Variable:
-    word = declared.type.name
-    type_ = {"NUMBER": NUMBER, "BOOL": BOOL, "TEXT": TEXT}.get(word.upper())
-    if type_ is None and word in scope.enums:
-        type_ = Type("enum", word)
+    word, unit, timeout = declared.type.name, declared.unit, declared.timeout
+    type_ = _TYPES.get(word.upper()) or (Type("enum", word) if word in scope.enums else None)
     if type_ is None:
-        known = ["NUMBER", "BOOL", "TEXT", *scope.enums]
+        known = [*_TYPES, *scope.enums]
         hint = did_you_mean(word, known) or f"types: {', '.join(known)}"
         findings.add("E008.unknown_type", declared.type.at, hint=hint, word=word)
-    found = Variable(declared.name, type_, infinite=declared.infinite)
-    if type_ is not None and type_ != NUMBER and (declared.unit or declared.range):
-        at = (declared.unit or declared.type).at
-        findings.add("E007.unit_of_other", at, word=word)
-        return found
-    found = replace(found, unit=_unit(declared, findings), timeout=_timeout(declared))
-    if declared.timeout is None and declared.rate is None:
-        findings.add("W003.variable", declared.at, declared=declared.name)
-    return replace(found, range=_range(declared, found.unit, findings))
-
-
-def _unit(declared: VarDeclaration, findings: TextFindings) -> str | None:
-    unit = declared.unit
+    variable = Variable(declared.name, type_, infinite=declared.infinite)
+    if type_ not in (None, NUMBER) and (unit or declared.range):
+        findings.add("E007.unit_of_other", (unit or declared.type).at, word=word)
+        return variable
     if unit is not None and unit.name not in words():
         hint = did_you_mean(unit.name, words()) or f"units: {', '.join(sorted(words()))}"
         findings.add("E009.unknown", unit.at, hint=hint, unit=unit.name)
-        return None
-    return None if unit is None else unit.name
-
-
-def _timeout(declared: VarDeclaration) -> int | None:
-    if declared.timeout is not None or declared.rate is None:
-        return declared.timeout
-    return max(1, round(2.5e9 / declared.rate))
+        unit = None
+    if timeout is None and declared.rate is None:
+        findings.add("W003.variable", declared.at, declared=declared.name)
+    elif timeout is None and declared.rate is not None:
+        timeout = max(1, round(2.5e9 / declared.rate))
+    unit_name = unit.name if unit is not None else ""
+    range_ = _range(declared, unit_name, findings)
+    return replace(variable, unit=unit_name or None, timeout=timeout, range=range_)
 
 
 def _range(
-    declared: VarDeclaration, unit: str | None, findings: TextFindings
+    declared: VarDeclaration, unit: str, findings: TextFindings
 ) -> tuple[float, float] | None:
     if declared.range is None:
         return None
     ends = []
     for bound in declared.range:
-        if bound.unit is None:
-            ends.append(bound.value)
-        elif unit is None or dimension(bound.unit) != dimension(unit):
+        if bound.unit is not None and (not unit or dimension(bound.unit) != dimension(unit)):
             findings.add("E009.bound", bound.at, unit=bound.unit, other=unit or "none")
             return None
-        else:
-            ends.append(converted(bound.value, bound.unit, unit))
-    if not all(map(math.isfinite, ends)):
+        ends.append(bound.value if bound.unit is None else converted(bound.value, bound.unit, unit))
+    low, high = ends
+    if not (math.isfinite(low) and math.isfinite(high)):
         findings.add("E013.bounds", declared.range[0].at, unit=unit)
         return None
-    if ends[0] > ends[1]:
+    if low > high:
         findings.add("E007.range", declared.range[0].at)
         return None
-    return ends[0], ends[1]
+    return low, high
 
 
-def _in_order(file: File, scope: Scope, findings: TextFindings) -> list[EventDeclaration]:
-    """Return the events of a text, those that others use first; without those of a cycle."""
-    events = {event.name: event for event in scope.events.values()}
-    uses: dict[str, list[str]] = {}
-    for name, event in events.items():
-        nodes = file.nodes[event.first : event.root + 1]
-        used = (node.text for node in nodes if node.op == "name")
-        uses[name] = sorted({one for one in used if one in events and not events[one].anonymous})
-    while True:
-        try:
-            order = list(TopologicalSorter(uses).static_order())
-        except CycleError as cycle:
-            members: Sequence[str] = cycle.args[1][:0:-1]
-            first = min(members, key=lambda name: events[name].at)
-            turn = members.index(first)
-            listed = [*members[turn:], *members[:turn], first]
-            findings.add("E008.uses_itself", events[first].at, listed=" uses ".join(listed))
-            for name in members:
-                uses[name] = []
-                events[name] = replace(events[name], root=-1)
-            continue
-        return [events[name] for name in order if events[name].root >= 0]
+_KINDS = {"number": NUMBER, "bool": BOOL}
+_NUMBERS = (NUMBER, NUMBER, NUMBER)
+_FUNCTIONS = {
+    "hypot": (_NUMBERS[:2], NUMBER),
+    "clamp": (_NUMBERS, NUMBER),
+    "number_of": ((TEXT,), NUMBER),
+}
+"""What the text has and the intermediate form has not."""
+
+
+def arguments_of(op: str) -> tuple[Type, ...]:
+    """Return the types of the arguments of an operation; the limits of a list are the last two."""
+    if op in REDUCTIONS.values():
+        return (BOOL if op in TRUTHS else NUMBER, NUMBER, NUMBER)
+    if op in _FUNCTIONS:
+        return _FUNCTIONS[op][0]
+    return tuple(_KINDS[kind] for kind in SIGNATURES[op][0]) if op in SIGNATURES else ()
+
+
+def result_of(op: str) -> Type:
+    """Return the type of an operation's value."""
+    if op in REDUCTIONS.values():
+        return BOOL if op in ("list_any", "list_all") else NUMBER
+    return _FUNCTIONS[op][1] if op in _FUNCTIONS else _KINDS[SIGNATURES[op][1]]
+
+
+def infer_types(file: File, scope: Scope) -> None:
+    """Give a type to each undeclared variable whose use determines one; the others stay without.
+
+    The operand of AND is a boolean, that of + or < a number, one side of == is of the type of the
+    other. The first use decides; whether the others agree is checked later.
+    """
+    if scope.closed:
+        return
+    names = (node.text for node in file.nodes if node.op == "name" and not scope.knows(node.text))
+    parent = {name: name for name in names}  # sets of variables that have one type (union-find)
+    types: dict[str, Type] = {}
+
+    def root(name: str) -> str:
+        while parent[name] != name:
+            parent[name] = parent[parent[name]]
+            name = parent[name]
+        return name
+
+    def decide(node: SyntaxNode, type_: Type | None) -> None:
+        if node.op == "name" and node.text in parent and type_ is not None:
+            types.setdefault(root(node.text), type_)
+
+    def known(node: SyntaxNode) -> Type | None:
+        if node.op == "name":
+            return types.get(root(node.text)) if node.text in parent else scope.type_of(node.text)
+        return {"number": NUMBER, "truth": BOOL}.get(node.op) or result_of(node.op)
+
+    for node in file.nodes:
+        operands = [file.nodes[k] for k in node.args]
+        if node.op in ("eq", "ne"):
+            left, right = operands
+            type_ = known(left) or known(right)
+            decide(left, type_)
+            decide(right, type_)
+            if all(operand.op == "name" and operand.text in parent for operand in operands):
+                joined = root(left.text)
+                parent[root(right.text)] = joined
+                types |= {joined: type_} if type_ is not None else {}
+        elif node.op not in ("known", "age"):
+            for operand, type_ in zip(operands, arguments_of(node.op), strict=False):
+                decide(operand, type_)
+    for event in file.events:
+        if not event.anonymous:
+            decide(file.nodes[event.root], BOOL)
+    for name in parent:
+        scope.variables[name] = Variable(name, types.get(root(name)), declared=False)

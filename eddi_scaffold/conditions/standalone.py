@@ -1,61 +1,102 @@
-"""Standalone monitors of a checked text."""
+"""Checked texts run: standalone monitors, and verdicts on recorded values."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, Literal
+
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.analysis import Analysis
+from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.c_files import c_files
+from eddi_scaffold.program.instructions import BOOL
+from eddi_scaffold.program.running import build_engine
 from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
 from eddi_scaffold.program.standalone_python import python_module
 
-__all__ = ["Target", "generate", "monitor_model", "without_limits"]
+__all__ = ["Target", "columns", "generate", "monitor_model", "play", "without_limits"]
 
-_FILES = {"python": python_module, "c": c_files}
+_PRINTERS = {"python": python_module, "c": c_files}
+Verdict = bool | float | None
+"""A truth value or a number; None is UNKNOWN."""
+Column = Literal["float", "bool", "str", "float[]", "bool[]"]
+_COLUMNS: Mapping[str, Column] = {
+    "number": "float",
+    "bool": "bool",
+    "enum": "str",
+    "text": "str",
+    "number[]": "float[]",
+    "bool[]": "bool[]",
+    "text[]": "str",
+}
 
 
 def generate(analysis: Analysis, target: Target, name: str) -> dict[str, str]:
-    """Return file name -> text of a standalone monitor.
-
-    Args:
-        analysis: of a text without errors.
-        target: the language.
-        name: what files and functions begin with; any text.
+    """Return file name -> text of a standalone monitor of a text without errors.
 
     Raises:
         EddiError: the language has no lists or texts yet (E026).
     """
-    return _FILES[target](monitor_model(analysis, name))
+    return _PRINTERS[target](monitor_model(analysis, name))
 
 
 def without_limits(analysis: Analysis, file: str) -> list[Problem]:
-    """Report the variables without a VAR: no sample of theirs gets old (W003).
-
-    Args:
-        analysis: of a text without errors; it reports those with a VAR itself.
-        file: name of the text.
-    """
-    of = [input_ for input_ in analysis.inputs if input_.timeout is None and not input_.declared]
-    if not of:
+    """Report the variables without a VAR: no sample of theirs gets old (W003)."""
+    ageless = [entry for entry in analysis.inputs if entry.timeout is None and not entry.declared]
+    if not ageless:
         return []
-    names = ", ".join(one.name for one in of)
-    type_ = of[0].type.kind.upper() if of[0].type is not None else "NUMBER"
-    return [problem("W003.variables", Place(file), names=names, example=of[0].name, kind=type_)]
+    names = ", ".join(entry.name for entry in ageless)
+    example = ageless[0]
+    kind = example.type.kind.upper() if example.type is not None else "NUMBER"
+    return [problem("W003.variables", Place(file), names=names, example=example.name, kind=kind)]
 
 
 def monitor_model(analysis: Analysis, name: str) -> StandaloneMonitor:
-    """Return what is printed of an analysis without errors.
-
-    Args:
-        analysis: of the text.
-        name: of the monitor; any text.
-    """
+    """Return what is printed of an analysis without errors; the name may be any text."""
     assert analysis.form is not None
-    units = {one.name: one.unit or "" for one in (*analysis.inputs, *analysis.variables)}
-    enums = {
-        variable.name: variable.type.enum
-        for variable in analysis.variables
-        if variable.type is not None
-    }
+    entries = (*analysis.inputs, *analysis.variables)
+    units = {entry.name: entry.unit or "" for entry in entries}
+    enums = {entry.name: entry.type.enum for entry in analysis.variables if entry.type is not None}
     source = analysis.text.strip().split("\n")
     return named(read_form(analysis.form), name, source, units=units, enums=enums)
+
+
+def columns(analysis: Analysis) -> dict[str, Column]:
+    """Return variable -> type of its column in a recording."""
+    return {
+        entry.name: _COLUMNS[entry.type.kind + ("[]" if is_list_path(entry.name) else "")]
+        for entry in analysis.inputs
+        if entry.type is not None
+    }
+
+
+def play(
+    analysis: Analysis, rows: Iterable[tuple[float, Mapping[str, Any]]]
+) -> Iterator[tuple[float, dict[str, Verdict]]]:
+    """Yield (time in seconds, event -> verdict) for each row of a recording.
+
+    Args:
+        analysis: of a text without errors.
+        rows: time in seconds, and the new samples by variable; one holds until its TIMEOUT.
+    """
+    assert analysis.form is not None
+    engine = build_engine(analysis.form)
+    names = [entry.name for entry in engine.sampling.inputs]
+    values: dict[str, Any] = dict.fromkeys(names)
+    stamps: dict[str, int | None] = dict.fromkeys(names)
+    types = [engine.program.operations[result.operation].type for result in engine.program.results]
+    for t, samples in rows:
+        now = round(t * 1e9)
+        for name in samples.keys() & values.keys():
+            values[name], stamps[name] = samples[name], now
+        verdicts = map(_verdict, engine.step(now, [*values.values()], [*stamps.values()]), types)
+        ids = (result.id for result in engine.program.results)
+        yield t, dict(zip(ids, verdicts, strict=True))
+
+
+def _verdict(value: float, type_: str) -> Verdict:
+    if type_ == BOOL:
+        return None if value == 1 else value == 2
+    return None if math.isnan(value) else value

@@ -9,6 +9,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 
+from eddi_scaffold.common.graphs import reached
+
 
 @dataclass(frozen=True)
 class NumberWithUnit:
@@ -28,14 +30,14 @@ class ReductionOptions:
         sector: angles of the first and the last element.
         length: least and greatest number of elements.
         within: the node has two more arguments, the limits of the elements.
-        at: offset of each option's word.
+        sector_at: offset of the word SECTOR.
     """
 
     coverage: float | None = None
     sector: tuple[NumberWithUnit, NumberWithUnit] | None = None
     length: tuple[int, int] | None = None
     within: bool = False
-    at: tuple[tuple[str, int], ...] = ()
+    sector_at: int = 0
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class SyntaxNode:
         op: ``number``, ``truth``, ``name``, ``neg``, ``not``, an operator (``add``, ``lt``,
             ``and``, ...) or a function (``average``, ``latch``, ...).
         args: indices of the operands.
-        start: offset of its first character, with the parenthesis around it.
+        start: offset of its first character, with its parenthesis.
         at: offset of the operator or of the function's name.
         text: name, number or truth value as written.
         unit: of a number.
@@ -92,11 +94,9 @@ class VarDeclaration(Identifier):
     """``VAR x : NUMBER UNIT degC RATE 10 Hz TIMEOUT 500ms RANGE 0 .. 100 ALLOW INF``.
 
     Attributes:
-        type: ``NUMBER``, ``BOOL`` or the name of an ENUM, with its place.
-        unit: with its place.
+        type: ``NUMBER``, ``BOOL`` or the name of an ENUM.
         rate: samples per second.
         timeout: nanoseconds.
-        range: both ends.
         infinite: ALLOW INF.
     """
 
@@ -156,14 +156,12 @@ class File:
         """Return the file with one event and those that it uses, also by way of others."""
         events = {event.name: event for event in self.events if not event.anonymous}
         events |= {event.name: event for event in self.events if event.name == name}
-        used: set[str] = set()
-        left = {name} & events.keys()
-        while left:
-            event = events[left.pop()]
-            used.add(event.name)
-            names = {node.text for node in self.nodes_of(event) if node.op == "name"}
-            left |= names & events.keys() - used
-        return replace(self, events=tuple(e for e in self.events if e.name in used))
+        uses = {
+            event.name: [node.text for node in self.nodes_of(event) if node.text in events]
+            for event in events.values()
+        }
+        used = reached(uses, {name} & events.keys())
+        return replace(self, events=tuple(event for event in self.events if event.name in used))
 
 
 OPERATORS = {
@@ -184,30 +182,15 @@ OPERATORS = {
 }
 """Operation with two operands -> how it is written."""
 PREFIXES = {"not": "NOT ", "neg": "-"}
-WINDOWS = {
-    "AVERAGE": "average",
-    "AVG": "average",
-    "MAX": "max",
-    "MIN": "min",
-    "SUM": "sum",
-    "COUNT": "count",
-    "RATE": "rate",
-    "STDDEV": "stddev",
-    "MEDIAN": "median",
-    "TIME": "time",
-    "ONCE": "once",
-}
+_WINDOW_WORDS = ("MAX", "MIN", "SUM", "COUNT", "RATE", "STDDEV", "MEDIAN", "TIME", "ONCE")
+WINDOWS = {"AVERAGE": "average", "AVG": "average", **{word: word.lower() for word in _WINDOW_WORDS}}
+_LIST_WORDS = ("SUM", "MEDIAN", "STDDEV", "COUNT", "ANY", "ALL")
 REDUCTIONS = {
     "MIN": "list_min",
     "MAX": "list_max",
     "AVERAGE": "list_average",
     "AVG": "list_average",
-    "SUM": "list_sum",
-    "MEDIAN": "list_median",
-    "STDDEV": "list_stddev",
-    "COUNT": "list_count",
-    "ANY": "list_any",
-    "ALL": "list_all",
+    **{word: f"list_{word.lower()}" for word in _LIST_WORDS},
 }
 """Function of a list -> operation."""
 FUNCTIONS = {
@@ -226,18 +209,20 @@ FUNCTIONS = {
     "AGE": 1,
 }
 """Function -> number of its arguments."""
-OPERATIONS = {"NUMBER": "number_of"}
-"""Function -> operation, where it is not the word in small letters."""
 MORE = ("LEAST", "GREATEST")
 """Functions of two arguments or more."""
+
+
+def operation_of(function: str) -> str:
+    """Return the operation of a function of values."""
+    return "number_of" if function == "NUMBER" else function.lower()
 
 
 def word_of(op: str) -> str:
     """Return how an operation or a function is written."""
     if op in OPERATORS or op in PREFIXES:
         return {**OPERATORS, **PREFIXES}[op].strip()
-    words = (word for word, of in OPERATIONS.items() if of == op)
-    return next(words, op.removeprefix("list_").upper())
+    return op.removeprefix("list_").removesuffix("_of").upper()
 
 
 _ELEMENTS = re.compile(r'\[(\*|[0-9]+\.\.[0-9]+)\]|"[^"]*"')
@@ -254,14 +239,9 @@ def array_of(name: str) -> tuple[str, str]:
     return name[: last.end()], name[last.end() :]
 
 
-_MS = 10**6
-
-
 def canonical(file: File, root: int) -> str:
     """Return the canonical form of the expression that ends at a node."""
-    first = root
-    while file.nodes[first].args:  # the operands of an expression are right before it
-        first = file.nodes[first].args[0]
+    first = first_below(file, root)
     texts: list[str] = []
     for node in file.nodes[first : root + 1]:
         texts.append(_text(node, [texts[k - first] for k in node.args]))
@@ -270,30 +250,21 @@ def canonical(file: File, root: int) -> str:
     return texts[-1]
 
 
+def first_below(file: File, root: int) -> int:
+    """Return the first node of an expression: its operands are right before it."""
+    while file.nodes[root].args:
+        root = file.nodes[root].args[0]
+    return root
+
+
 def number_text(value: float) -> str:
     """Return the shortest text that gives this number again: ``100``, ``0.5``, ``1e-07``."""
-    text = repr(float(value))
-    return text.removesuffix(".0")
+    return repr(float(value)).removesuffix(".0")
 
 
 def duration_text(ns: int) -> str:
     """Return a duration in the canonical form."""
-    return f"{ns}ns" if ns % _MS else f"{ns // _MS}ms"
-
-
-def _listed(options: ReductionOptions, args: list[str]) -> list[str]:
-    """Return the list of a reduction, and its options in one order."""
-    found = args[:1]
-    if options.sector is not None:
-        ends = [f"{number_text(one.value)} {one.unit}" for one in options.sector]
-        found.append(f"SECTOR {' .. '.join(ends)}")
-    if options.length is not None:
-        found.append(f"LENGTH {' .. '.join(str(n) for n in dict.fromkeys(options.length))}")
-    if options.within:
-        found.append(f"WITHIN {args[1]} .. {args[2]}")
-    if options.coverage is not None:
-        found.append(f"COVERAGE {number_text(options.coverage)}")
-    return found
+    return f"{ns}ns" if ns % 10**6 else f"{ns // 10**6}ms"
 
 
 def _text(node: SyntaxNode, args: list[str]) -> str:
@@ -303,15 +274,25 @@ def _text(node: SyntaxNode, args: list[str]) -> str:
         return f"({PREFIXES[node.op]}{args[0]})"
     if node.op == "number":
         return number_text(float(node.text)) + (f" {node.unit}" if node.unit else "")
-    if node.op == "truth":
-        return node.text.upper()
-    if node.op == "name":
-        return node.text
+    if node.op in ("truth", "name"):
+        return node.text.upper() if node.op == "truth" else node.text
+    coverage = node.coverage
     if node.options is not None:
-        return f"{word_of(node.op)}({', '.join(_listed(node.options, args))})"
-    inside = [*args]
+        args, coverage = _list_arguments(node.options, args), node.options.coverage
     if node.window:
-        inside.append(duration_text(node.window))
-    if node.coverage is not None:
-        inside.append(f"COVERAGE {number_text(node.coverage)}")
-    return f"{word_of(node.op)}({', '.join(inside)})"
+        args = [*args, duration_text(node.window)]
+    if coverage is not None:
+        args = [*args, f"COVERAGE {number_text(coverage)}"]
+    return f"{word_of(node.op)}({', '.join(args)})"
+
+
+def _list_arguments(options: ReductionOptions, args: list[str]) -> list[str]:
+    texts = args[:1]
+    if options.sector is not None:
+        ends = [f"{number_text(end.value)} {end.unit}" for end in options.sector]
+        texts.append(f"SECTOR {' .. '.join(ends)}")
+    if options.length is not None:
+        texts.append(f"LENGTH {' .. '.join(str(n) for n in dict.fromkeys(options.length))}")
+    if options.within:
+        texts.append(f"WITHIN {args[1]} .. {args[2]}")
+    return texts

@@ -8,93 +8,61 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    StrictInt,
-    ValidationError,
-)
+from pydantic import BeforeValidator, Field, StrictInt, ValidationError
 from pydantic import StrictStr as Text
 
-from eddi_scaffold.common.files import Source, next_to
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import (
-    EddiError,
-    HintedError,
-    Place,
-    Problem,
-    has_errors,
-    in_order,
-    problem,
+from eddi_scaffold.common.problems import Place, Problem, has_errors, in_order, problem
+from eddi_scaffold.config import values
+from eddi_scaffold.config.file import existing_file
+from eddi_scaffold.config.schema import (
+    PEERS_LEASE,
+    PEERS_TOPIC,
+    FileName,
+    Lease,
+    Line,
+    Name,
+    Section,
+    Topic,
+    text,
 )
-from eddi_scaffold.config.file import about_file
-from eddi_scaffold.config.options import Places, plain_values, violations
-from eddi_scaffold.config.schema import PEERS_LEASE, PEERS_TOPIC, FileName, Lease, Line, Name, Topic
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.yaml_text.nodes import Map, items_of, read_map
 
 LAST_DOMAIN = 232
 """Of DDS: the ports of the next one would be beyond 65535."""
-_ROBOT = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
-def _robot_name(text: str) -> str:
-    if _ROBOT.fullmatch(text) is None:
-        raise HintedError(
-            "a name of letters, digits and `_` that begins with a letter is expected",
-            "it is the name of a folder, and by default that of the namespace",
-        )
-    return text
-
-
-def _partition(text: str) -> str:
-    if _ROBOT.fullmatch(text) is None:  # DDS takes `*` and `?` as patterns
-        raise ValueError("a name of letters, digits and `_` that begins with a letter is expected")
-    return text
-
-
-def _namespace(text: str) -> str:
-    legal = text == "/" or (text.startswith("/") and is_ros_name(text))
-    if not legal or any(part[:1].isdigit() for part in text.split("/")):
-        raise ValueError("a namespace such as /robot1 is expected, or / for none")
-    return text
-
-
-def _absolute(topic: str) -> str:
-    if not topic.startswith("/"):
-        message = "one topic for all robots is expected, such as /eddi/peers"
-        raise HintedError(message, f"write /{topic}: without / each namespace has one of its own")
-    return topic
-
-
-def _some(entries: list[Any]) -> list[Any]:
-    if not entries:
-        raise ValueError("at least one entry is expected")
-    return entries
+def _is_namespace(text: str) -> bool:
+    is_name = text == "/" or (text.startswith("/") and is_ros_name(text))
+    return is_name and not any(part[:1].isdigit() for part in text.split("/"))
 
 
 def _providers(value: object) -> object:
-    if value == "any":
-        return value
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
         raise ValueError("the word any, the name of a robot, or a list of such names is expected")
-    return tuple(names)
+    return value if value == "any" else tuple(names)
 
 
-RobotName = Annotated[Text, AfterValidator(_robot_name)]
-Partition = Annotated[Text, AfterValidator(_partition)]
+_some = text(len, "at least one entry")
+_word = text(
+    re.compile("[A-Za-z][A-Za-z0-9_]*").fullmatch,  # DDS takes `*` and `?` as patterns
+    "a name of letters, digits and `_` that begins with a letter",
+)
+_absolute = text(
+    lambda topic: topic.startswith("/"),
+    "one topic for all robots, such as /eddi/peers,",
+    "without / at its begin each namespace has one of its own",
+)
+_namespace = text(_is_namespace, "a namespace such as /robot1, or / for none,")
+RobotName = Annotated[Text, _word]
+Domain = Annotated[StrictInt, Field(ge=0, le=LAST_DOMAIN)]
 Providers = Annotated[Literal["any"] | tuple[Text, ...], BeforeValidator(_providers)]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class FleetSection(_Section):
+class FleetSection(Section):
     """What all robots share.
 
     Attributes:
@@ -102,11 +70,11 @@ class FleetSection(_Section):
         lease: seconds after which a guarantee of another robot is unknown.
     """
 
-    topic: Annotated[Topic, AfterValidator(_absolute)] = PEERS_TOPIC
+    topic: Annotated[Topic, _absolute] = PEERS_TOPIC
     lease: Lease = PEERS_LEASE
 
 
-class MonitorEntry(_Section):
+class MonitorEntry(Section):
     """One monitor of a robot.
 
     Attributes:
@@ -117,10 +85,10 @@ class MonitorEntry(_Section):
 
     config: FileName
     model: FileName | None = None
-    override: dict[Text, Any] = {}
+    override: dict[Text, Any] = Field({})
 
 
-class Robot(_Section):
+class Robot(Section):
     """One robot.
 
     Attributes:
@@ -132,30 +100,29 @@ class Robot(_Section):
 
     name: RobotName
     platform: Text = "ros1"
-    namespace: Annotated[Text, AfterValidator(_namespace)] | None = None
+    namespace: Annotated[Text, _namespace] | None = None
     master: Line | None = None
-    domain: Annotated[StrictInt, Field(ge=0, le=LAST_DOMAIN)] | None = None
-    partition: Partition | None = None
-    monitors: Annotated[list[MonitorEntry], AfterValidator(_some)]
+    domain: Domain | None = None
+    partition: RobotName | None = None
+    monitors: Annotated[list[MonitorEntry], _some]
 
     @property
     def prefix(self) -> str:
         """Its namespace before the name of a topic: empty for none."""
-        given = f"/{self.name}" if self.namespace is None else self.namespace
-        return given.rstrip("/")
+        return (f"/{self.name}" if self.namespace is None else self.namespace).rstrip("/")
 
 
-class StationSection(_Section):
+class StationSection(Section):
     """The control station, which sees all guarantees."""
 
     name: RobotName = "station"
     platform: Text | None = None
     master: Line | None = None
-    domain: Annotated[StrictInt, Field(ge=0, le=LAST_DOMAIN)] | None = None
-    partition: Partition | None = None
+    domain: Domain | None = None
+    partition: RobotName | None = None
 
 
-class Binding(_Section):
+class Binding(Section):
     """Whose guarantees may fulfil a demand.
 
     Attributes:
@@ -173,30 +140,13 @@ class Binding(_Section):
     guarantee: Name | None = None
 
 
-class FleetForm(_Section):
+class FleetForm(Section):
     """The whole file, checked for form."""
 
     Fleet: FleetSection = FleetSection()
-    Robots: Annotated[list[Robot], AfterValidator(_some)]
+    Robots: Annotated[list[Robot], _some]
     Station: StationSection = StationSection()
-    Bindings: list[Binding] = []
-
-
-_SECTIONS: dict[str, type[BaseModel]] = {
-    "Fleet": FleetSection,
-    "Robots": Robot,
-    "Station": StationSection,
-    "Bindings": Binding,
-}
-
-
-def known_keys(path: tuple[str | int, ...]) -> set[str]:
-    """Return the keys that a section has; none for what is below a section."""
-    section = _SECTIONS.get(str(path[0])) if path else FleetForm
-    if "monitors" in path:
-        section = MonitorEntry
-    fields = section.model_fields.items() if section else ()
-    return {field.alias or name for name, field in fields}
+    Bindings: list[Binding] = Field([])
 
 
 ROBOTS = "Robots"
@@ -222,11 +172,8 @@ class FleetFile:
     overrides: Mapping[tuple[int, int], Map]
 
     def place(self, *path: str | int) -> Place:
-        """Return the place of a part, or of the nearest part around it."""
-        for end in range(len(path), -1, -1):
-            if path[:end] in self.places:
-                return self.places[path[:end]]
-        return Place(self.name)
+        """Return the place of a part, or of the smallest part that holds it."""
+        return values.place_of(self.places, path, self.name)
 
     def files(self, robot: int, monitor: int) -> tuple[Path, Path | None]:
         """Return where configuration and model of a monitor are.
@@ -235,20 +182,11 @@ class FleetFile:
             EddiError: one is not in the folder of this file, or below (F009), or not there (F001).
         """
         entry = self.form.Robots[robot].monitors[monitor]
-        config = self._beside(entry, robot, monitor, "config")
-        return config, None if entry.model is None else self._beside(entry, robot, monitor, "model")
-
-    def _beside(self, entry: MonitorEntry, robot: int, monitor: int, key: str) -> Path:
-        name: str = getattr(entry, key)
-        place = self.place(ROBOTS, robot, "monitors", monitor, key)
-        try:
-            path = next_to(self.name, name)
-            path.stat()
-        except EddiError as failure:
-            raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
-        except (OSError, ValueError):
-            raise EddiError(problem("F001.no_file_below", place, name=name)) from None
-        return path
+        path = (ROBOTS, robot, "monitors", monitor)
+        config = existing_file(self.name, entry.config, self.place(*path, "config"))
+        if entry.model is None:
+            return config, None
+        return config, existing_file(self.name, entry.model, self.place(*path, "model"))
 
 
 def is_fleet(source: Source) -> bool:
@@ -267,17 +205,17 @@ def read_fleet(source: Source) -> tuple[FleetFile | None, list[Problem]]:
     document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
-    places: Places = {}
-    data = plain_values(document, places, problems)
+    places: values.Places = {}
+    data = values.plain_values(document, places)
     data = {key: value for key, value in data.items() if value is not None or key == ROBOTS}
     try:
         form = FleetForm.model_validate(data)
     except ValidationError as failed:
-        wrong = violations(failed, places, source.name, known_keys)
+        wrong = values.violations(failed, places, source.name, FleetForm)
         return None, in_order([*problems, *wrong])
-    found = FleetFile(form, source.name, places, dict(_overrides(document)))
-    problems += _repeated(found)
-    return (None if has_errors(problems) else found), in_order(problems)
+    file = FleetFile(form, source.name, places, dict(_overrides(document)))
+    problems += _repeated(file)
+    return (None if has_errors(problems) else file), in_order(problems)
 
 
 def _overrides(document: Map) -> Iterator[tuple[tuple[int, int], Map]]:
@@ -291,10 +229,10 @@ def _overrides(document: Map) -> Iterator[tuple[tuple[int, int], Map]]:
 
 def _repeated(file: FleetFile) -> Iterator[Problem]:
     """Report robots that nobody could tell apart (D010)."""
-    form = file.form
-    names = [(one.name, file.place(ROBOTS, k, "name")) for k, one in enumerate(form.Robots)]
+    robots = enumerate(file.form.Robots)
+    names = [(robot.name, file.place(ROBOTS, k, "name")) for k, robot in robots]
     first: dict[str, Place] = {}
-    for name, place in [*names, (form.Station.name, file.place("Station", "name"))]:
+    for name, place in [*names, (file.form.Station.name, file.place("Station", "name"))]:
         before = first.setdefault(name.casefold(), place)
         if before is not place:
             yield problem("D010.same_name", place, name=name, line=before.line)

@@ -136,19 +136,19 @@ def _element(match: re.Match[str]) -> Index | ByKey | Every:
 
 def path_text(path: Sequence[Step]) -> str:
     """Return a path as a person writes it, keys in quotes where they are not words."""
-    return "".join(_step_text(step) for step in path).removeprefix(".")
-
-
-def _step_text(step: Step) -> str:
-    if isinstance(step, Attribute):
-        return f".{step.name}"
-    if isinstance(step, Index):
-        return f"[{step.position}]"
-    if isinstance(step, Every):
-        return "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
-    if isinstance(step, Beside):
-        return f".{step.values}[{key_text(step.wanted)}]"
-    return f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
+    text = ""
+    for step in path:
+        if isinstance(step, Attribute):
+            text += f".{step.name}"
+        elif isinstance(step, Index):
+            text += f"[{step.position}]"
+        elif isinstance(step, Every):
+            text += "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
+        elif isinstance(step, Beside):
+            text += f".{step.values}[{key_text(step.wanted)}]"
+        else:
+            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
+    return text.removeprefix(".")
 
 
 def pattern(path: FieldPath) -> list[str]:
@@ -247,9 +247,9 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
         if inner is None:
             raise FieldPathError(f"{of} is not a list")
         if isinstance(step, ByKey):
-            found = _keyed(step, inner, parent, taken[-1], fields_of)
+            keyed = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
-            taken[len(taken) - isinstance(found, Beside) :] = [found]
+            taken[len(taken) - isinstance(keyed, Beside) :] = [keyed]
         else:
             taken.append(step)
         of = inner
@@ -278,55 +278,46 @@ def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
         raise FieldPathError(f"a {of} has no field {name!r}: the path ends before")
     known = fields_of(of)
     if known is not None and name not in known:
-        raise FieldPathError(f"{of} has no field {name!r}", _listed(name, known))
+        raise _no_field(of, name, known)
     return known
+
+
+def _no_field(of: str, name: str, known: Fields) -> FieldPathError:
+    hint = f"{did_you_mean(name, known) or ''} its fields: {', '.join(known) or 'none'}"
+    return FieldPathError(f"{of} has no field {name!r}", hint.strip())
 
 
 def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: FieldsOf) -> Step:
     """Return the step with its key; the elements are messages, or numbers with a list of names."""
     assert isinstance(before, Attribute)  # ROS has no lists of lists
     if is_primitive(inner):
-        return _beside(step, parent, before, fields_of)
-    known = fields_of(inner)
-    if known is None:
+        known = fields_of(parent) or {}
+        names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
+        if step.field is None and len(names) == 1 and names[0] != before.name:
+            return Beside(str(step.wanted), before.name, names[0])
+        message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
+        raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
+    fields = fields_of(inner)
+    if fields is None:
         return step
-    if step.field is not None:
-        return _with_key_of(step, inner, fields_of)
-    for key in KEYS:
-        if _type_of(key, inner, fields_of) == "string":
-            return replace(step, field=key)
-    message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-    hint = f'name the field, [field="{step.wanted}"], of: {", ".join(known)}'
-    raise FieldPathError(message, hint)
-
-
-def _with_key_of(step: ByKey, inner: str, fields_of: FieldsOf) -> ByKey:
-    """Check the field that a person names as the key."""
-    assert step.field is not None
-    of = _type_of(step.field, inner, fields_of)
+    if step.field is None:
+        for key in KEYS:
+            if _type_of(key, inner, fields_of) == "string":
+                return replace(step, field=key)
+        message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
+        hint = f'name the field, [field="{step.wanted}"], of: {", ".join(fields)}'
+        raise FieldPathError(message, hint)
+    of = _type_of(step.field, inner, fields_of)  # of the field that a person names as the key
     if of is None:
-        known = fields_of(inner) or {}
-        raise FieldPathError(f"{inner} has no field {step.field!r}", _listed(step.field, known))
+        raise _no_field(inner, step.field, fields)
     if of == "string":
         return replace(step, wanted=str(step.wanted))
+    what = f"{step.field!r} of {inner} is a {of}"
     if not of.startswith(_INTEGERS) or of.endswith("]"):
-        raise FieldPathError(
-            f"{step.field!r} of {inner} is a {of}: a key is a text or a whole number"
-        )
-    if type(step.wanted) is str:
-        raise FieldPathError(
-            f"{step.field!r} of {inner} is a {of}, {step.wanted!r} is not a whole number"
-        )
+        raise FieldPathError(f"{what}: a key is a text or a whole number")
+    if isinstance(step.wanted, str):
+        raise FieldPathError(f"{what}, {step.wanted!r} is not a whole number")
     return step
-
-
-def _beside(step: ByKey, parent: str, before: Attribute, fields_of: FieldsOf) -> Beside:
-    known = fields_of(parent) or {}
-    names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
-    if step.field is None and len(names) == 1 and names[0] != before.name:
-        return Beside(str(step.wanted), before.name, names[0])
-    message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
-    raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
 
 
 def _type_of(path: str, message: str, fields_of: FieldsOf) -> str | None:
@@ -335,9 +326,3 @@ def _type_of(path: str, message: str, fields_of: FieldsOf) -> str | None:
     for name in path.split("."):
         of = (fields_of(of) or {}).get(name) if of is not None else None
     return of
-
-
-def _listed(name: str, known: Fields) -> str:
-    listed = f"its fields: {', '.join(known) or 'none'}"
-    near = did_you_mean(name, known)
-    return f"{near} {listed}" if near else listed

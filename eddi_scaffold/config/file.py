@@ -1,4 +1,4 @@
-"""One configuration as it was read, the model that it names, and what a robot overrides."""
+"""One configuration as it was read, and the files that it names."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source, near_file, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.config.schema import Config
-from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text
+from eddi_scaffold.config import values
+from eddi_scaffold.config.schema import INPUT_TYPES, Config
+from eddi_scaffold.kinds import DeclaredInput, JsonValue, Options
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
-KEY = -1
-"""Last part of the path under which the place of a key is noted, not that of its value."""
 _EVENT_FILES, _TYPES = "event_files", "MessageTypes"
-"""Key of the remembered texts of other files."""
+"""Keys of what is remembered: the texts of other files, and message types."""
+MODEL_KEYS = ("model", "config", "file")
+"""Keys by which ``parameters`` names the file of the model."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class ConfigFile:
 
     config: Config
     name: str
-    places: Mapping[tuple[str | int, ...], Place]
+    places: Mapping[values.Path, Place]
     remembered: bool = False
     text: str = ""
     event_files: Mapping[str, str] = field(default_factory=dict)
@@ -67,11 +67,8 @@ class ConfigFile:
         return inside_scalar(self.text if place.file == self.name else "", place)
 
     def place(self, *path: str | int) -> Place:
-        """Return the place of a part, or of the nearest part around it."""
-        for end in range(len(path), -1, -1):
-            if path[:end] in self.places:
-                return self.places[path[:end]]
-        return Place(self.name)
+        """Return the place of a part, or of the smallest part that holds it."""
+        return values.place_of(self.places, path, self.name)
 
 
 def from_json(text: str, name: str) -> ConfigFile:
@@ -88,32 +85,60 @@ def from_json(text: str, name: str) -> ConfigFile:
     return ConfigFile(config, name, {}, remembered=True, event_files=files)
 
 
+def _sorted(value: JsonValue, key: str = "") -> JsonValue:
+    """Return maps with sorted keys; the order of the fields of a message is a part of its type."""
+    if isinstance(value, list):
+        return [_sorted(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {
+        name: inner if key == _TYPES else _sorted(inner, name)
+        for name, inner in sorted(value.items())
+    }
+
+
 def about_file(problem: Problem, name: str, place: Place) -> Problem:
     """Report the file of a problem at the place where it is named."""
     return replace(problem, message=f"{name!r}: {problem.message}", place=place)
 
 
-def _sorted(value: JsonValue, key: str = "") -> JsonValue:
-    """Return maps with sorted keys; the order of the fields of a message is a part of its type."""
-    if isinstance(value, list):
-        return [_sorted(one) for one in value]
-    if not isinstance(value, dict):
-        return value
-    inner = {name: one if key == _TYPES else _sorted(one, name) for name, one in value.items()}
-    return dict(sorted(inner.items()))
+def existing_file(of: str, name: str, place: Place) -> Path:
+    """Return where a file is that another one names.
+
+    Args:
+        of: the file that names it.
+        name: as written there.
+        place: of the name.
+
+    Raises:
+        EddiError: there is no such file (F001), or it is not below the folder of the other (F009).
+    """
+    try:
+        path = next_to(of, name)
+        path.stat()
+    except EddiError as failure:
+        raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
+    except (OSError, ValueError):
+        hint = near_file(path, name, Path(of).name)
+        hint = hint or f"a name is relative to the folder of {Path(of).name}"
+        raise EddiError(problem("F001.no_file", place, hint=hint, name=name)) from None
+    return path
 
 
-MODEL_KEYS = ("model", "config", "file")
-_Keys = tuple[str | int, ...]
-
-
-def named_model(file: ConfigFile) -> str | None:
-    """Return the file that ``parameters`` names as the model, relative to the configuration.
+def named_model(file: ConfigFile) -> tuple[str, Place] | None:
+    """Return the file that ``parameters`` names as the model, as written there, and its place.
 
     SESAME D7.2 writes ``parameters: [{config: safeml_config.yml}]``.
     """
-    found = _named_model(file)
-    return None if found is None else found[0]
+    parameters, path = file.config.Model.parameters, ("Model", "parameters")
+    maps = dict(enumerate(parameters)) if isinstance(parameters, list) else {}
+    for key in MODEL_KEYS:
+        for number, entries in maps.items() or [(None, parameters)]:
+            name = entries.get(key) if isinstance(entries, dict) else None
+            if isinstance(name, str) and name:
+                inner = path if number is None else (*path, number)
+                return name, file.place(*inner, key)
+    return None
 
 
 def named_model_path(file: ConfigFile) -> Path | None:
@@ -123,68 +148,34 @@ def named_model_path(file: ConfigFile) -> Path | None:
         EddiError: there is no such file (F001), or it is not below the folder of the configuration
             (F009); the place is that of its name.
     """
-    found = _named_model(file)
-    if found is None:
-        return None
-    name, where = found
-    try:
-        path = next_to(file.name, name)
-        path.stat()
-    except EddiError as failure:
-        raise EddiError(
-            *(about_file(p, name, file.place(*where)) for p in failure.problems)
-        ) from None
-    except (OSError, ValueError):
-        near = near_file(path, name, Path(file.name).name)
-        hint = near or "a name is relative to the folder of the configuration"
-        raise EddiError(problem("F001.no_file", file.place(*where), hint=hint, name=name)) from None
-    return path
+    named = named_model(file)
+    return None if named is None else existing_file(file.name, *named)
 
 
-def _named_model(file: ConfigFile) -> tuple[str, _Keys] | None:
-    """Return the name of the model's file and the keys under which it is given."""
-    given = file.config.Model.parameters
-    where: _Keys = ("Model", "parameters")
-    maps = [((*where, k), one) for k, one in enumerate(given)] if isinstance(given, list) else []
-    for key in MODEL_KEYS:
-        for keys, one in maps or [(where, given)]:
-            name = one.get(key) if isinstance(one, dict) else None
-            if isinstance(name, str) and name:
-                return name, (*keys, key)
-    return None
-
-
-def overridden(document: Map, override: Map | None) -> Map:
-    """Return a document with other values; each keeps the place where it is written.
-
-    Maps are joined key by key, and lists of entries with an ``id`` entry by entry; anything else
-    is replaced as a whole. Keys and entries that the document does not have are added to it.
-    """
-    if override is None:
-        return document
-    entries = {key.text: (key, value) for key, value in document.entries}
-    for key, value in override.entries:
-        own = entries.get(key.text)
-        entries[key.text] = (key, value) if own is None else (own[0], _joined(own[1], value))
-    return replace(document, entries=tuple(entries.values()))
-
-
-def _joined(value: Node, override: Node) -> Node:
-    if isinstance(value, Map) and isinstance(override, Map):
-        return overridden(value, override)
-    if isinstance(value, Items) and isinstance(override, Items):
-        own, new = _by_id(value), _by_id(override)
-        if own is not None and new is not None:
-            joined = {id_: overridden(entry, new.get(id_)) for id_, entry in own.items()}
-            return replace(value, items=(*joined.values(), *(new[i] for i in new if i not in own)))
-    return override
-
-
-def _by_id(items: Items) -> dict[str, Map] | None:
-    """Return the entries of a list by their ids, ``None`` where one has none, or two the same."""
-    found = {
-        id_: item
-        for item in items.items
-        if isinstance(item, Map) and (id_ := as_text(item.get("id") or item)) is not None
-    }
-    return found if len(found) == len(items.items) else None
+def options_of(file: ConfigFile | None) -> Options:
+    """Return the options of a configuration for the kind of its model."""
+    if file is None:
+        return Options()
+    config, section = file.config, file.config.Model
+    extra = {**(section.model_extra or {}), "parameters": section.parameters}
+    types = {source.id: source.type for source in config.SimulatorOutputs}
+    inputs = tuple(
+        DeclaredInput(
+            id=entry.id,
+            type=INPUT_TYPES[entry.type] if entry.type is not None else None,
+            unit=entry.unit,
+            default=entry.default,
+            place=file.place("EDDIInputs", index),
+            messages=tuple(types[name] for name in entry.requires),
+        )
+        for index, entry in enumerate(config.EDDIInputs)
+    )
+    return Options(
+        id=section.id,
+        values={key: value for key, value in extra.items() if value is not None},
+        inputs=inputs,
+        frequency=section.frequency,
+        parts=tuple(output.event for output in config.EDDIOutputs),
+        place=lambda *path: file.place("Model", *path),
+        read=file.read,
+    )

@@ -7,39 +7,38 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.files import Source, near_file, read_source
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
     SimilarNames,
-    did_you_mean,
     has_errors,
     in_order,
     problem,
 )
-from eddi_scaffold.config.file import ConfigFile, about_file, overridden
+from eddi_scaffold.config import values
+from eddi_scaffold.config.file import MODEL_KEYS, ConfigFile, about_file
 from eddi_scaffold.config.message_types import MessageFields, used
-from eddi_scaffold.config.options import plain_values, unknown_options, violations
-from eddi_scaffold.config.schema import Config, Entry
-from eddi_scaffold.config.undecided import undecided
+from eddi_scaffold.config.schema import Config, Entry, ModelSection
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.yaml_text.nodes import Map, read_map
+from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map
 
 _ALIASES = {
     "EDDIOoutputs": "EDDIOutputs",
     "EDDIOOutputs": "EDDIOutputs",
     "SimulatorOutput": "SimulatorOutputs",
 }
+"""Names of sections that D7.2's figures misspell."""
 _NO_OUTPUTS = (
     "SimulatorOutputs has none: `--system FILE --models DIR` takes them from the robot's models"
 )
@@ -78,40 +77,122 @@ def read_config(
     document, problems = read_map(source, "K001")
     if document is None:
         return None, problems
-    if {"Model"}.isdisjoint(document.keys()):
+    if document.get("Model") is None:
         title = next((kind.title for kind in kinds().values() if kind.recognises(source)), None)
         if title is not None:
             return None, [problem("K001.model", Place(source.name), title=title)]
-    places: dict[tuple[str | int, ...], Place] = {}
-    data = plain_values(overridden(_renamed(document, problems), override), places, problems)
+    entries = []
+    for key, node in document.entries:
+        name = _ALIASES.get(key.text, key.text)
+        entries.append((replace(key, text=name), node))
+        if name != key.text:
+            problems.append(problem("K002", key.place, key=key.text, name=name))
+    document = replace(document, entries=tuple(entries))
+    places: values.Places = {}
+    data = values.plain_values(_overridden(document, override), places)
     # an empty section is an empty list, as D7.2's tools read it
     data = {key: [] if value is None and key != "Model" else value for key, value in data.items()}
     if robot is not None:
         data["SimulatorOutputs"] = robot.outputs(data.get("SimulatorOutputs") or [])
-    problems += unknown_options(data.get("Model"), places, source.name)
+    open_values = list(values.undecided(document))
+    problems += [*_unknown_options(data.get("Model"), places, source.name), *open_values]
     wrong: list[Problem] = []
-    open_ = undecided(document)
-    problems += open_
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
-        at = {problem.place for problem in open_}
-        wrong = [
-            violation
-            for violation in violations(failed, places, source.name)
-            if violation.place not in at
-        ]
+        told = {problem.place for problem in open_values}
+        violations = values.violations(failed, places, source.name, Config)
+        wrong = [violation for violation in violations if violation.place not in told]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
             return None, in_order([*problems, *wrong])
         config = known
     text = source.data.decode("utf-8-sig", "replace")
-    types = robot.types if robot is not None else {}
-    file = with_types(ConfigFile(config, source.name, places, text=text), types)
+    file = ConfigFile(config, source.name, places, text=text)
+    file = with_types(file, robot.types if robot is not None else {})
     files, unread = _event_files(file)
     file = replace(file, event_files=files)
-    problems += [*_repeated_ids(file), *unread]
+    problems += [*unread, *_repeated_ids(file), *_unknown_sources(file)]
     return (None if has_errors(problems) else file), in_order([*problems, *wrong])
+
+
+def read_configs(
+    files: Iterable[Path], robot: RobotAdditions | None = None
+) -> tuple[list[ConfigFile], list[Problem]]:
+    """Read the configurations of a command that needs all of them; return the warnings, too.
+
+    Raises:
+        EddiError: a file cannot be used.
+    """
+    results = [read_config(read_source(path), robot) for path in dict.fromkeys(files)]
+    problems = [problem for _, problems in results for problem in problems]
+    if has_errors(problems):
+        raise EddiError(*problems)
+    return [config for config, _ in results if config is not None], problems
+
+
+def with_types(file: ConfigFile, known: MessageFields) -> ConfigFile:
+    """Take in those of the message types that the inputs need, to be remembered."""
+    config = file.config
+    required = {name for entry in config.EDDIInputs for name in entry.requires}
+    types = [source.type for source in config.SimulatorOutputs if source.id in required]
+    fields = {**used(types, known), **config.MessageTypes}
+    return replace(file, config=config.model_copy(update={"MessageTypes": fields}))
+
+
+def _overridden(document: Map, override: Map | None) -> Map:
+    """Return a document with other values; each keeps the place where it is written.
+
+    Maps are joined key by key, and lists of entries with an ``id`` entry by entry; anything else
+    is replaced as it is. Keys and entries that the document does not have are added to it.
+    """
+    entries = {key.text: (key, value) for key, value in document.entries}
+    for key, value in override.entries if override is not None else ():
+        own_key, own = entries.get(key.text, (key, value))
+        entries[key.text] = own_key, _joined(own, value)
+    return replace(document, entries=tuple(entries.values()))
+
+
+def _joined(value: Node, override: Node) -> Node:
+    if isinstance(value, Map) and isinstance(override, Map):
+        return _overridden(value, override)
+    if isinstance(value, Items) and isinstance(override, Items):
+        own, new = _by_id(value), _by_id(override)
+        if own is not None and new is not None:
+            joined = {id_: _overridden(entry, new.get(id_)) for id_, entry in own.items()}
+            return replace(value, items=tuple({**joined, **new, **joined}.values()))
+    return override
+
+
+def _by_id(items: Items) -> dict[str, Map] | None:
+    """Return the entries of a list by their ids, ``None`` where one has none, or two the same."""
+    entries = {
+        id_: item
+        for item in items.items
+        if isinstance(item, Map) and (id_ := as_text(item.get("id") or item)) is not None
+    }
+    return entries if len(entries) == len(items.items) else None
+
+
+def _unknown_options(
+    section: object, places: Mapping[values.Path, Place], file: str
+) -> Iterator[Problem]:
+    """Find keys of ``Model`` that the kind of its model does not understand (K003)."""
+    if not isinstance(section, Mapping):
+        return
+    type_ = str(section.get("type")).casefold()
+    fitting = [
+        kind for kind in kinds().values() if type_ in map(str.casefold, kind.config_types)
+    ]  # all kinds if it is unknown
+    options = {key for kind in fitting or kinds().values() for key in kind.options}
+    known = {*ModelSection.model_fields, *options}
+    similar = SimilarNames(sorted(known), "known keys")
+    for key in (key for key in section if key not in known):
+        place = places.get(("Model", key, values.KEY), Place(file))
+        hint = values.hint_for_decimals(key) or similar.hint(key)
+        if key in MODEL_KEYS and isinstance(section[key], str):
+            hint = f"the file of the model is named so: `parameters: [{{{key}: {section[key]}}}]`"
+        yield problem("K003.unknown_key", place, hint=hint, key=key)
 
 
 def _of_known_keys(data: dict[str, Any], failed: ValidationError) -> Config | None:
@@ -119,38 +200,19 @@ def _of_known_keys(data: dict[str, Any], failed: ValidationError) -> Config | No
 
     A section of another name is more: all that it says would be missing.
     """
-    wrong = [found["loc"] for found in failed.errors() if found["type"] == "extra_forbidden"]
-    if len(wrong) < failed.error_count() or any(len(one) == 1 for one in wrong):
+    errors = failed.errors()
+    if any(error["type"] != "extra_forbidden" or len(error["loc"]) == 1 for error in errors):
         return None
     known = copy.deepcopy(data)
-    for *path, key in wrong:
-        of: Any = known
-        for one in path:
-            of = of[one]
-        del of[key]
+    for *path, key in (error["loc"] for error in errors):
+        section: Any = known
+        for part in path:
+            section = section[part]
+        del section[key]
     try:
         return Config.model_validate(known)
     except ValidationError:
         return None
-
-
-def read_configs(
-    files: Iterable[Path], robot: RobotAdditions | None = None
-) -> tuple[list[ConfigFile], list[Problem]]:
-    """Read the configurations of a command that needs them whole; return the warnings, too.
-
-    Raises:
-        EddiError: a file cannot be used.
-    """
-    problems: list[Problem] = []
-    configs: list[ConfigFile] = []
-    for path in dict.fromkeys(files):  # the same one twice is one monitor
-        config, found = read_config(read_source(path), robot)
-        problems += found
-        configs += [config] if config is not None else []
-    if has_errors(problems):
-        raise EddiError(*problems)
-    return configs, problems
 
 
 def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
@@ -166,7 +228,9 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
         except EddiError as failure:
             (problem,) = failure.problems
             place = file.place("EDDIInputs", index, "expression_file")
-            hint = problem.hint if problem.code == "F009" else _near(Path(file.path(name)))
+            hint = problem.hint
+            if problem.code != "F009":
+                hint = near_file(Path(file.path(name)), name, Path(file.name).name)
             problems.append(about_file(replace(problem, hint=hint), name, place))
             continue
         try:
@@ -174,32 +238,6 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
         except EddiError as failure:
             problems += failure.problems
     return texts, problems
-
-
-def _near(path: Path) -> str | None:
-    there = [one.name for one in path.parent.glob("*.events")] if path.parent.is_dir() else []
-    return did_you_mean(path.name, sorted(there))
-
-
-def with_types(file: ConfigFile, known: MessageFields) -> ConfigFile:
-    """Take in those of the message types that the inputs need, to be remembered."""
-    config = file.config
-    required = {name for item in config.EDDIInputs for name in item.requires}
-    types = [source.type for source in config.SimulatorOutputs if source.id in required]
-    found = {**used(types, known), **config.MessageTypes}
-    return replace(file, config=config.model_copy(update={"MessageTypes": found}))
-
-
-def _renamed(document: Map, problems: list[Problem]) -> Map:
-    """Give the sections that D7.2's figures misspell their names."""
-    entries = []
-    for key, value in document.entries:
-        if key.text in _ALIASES:
-            name = _ALIASES[key.text]
-            problems.append(problem("K002", key.place, key=key.text, name=name))
-            key = replace(key, text=name)  # noqa: PLW2901 - the same key, spelt right
-        entries.append((key, value))
-    return replace(document, entries=tuple(entries))
 
 
 def _words(file: ConfigFile) -> set[str]:
@@ -211,60 +249,53 @@ def _words(file: ConfigFile) -> set[str]:
     texts = [
         *file.config.declarations,
         *file.event_files.values(),
-        *(input_.expression or "" for input_ in inputs),
-        *(text for input_ in inputs for text in (input_.states or {}).values()),
+        *(entry.expression or "" for entry in inputs),
+        *(text for entry in inputs for text in (entry.states or {}).values()),
     ]
     return {word for text in texts for word in re.findall(r"\w+", text)}
 
 
-def _repeated_ids(file: ConfigFile) -> Iterable[Problem]:
-    config = file.config
-    words = _words(file)
-    used = {name for item in config.EDDIInputs for name in item.requires} | words
+def _repeated_ids(file: ConfigFile) -> Iterator[Problem]:
+    config, words = file.config, _words(file)
+    used_ids = {name for entry in config.EDDIInputs for name in entry.requires} | words
     sections: dict[str, Sequence[Entry]] = {
         "SimulatorOutputs": config.SimulatorOutputs,
         "EDDIInputs": config.EDDIInputs,
         "EDDIOutputs": config.EDDIOutputs,
     }
     for section, entries in sections.items():
-        first: dict[str, int] = {}
+        lines: dict[str, int | None] = {}
         for index, entry in enumerate(entries):
-            if entry.id in first:
-                before = file.place(section, first[entry.id], "id").line
+            place = file.place(section, index, "id")
+            if entry.id in lines:
                 # A parsed robot system may hold one id twice: harmless until an input uses it.
-                harmless = section == "SimulatorOutputs" and not used & {
+                is_used = section != "SimulatorOutputs" or used_ids & {
                     entry.id,
                     attribute(entry.id),
                 }
                 yield problem(
-                    "K006.twice_unused" if harmless else "K006.twice",
-                    file.place(section, index, "id"),
+                    "K006.twice" if is_used else "K006.twice_unused",
+                    place,
                     id=entry.id,
                     section=section,
-                    line=before,
+                    line=lines[entry.id],
                 )
-            first.setdefault(entry.id, index)
+            lines.setdefault(entry.id, place.line)
     by_name: dict[str, str] = {}
     for index, entry in enumerate(config.SimulatorOutputs):
         name = attribute(entry.id)
         other = by_name.setdefault(name, entry.id)
         if other != entry.id and name in words:
-            yield problem(
-                "K006.one_name",
-                file.place("SimulatorOutputs", index, "id"),
-                first=other,
-                second=entry.id,
-                name=name,
-            )
-    known = {entry.id for entry in config.SimulatorOutputs}
-    near = SimilarNames(known)
-    for index, item in enumerate(config.EDDIInputs):
-        for position, required in enumerate(item.requires):
+            place = file.place("SimulatorOutputs", index, "id")
+            yield problem("K006.one_name", place, first=other, second=entry.id, name=name)
+
+
+def _unknown_sources(file: ConfigFile) -> Iterator[Problem]:
+    known = {entry.id for entry in file.config.SimulatorOutputs}
+    similar = SimilarNames(known)
+    for index, entry in enumerate(file.config.EDDIInputs):
+        for position, required in enumerate(entry.requires):
             if required not in known:
-                yield problem(
-                    "K007",
-                    file.place("EDDIInputs", index, "requires", position),
-                    hint=near.hint(required) or (None if known else _NO_OUTPUTS),
-                    input=item.id,
-                    source=required,
-                )
+                place = file.place("EDDIInputs", index, "requires", position)
+                hint = similar.hint(required) or (None if known else _NO_OUTPUTS)
+                yield problem("K007", place, hint=hint, input=entry.id, source=required)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Annotated, Any, Literal
 
 from eddi_runtime.node.start import FREQUENCIES
@@ -23,8 +23,9 @@ from pydantic import (
 
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types.definitions import PRIMITIVES
+from eddi_scaffold.config.message_types import PRIMITIVES
 from eddi_scaffold.kinds import InputType
+from eddi_scaffold.yaml_text.writer import dump_plain
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
 INPUT_TYPES: dict[str, InputType] = {
@@ -33,16 +34,12 @@ INPUT_TYPES: dict[str, InputType] = {
     "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
     "float[]": "float[]", "number[]": "float[]", "bool[]": "bool[]",
 }  # fmt: skip
-
-_PRIMITIVE = re.compile(r"[a-z][a-z0-9_]*")
-_COMMA = re.compile(r"\d+,\d+")
-"""A number as some languages write it."""
-_QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([A-Za-z]+)")
-_SECONDS = {"ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
-_HERTZ = {"hz": 1.0, "khz": 1e3}
-
-_LONGEST_GRACE = 1e6
-"""Seconds that inputs may wait for their first message: more is not a limit at all."""
+_QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?(?:e[-+]?[0-9]{1,2})?) *([a-z]*)")
+_ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
+_SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
+_HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
+_LONGEST = 1e6
+"""Seconds: more is not a limit at all."""
 _NOT_IN_ROS = {
     "double": "float64", "float": "float32", "int": "int32", "long": "int64", "boolean": "bool",
     "str": "string",
@@ -50,30 +47,76 @@ _NOT_IN_ROS = {
 """Names of types in C++ and Python -> those of message files."""
 
 
-def _plain_number(value: object, units: Mapping[str, float]) -> str | None:
+def _number(
+    what: str,
+    is_legal: Callable[[float], bool],
+    units: Mapping[str, float] = _SECONDS,
+    hint: str | None = None,
+    words: Collection[object] = (),
+) -> BeforeValidator:
+    """Return the check of a number, or of one of some words; the hint is for one beyond limits."""
+
+    def check(value: object) -> object:
+        if value in words:
+            return value
+        if words and isinstance(value, str) and value.casefold() in ("none", "never"):
+            raise HintedError(f"{what} are expected", "write `none` for no limit")
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise HintedError(f"{what} are expected", _number_hint(value, units))
+        if not is_legal(value):  # never true of not-a-number
+            raise HintedError(f"{what} are expected", hint)
+        return float(value)
+
+    return BeforeValidator(check)
+
+
+def _number_hint(value: object, units: Mapping[str, float]) -> str | None:
     """Return the hint for a text that a person means as a number."""
-    text = value.strip() if isinstance(value, str) else ""
-    if _COMMA.fullmatch(text):
+    text = value.strip().casefold() if isinstance(value, str) else ""
+    if re.fullmatch(r"\d+,\d+", text):
         return f"a decimal point: {text.replace(',', '.')}"
     match = _QUANTITY.fullmatch(text)
-    factor = units.get(match[2].casefold()) if match is not None else None
-    return f"without a unit: {float(match[1]) * factor:.15g}" if match and factor else None
+    if match is None or match[2] not in units:
+        return None
+    meant = float(f"{float(match[1]) * units[match[2]]:.15g}")
+    shown = dump_plain(meant).strip().removesuffix(".0")
+    return f"without a unit: {shown}" if match[2] else f"write {shown}"
 
 
-def _topic(text: str) -> str:
-    if not is_ros_name(text):
-        raise ValueError("a ROS name is expected: letters, digits, `_` and `/`, such as /rte/e0a")
-    return text
+def text(is_legal: Callable[[str], object], what: str, hint: str | None = None) -> AfterValidator:
+    """Return the check of a text."""
+
+    def check(value: str) -> str:
+        if not is_legal(value):
+            raise HintedError(f"{what} is expected", hint)
+        return value
+
+    return AfterValidator(check)
+
+
+def _is_line(text: str) -> bool:
+    return bool(text.strip()) and text.isprintable()
 
 
 def _message_type(text: str) -> str:
     match = _MESSAGE_TYPE.fullmatch(text)
     if match is None:
-        message = "a message type is expected, such as std_msgs.Bool or std_msgs/Bool"
-        near = text.replace("::msg::", "/").replace("::", "/").replace(".msg.", "/")
-        meant = _MESSAGE_TYPE.fullmatch(near) is not None
-        raise HintedError(message, f"did you mean {near!r}?" if meant else None)
+        meant = text.replace("::msg::", "/").replace("::", "/").replace(".msg.", "/")
+        hint = f"did you mean {meant!r}?" if _MESSAGE_TYPE.fullmatch(meant) else None
+        expected = "a message type is expected, such as std_msgs.Bool or std_msgs/Bool"
+        raise HintedError(expected, hint)
     return f"{match[1]}/{match[2]}"
+
+
+def _field_type(text: str) -> str:
+    name, bracket, length = text.partition("[")
+    if name in _NOT_IN_ROS:
+        ros = _NOT_IN_ROS[name] + bracket + length
+        raise ValueError(f"{name!r} is no type of ROS messages; write {ros}")
+    if re.fullmatch("[a-z][a-z0-9_]*", name) and name not in PRIMITIVES:
+        hint = did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
+        raise HintedError(f"there is no type {name!r}: a type of ROS messages is expected", hint)
+    return text
 
 
 def _input_type(text: str) -> str:
@@ -82,121 +125,51 @@ def _input_type(text: str) -> str:
     return INPUT_TYPES[text.lower()]
 
 
-def _max_age(value: object) -> object:
-    if value == "none" or value is None:
-        return value
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        message = "seconds (a number above 0) or the word none are expected"
-        word = isinstance(value, str) and value.casefold() in ("none", "never")
-        hint = "write `none` for no limit" if word else _plain_number(value, _SECONDS)
-        raise HintedError(message, hint)
-    if not math.isfinite(value) or value <= 0:
-        raise ValueError("seconds must be a number above 0, or the word none")
-    return float(value)
-
-
-def _frequency(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        message = "a number of steps per second is expected"
-        raise HintedError(message, _plain_number(value, _HERTZ))
-    low, high = FREQUENCIES
-    if not low <= value <= high:  # never true of not-a-number
-        raise HintedError(
-            f"{low:f} to {high:.0f} steps per second are expected",
-            "10 is usual, and `mode: on_change` steps at once when a message arrives",
-        )
-    return float(value)
-
-
-def _seconds(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        message = "seconds (a number from 0 on) are expected"
-        raise HintedError(message, _plain_number(value, _SECONDS))
-    if not 0 <= value <= _LONGEST_GRACE:
-        raise ValueError(f"seconds from 0 to {_LONGEST_GRACE:.0f} are expected")
-    return float(value)
-
-
-def _positive(value: object, longest: float = _LONGEST_GRACE) -> object:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        message = "seconds (a number above 0) are expected"
-        raise HintedError(message, _plain_number(value, _SECONDS))
-    if not 0 < value <= longest:
-        raise ValueError(f"seconds above 0, up to {longest:.0f}, are expected")
-    return float(value)
-
-
-def _lease(value: object) -> object:
-    return _positive(value, LONGEST_LEASE)
-
-
-Lease = Annotated[float, BeforeValidator(_lease)]
-"""Seconds for which a word of another robot counts."""
-
-
-def _version(text: str) -> str:
-    if re.fullmatch(r"[0-9]+\.[0-9]+\.[0-9]+", text) is None:
-        raise ValueError("three numbers are expected, such as 0.1.0")
-    return text
-
-
-def _maintainer(text: str) -> str:
-    form = r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>"
-    if re.fullmatch(form, text) is None or not text.isprintable():
-        raise ValueError("a name and an address are expected: Ada Lovelace <ada@example.org>")
-    return text
-
-
-def _line(text: str) -> str:
-    if not text.strip() or not text.isprintable():
-        raise ValueError("one line of text is expected")
-    return text
-
-
-def _file_name(text: str) -> str:
-    if not text.strip() or "\0" in text:
-        raise ValueError("the name of a file is expected")
-    return text
-
-
 def _named(value: object) -> object:
     """Accept D7.2's ids that YAML 1.1 reads as numbers."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def _digest(text: str) -> str:
-    if re.fullmatch("[0-9a-f]{64}", text) is None:
-        raise HintedError(
-            "the SHA-256 of a model is expected: 64 digits of 0-9 and a-f",
-            "it is the `digest` of config/model.json in the package of that monitor",
-        )
-    return text
-
-
-def _field_type(text: str) -> str:
-    name, bracket, length = text.partition("[")
-    meant = _NOT_IN_ROS.get(name)
-    if meant is not None:
-        raise ValueError(f"{name!r} is no type of ROS messages; write {meant + bracket + length}")
-    if _PRIMITIVE.fullmatch(name) and name not in PRIMITIVES:
-        message = f"there is no type {name!r}: a type of ROS messages is expected"
-        raise HintedError(
-            message, did_you_mean(name, PRIMITIVES) or "such as float64 or std_msgs/Header"
-        )
-    return text
-
-
+_LOW, _HIGH = FREQUENCIES
+_frequency = _number(
+    f"{_LOW:f} to {_HIGH:.0f} steps per second",
+    lambda hertz: _LOW <= hertz <= _HIGH,
+    _HERTZ,
+    "10 is usual, and `mode: on_change` steps at once when a message arrives",
+)
+_lease = _number(f"seconds above 0, up to {LONGEST_LEASE:g},", lambda s: 0 < s <= LONGEST_LEASE)
+_promise = _number(f"seconds above 0, up to {_LONGEST:.0f},", lambda s: 0 < s <= _LONGEST)
+_wait = _number(f"seconds from 0 to {_LONGEST:.0f}", lambda s: 0 <= s <= _LONGEST)
+_max_age = _number(
+    "seconds above 0, or the word none,", lambda s: 0 < s < math.inf, words=(None, "none")
+)
+_file_name = text(lambda name: name.strip() and "\0" not in name, "the name of a file")
+_topic = text(is_ros_name, "a ROS name such as /rte/e0a (letters, digits, `_`, `/`)")
+_version = text(re.compile(r"[0-9]+\.[0-9]+\.[0-9]+").fullmatch, "a version such as 0.1.0")
+_maintainer = text(
+    lambda line: _is_line(line) and _ADDRESS.fullmatch(line),
+    "a name and address such as Ada Lovelace <ada@example.org>",
+)
+_digest = text(
+    re.compile("[0-9a-f]{64}").fullmatch,
+    "the SHA-256 of a model (64 digits of 0-9 and a-f)",
+    "it is the `digest` of config/model.json in the package of that monitor",
+)
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
-MaxAge = Annotated[float | Literal["none"] | None, BeforeValidator(_max_age)]
-FileName = Annotated[StrictStr, AfterValidator(_file_name)]
-Line = Annotated[StrictStr, AfterValidator(_line)]
-Topic = Annotated[StrictStr, AfterValidator(_topic)]
+MaxAge = Annotated[float | Literal["none"] | None, _max_age]
+Lease = Annotated[float, _lease]
+"""Seconds for which a word of another robot counts."""
+FileName = Annotated[StrictStr, _file_name]
+Line = Annotated[StrictStr, text(_is_line, "one line of text")]
+Topic = Annotated[StrictStr, _topic]
 MessageType = Annotated[StrictStr, AfterValidator(_message_type)]
 FieldType = Annotated[StrictStr, AfterValidator(_field_type)]
 Default = StrictBool | StrictInt | StrictFloat | StrictStr | None
 
 
-class _Section(BaseModel):
+class Section(BaseModel):
+    """A map with the keys that stand here, and no others."""
+
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
@@ -204,7 +177,7 @@ USUAL_FREQUENCY = 10.0
 """Steps per second of a monitor whose configuration names none, or that has no configuration."""
 
 
-class ModelSection(_Section):
+class ModelSection(Section):
     """Which model runs, and how.
 
     Attributes:
@@ -222,20 +195,20 @@ class ModelSection(_Section):
 
     id: Name
     type: StrictStr
-    frequency: Annotated[float, BeforeValidator(_frequency)] = USUAL_FREQUENCY
+    frequency: Annotated[float, _frequency] = USUAL_FREQUENCY
     mode: Literal["rate", "on_change"] = "rate"
-    startup_grace: Annotated[float, BeforeValidator(_seconds)] = 10.0
+    startup_grace: Annotated[float, _wait] = 10.0
     lifecycle: StrictBool = False
     parameters: Any = None
 
 
-class Entry(_Section):
+class Entry(Section):
     """One entry of a list, known by its id."""
 
     id: Name
 
 
-class InputQos(_Section):
+class InputQos(Section):
     """How a topic is read on ROS 2: what its publishers must offer, and how many messages wait."""
 
     reliability: Literal["best_effort", "reliable"] | None = None
@@ -251,11 +224,11 @@ class OutputQos(InputQos):
         lifespan: seconds after which a message is not delivered any more.
     """
 
-    deadline: Annotated[float, BeforeValidator(_positive)] | None = None
-    lifespan: Annotated[float, BeforeValidator(_positive)] | None = None
+    deadline: Annotated[float, _promise] | None = None
+    lifespan: Annotated[float, _promise] | None = None
 
 
-class PeersSection(_Section):
+class PeersSection(Section):
     """Whose word a message must be, among the robots of ``Fleet``.
 
     Attributes:
@@ -267,7 +240,7 @@ class PeersSection(_Section):
 
     robots: Annotated[tuple[Line, ...], Field(min_length=1)] | Literal["any"] = "any"
     model: Name
-    digest: Annotated[StrictStr, AfterValidator(_digest)]
+    digest: Annotated[StrictStr, _digest]
     guarantee: Name
 
 
@@ -333,7 +306,7 @@ class InputEntry(Entry):
     @property
     def is_computed(self) -> bool:
         """Whether an expression gives the value."""
-        return any(one is not None for one in (self.expression, self.expression_file, self.states))
+        return (self.expression, self.expression_file, self.states) != (None, None, None)
 
 
 class OutputEntry(Entry):
@@ -352,12 +325,12 @@ class OutputEntry(Entry):
     qos: OutputQos = OutputQos()
 
 
-class PackageSection(_Section):
+class PackageSection(Section):
     """The contents of the generated package.xml."""
 
-    version: Annotated[StrictStr, AfterValidator(_version)] = "0.1.0"
+    version: Annotated[StrictStr, _version] = "0.1.0"
     description: Line | None = None
-    maintainer: Annotated[StrictStr, AfterValidator(_maintainer)] | None = None
+    maintainer: Annotated[StrictStr, _maintainer] | None = None
     license: Line = "Apache-2.0"
 
 
@@ -365,7 +338,7 @@ PEERS_TOPIC, PEERS_LEASE = "/eddi/peers", 1.0
 """Where robots tell each other their guarantees, and the seconds for which these count."""
 
 
-class FleetSection(_Section):
+class FleetSection(Section):
     """The robots among which this one is.
 
     Attributes:
@@ -382,7 +355,7 @@ class FleetSection(_Section):
     closed: StrictBool = False
 
 
-class ConnectSection(_Section):
+class ConnectSection(Section):
     """What ``connect`` reads beside the rest.
 
     Attributes:
@@ -392,7 +365,7 @@ class ConnectSection(_Section):
     synonyms: list[list[StrictStr]] = []
 
 
-class Config(_Section):
+class Config(Section):
     """The whole file, checked for form; whether it fits the model is checked with the model.
 
     Attributes:
@@ -410,22 +383,3 @@ class Config(_Section):
     Package: PackageSection = PackageSection()
     MessageTypes: dict[MessageType, dict[StrictStr, FieldType]] = {}
     connect: ConnectSection = Field(ConnectSection(), exclude=True)  # no package depends on it
-
-
-def known_keys(path: tuple[str | int, ...]) -> set[str]:
-    """Return the keys that a section has; none for what is below a section."""
-    sections: dict[str, type[BaseModel]] = {
-        "Model": ModelSection,
-        "SimulatorOutputs": SimulatorOutput,
-        "EDDIInputs": InputEntry,
-        "EDDIOutputs": OutputEntry,
-        "Fleet": FleetSection,
-        "Package": PackageSection,
-        "connect": ConnectSection,
-    }
-    section = sections.get(str(path[0])) if path else Config
-    if path[-1:] == ("peers",):
-        section = PeersSection
-    if path[-1:] == ("qos",):
-        section = InputQos if path[0] == "SimulatorOutputs" else OutputQos
-    return set(section.model_fields) if section else set()

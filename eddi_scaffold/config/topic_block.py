@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
-from eddi_scaffold.yaml_text.nodes import quoted, read_document
-from eddi_scaffold.yaml_text.scalars import Map
+from eddi_scaffold.yaml_text.nodes import Map, quoted, read_document
 from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
@@ -62,13 +61,8 @@ class OldEntry:
         """Return its lines as they are, two blanks in."""
         first, *rest = self.text.split("\n")
         more = (_dedented(line, self.column) for line in rest)
-        whole = (f"    {one}" if one else "" for one in more)
-        return [*self.lead(self.above), f"  - {first}", *whole]
-
-    @staticmethod
-    def lead(comments: Iterable[str]) -> list[str]:
-        """Return comments as lines in front of an entry."""
-        return [f"  {comment}" for comment in comments]
+        comments = (f"  {comment}" for comment in self.above)
+        return [*comments, f"  - {first}", *(f"    {line}" if line else "" for line in more)]
 
 
 @dataclass(frozen=True)
@@ -135,27 +129,34 @@ def read_block(source: Source) -> ConfigText:
     root = spans(text, source.name)
     if root is None or root.is_flow:
         raise EddiError(problem("K001.braces", node.place))
-    found = [(key, value) for key, value in root.entries() if key.text in _NAMES]
+    block = [(key, value) for key, value in root.entries() if key.text in _NAMES]
     required, used = _required(root), _used(root)
-    if not found:
+    if not block:
         where = _insertion(text, root)
         return ConfigText(source.name, text, where, where, required=required, used=used)
-    if len(found) > 1:
-        lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in found)
-        place = Place(source.name, found[1][0].line, 1)
+    if len(block) > 1:
+        lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in block)
+        place = Place(source.name, block[1][0].line, 1)
         raise EddiError(problem("K001.two_spellings", place, spellings=lines))
-    ((key, value),) = found
-    _refuse_anchors(source.name, root, value)
-    start = key.start
+    ((key, value),) = block
+    others = [other for _, other in root.entries() if other is not value]
+    uses = {anchor: line for other in others for anchor, line in other.aliases.items()}
+    for anchor, line in value.anchors.items():
+        if anchor in uses:
+            place = Place(source.name, line, 1)
+            use = uses[anchor]
+            raise EddiError(problem("K001.anchor", place, anchor=anchor, line=line, use=use))
     end = _line_end(text, max(value.end, key.end) if value.end > value.start else key.end)
+    behind = value.end if value.is_flow else key.end
+    head = re.search(r"\s+#.*", text[behind : _line_end(text, behind)].rstrip())
     return ConfigText(
         source.name,
         text,
-        start,
+        key.start,
         end,
         tuple(_old_entries(text, key, value)),
-        _comment_behind(text, value.end if value.is_flow else key.end),
-        tuple(comments(text, value, start, value.end)) if value.is_flow else (),
+        head[0] if head else "",
+        tuple(comments(text, value, key.start, value.end)) if value.is_flow else (),
         required,
         used,
     )
@@ -172,25 +173,28 @@ def rewritten(
     shows that it stays, or an input requires its id: that one is typically the output of another
     monitor, and stays.
     """
-    topics = {entry.topic for entry in entries}
+    topics, ids = {entry.topic for entry in entries}, {entry.id for entry in entries}
     old = {entry.topic: entry for entry in document.old}
     foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
-    ids = {entry.id for entry in entries}
     kept = [
-        one
-        for one, absent in foreign
-        if (absent.stays or one.id in document.used) and one.id not in ids
+        entry
+        for entry, absent in foreign
+        if (absent.stays or entry.id in document.used) and entry.id not in ids
     ]
     lines = [line for entry in entries for line in _lines(entry, old.get(entry.topic))]
-    lines += [line for one in kept for line in one.lines()]
-    name = f"SimulatorOutputs:{'' if lines else ' []'}{document.head}"
-    body = [name, *lines]
-    block = "".join(line + document.line_end for line in body)
+    lines += [line for entry in kept for line in entry.lines()]
+    lines = [f"SimulatorOutputs:{'' if lines else ' []'}{document.head}", *lines]
+    block = "".join(line + document.line_end for line in lines)
     before, after = document.text[: document.start], document.text[document.end :]
     if before and not before.endswith("\n"):
         before += document.line_end
     problems = _notes(document, foreign, kept)
-    problems += _unmet(document, [*ids, *(one.id for one in kept)])
+    ids |= {entry.id for entry in kept}
+    similar = SimilarNames(sorted(ids))
+    for name, line in (document.required or {}).items():
+        if name not in ids:
+            place = Place(document.name, line, 1)
+            problems.append(problem("M023.requires", place, hint=similar.hint(name), name=name))
     return before + block + after, problems
 
 
@@ -212,30 +216,20 @@ def _notes(
     document: ConfigText, foreign: Sequence[tuple[OldEntry, DroppedTopic]], kept: Sequence[OldEntry]
 ) -> list[Problem]:
     problems: list[Problem] = []
-    for one, absent in foreign:
-        place = Place(document.name, one.line, 1)
-        what = f"{one.id!r} ({one.topic}) {absent.why}"
-        if one not in kept:
-            problems.append(problem("M026.dropped", place, subject=what))
-        elif absent.stays:
-            problems.append(problem("M026.stays", place, subject=what))
+    lost = set(document.comments)
+    for entry, absent in foreign:
+        place = Place(document.name, entry.line, 1)
+        subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
+        if entry not in kept:
+            problems.append(problem("M026.dropped", place, subject=subject))
+            lost.update(entry.comment_lines)
         else:
-            problems.append(problem("M026.needed", place, subject=what))
-    dropped = (one.comment_lines for one, _ in foreign if one not in kept)
-    lost = sorted({*document.comments, *(line for some in dropped for line in some)})
+            case = "M026.stays" if absent.stays else "M026.needed"
+            problems.append(problem(case, place, subject=subject))
     if lost:
-        lines = ", ".join(map(str, lost))
-        problems.append(problem("M026.comments", Place(document.name, lost[0], 1), lines=lines))
+        lines = ", ".join(map(str, sorted(lost)))
+        problems.append(problem("M026.comments", Place(document.name, min(lost), 1), lines=lines))
     return problems
-
-
-def _unmet(document: ConfigText, ids: Sequence[str]) -> Iterable[Problem]:
-    known = set(ids)
-    near = SimilarNames(ids)
-    for name, line in (document.required or {}).items():
-        if name not in known:
-            place = Place(document.name, line, 1)
-            yield problem("M023.requires", place, hint=near.hint(name), name=name)
 
 
 def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
@@ -244,8 +238,8 @@ def _lines(entry: TopicEntry, old: OldEntry | None) -> list[str]:
     values = (quoted(entry.id), quoted(entry.type), quoted(entry.topic))
     first, *rest = [f"{key}: {value}" for key, value in zip(_KEYS, values, strict=True)]
     more = [line for text in (old.more if old else ()) for line in text.split("\n")]
-    above = OldEntry.lead((*old.above, *old.inside)) if old else []
-    return [*above, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
+    comments = [f"  {comment}" for comment in (*old.above, *old.inside)] if old else []
+    return [*comments, f"  - {first}", *(f"    {line}" for line in (*rest, *more))]
 
 
 def _dedented(line: str, column: int) -> str:
@@ -256,27 +250,25 @@ def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
     done = _line_end(text, key.end)
     for item in value.children if not value.is_map else []:
         before, done = done, _line_end(text, item.end)
-        if not item.is_map:
-            continue
-        values = {key.text: inner for key, inner in item.entries()}
-        name, topic = values.get("id"), values.get("topic")
-        if name is None or topic is None or not name.text or not topic.text:
+        pairs = list(item.entries()) if item.is_map else []
+        texts = {key.text: inner.text or "" for key, inner in pairs if key.text in _KEYS}
+        if not texts.get("id") or not texts.get("topic"):
             continue
         column = item.start - (text.rfind("\n", 0, item.start) + 1)
-        more = tuple(
-            _slice(text, key.start, max(key.end + 1, inner.end), column)
-            for key, inner in item.entries()
-            if key.text not in _KEYS
-        )
-        type_ = values.get("type")
+        more = []
+        for own_key, inner in pairs:
+            if own_key.text not in _KEYS:
+                written = text[own_key.start : max(own_key.end + 1, inner.end)].replace("\r", "")
+                first, *rest = written.split("\n")
+                more.append("\n".join([first, *(_dedented(line, column) for line in rest)]))
         entry = OldEntry(
-            name.text,
-            topic.text,
+            texts["id"],
+            texts["topic"],
             text[item.start : item.end].replace("\r", ""),
             column,
             item.line,
-            more,
-            (type_.text or "") if type_ else "",
+            tuple(more),
+            texts.get("type", ""),
         )
         if not value.is_flow:
             entry = replace(
@@ -287,11 +279,6 @@ def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
                 comment_lines=tuple(comments(text, value, before, done)),
             )
         yield entry
-
-
-def _slice(text: str, start: int, end: int, column: int) -> str:
-    first, *rest = text[start:end].replace("\r", "").split("\n")
-    return "\n".join([first, *(_dedented(line, column) for line in rest)])
 
 
 def _insertion(text: str, root: Span) -> int:
@@ -310,17 +297,15 @@ def _line_end(text: str, offset: int) -> int:
     return len(text) if end < 0 else end + 1
 
 
-def _comment_behind(text: str, offset: int) -> str:
-    """Return the comment at the end of a line behind its name, with the blanks in front of it."""
-    found = re.search(r"\s+#.*", text[offset : _line_end(text, offset)].rstrip())
-    return found[0] if found else ""
+def _inputs(root: Span) -> list[Span]:
+    inputs = root.get("EDDIInputs")
+    children = inputs.children if inputs is not None and not inputs.is_map else []
+    return [child for child in children if child.is_map]
 
 
 def _used(root: Span) -> frozenset[str]:
     """Return the words that say where inputs come from."""
-    inputs = root.get("EDDIInputs")
-    entries = inputs.children if inputs is not None and not inputs.is_map else []
-    pairs = (pair for entry in entries if entry.is_map for pair in entry.entries())
+    pairs = (pair for entry in _inputs(root) for pair in entry.entries())
     texts = (text for key, value in pairs if key.text != "id" for text in _texts(value))
     return frozenset(word for text in texts for word in (text, *_WORDS.findall(text)))
 
@@ -333,27 +318,12 @@ def _texts(span: Span) -> Iterator[str]:
 
 
 def _required(root: Span) -> dict[str, int]:
-    inputs = root.get("EDDIInputs")
-    found: dict[str, int] = {}
-    for item in inputs.children if inputs is not None and not inputs.is_map else []:
-        required = item.get("requires") if item.is_map else None
-        for one in [required, *required.children] if required is not None else []:
-            if one.text:
-                found.setdefault(one.text, one.line)
-    return found
-
-
-def _refuse_anchors(name: str, root: Span, value: Span) -> None:
-    elsewhere: dict[str, int] = {}
-    for _, other in root.entries():
-        if other is not value:
-            elsewhere |= other.aliases
-    for anchor, line in value.anchors.items():
-        if anchor in elsewhere:
-            place = Place(name, line, 1)
-            raise EddiError(
-                problem("K001.anchor", place, anchor=anchor, line=line, use=elsewhere[anchor])
-            )
+    lines: dict[str, int] = {}
+    for required in filter(None, (entry.get("requires") for entry in _inputs(root))):
+        for name in (required, *required.children):
+            if name.text:
+                lines.setdefault(name.text, name.line)
+    return lines
 
 
 def new_document(name: str) -> ConfigText:

@@ -25,7 +25,7 @@ from eddi_scaffold.config.topic_block import (
     new_document,
     read_block,
 )
-from eddi_scaffold.config.undecided import undecided
+from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import age_line, entry
 from eddi_scaffold.connect.keeping import (
     Draft,
@@ -185,8 +185,8 @@ def connect(
     unknown = _unknown_inputs(root, [item.id for item in model_draft.inputs])
     problems = in_order([*robot_problems, *with_excerpts(unknown, before or "")])
     items = items_of(root.get("EDDIInputs"))
-    kept = frozenset(text_of(item, "id") or "" for item in items if not undecided(item))
-    todo = len(undecided(content(ConfigText(document.name, after, 0, 0))))
+    kept = frozenset(text_of(item, "id") or "" for item in items if not any(undecided(item)))
+    todo = len(list(undecided(content(ConfigText(document.name, after, 0, 0)))))
     return DraftResult(document.name, before, after, decisions, kept, problems, todo)
 
 

@@ -23,7 +23,7 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.field_paths import documented_at, resolve
-from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.file import ConfigFile, options_of
 from eddi_scaffold.config.message_types import (
     EITHER_TIMES,
     Fields,
@@ -35,7 +35,6 @@ from eddi_scaffold.config.message_types import (
     python_type,
 )
 from eddi_scaffold.config.message_types.installed import installed_message
-from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry, SimulatorOutput
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.kinds import EditableMethod, JsonValue, Kind, Model, ModelInput

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
-from eddi_scaffold.conditions.findings import Locate
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
+from eddi_scaffold.conditions.tokens import Locate
 from eddi_scaffold.config.field_paths import (
     Beside,
     ByKey,

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
-from eddi_scaffold.conditions.findings import Locate, TextFindings, in_text
 from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import Variable
+from eddi_scaffold.conditions.tokens import Locate, TextFindings, in_text
 from eddi_scaffold.config.field_paths import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput

@@ -254,8 +254,8 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     fitting = [model for model in models if model.kind in of_type]
     wanted = package_name(section.id)
     found = [model for model in fitting if package_name(model.name) == wanted]
-    if not found and (name := named_model(config)) is not None:
-        named = Path(config.path(name)).resolve()
+    if not found and (named_file := named_model(config)) is not None:
+        named = Path(config.path(named_file[0])).resolve()
         found = [model for model in fitting if Path(model.source.name).resolve() == named]
         found = found if len(found) == 1 else []  # an EDDI may hold several
     if not found and len(fitting) == 1 and len(models) == 1:

@@ -24,8 +24,7 @@ from eddi_scaffold.common.problems import (
     most_similar,
     problem,
 )
-from eddi_scaffold.config.message_types import MessageFields
-from eddi_scaffold.config.message_types.ros2 import ros2_fields
+from eddi_scaffold.config.message_types import MessageFields, ros2_fields
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types

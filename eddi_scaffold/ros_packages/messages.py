@@ -6,8 +6,13 @@ from collections.abc import Iterable, Mapping
 
 from eddi_scaffold.common.problems import EddiError, Place
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.message_types import MessageFields, fields_of, known_messages
-from eddi_scaffold.config.message_types.ros2 import ros2_fields, ros2_messages
+from eddi_scaffold.config.message_types import (
+    MessageFields,
+    fields_of,
+    known_messages,
+    ros2_fields,
+    ros2_messages,
+)
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
 from eddi_scaffold.monitors.nodes import MonitorNode

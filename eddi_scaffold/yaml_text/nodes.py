@@ -1,4 +1,4 @@
-"""YAML as nodes with positions: the only module of the generator that imports ``yaml``.
+"""YAML as nodes with positions, and what their scalars mean.
 
 A scalar stays the text that was written, together with the fact whether it was quoted; what a
 plain scalar *means* is decided here: text, number or Boolean as YAML 1.2 has it
@@ -11,72 +11,155 @@ from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from decimal import Decimal
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import yaml
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.yaml_text.scalars import (
-    MAX_DIGITS,
-    Items,
-    Map,
-    Node,
-    Number,
-    Scalar,
-    as_bool,
-    as_integer,
-    as_number,
-    as_text,
-    describe,
-    is_null,
-    shown,
-    value_12,
-)
 from eddi_scaffold.yaml_text.spans import yaml_lines
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain, quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
     from eddi_scaffold.common.files import Source
 
-
-__all__ = [
-    "Items",
-    "Map",
-    "Node",
-    "Number",
-    "Scalar",
-    "Verbatim",
-    "as_bool",
-    "as_integer",
-    "as_number",
-    "as_text",
-    "describe",
-    "differs_between_versions",
-    "dump_11",
-    "dump_plain",
-    "is_null",
-    "number_for_11",
-    "quoted",
-    "read_document",
-    "read_map",
-    "shown",
-    "value_11",
-    "value_12",
-]
+__all__ = ["Verbatim", "dump_plain", "quoted"]
 
 MAX_BYTES = 16 * 1024 * 1024
 MAX_VISITS = 1_000_000
 MAX_DEPTH = 32
-
-_FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_IS_SLOW = _FAST_LOADER is yaml.SafeLoader
-_LARGE = 100_000
+MAX_DIGITS = 64
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE_TYPES = ("str", "int", "float", "bool", "null", "seq", "map")
 _CORE_TAGS = frozenset({"!", *(f"tag:yaml.org,2002:{name}" for name in _CORE_TYPES)})
+_BOOLEANS = {word: word[0] in "tT" for word in ("true", "True", "TRUE", "false", "False", "FALSE")}
+_DECIMAL = re.compile(r"[-+]?(?!0[0-9])(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
+_NULLS = frozenset({"", "~", "null", "Null", "NULL"})
+_OTHER_BASE = re.compile(r"0x[0-9a-fA-F]+|0o[0-7]+")
+_SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A text in a document.
+
+    Attributes:
+        text: content without quotes and escapes.
+        plain: written without quotes, so that its form may determine its type.
+    """
+
+    text: str
+    plain: bool
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list."""
+
+    items: tuple[Node, ...]
+    place: Place = field(default=Place(), compare=False)
+
+
+@dataclass(frozen=True)
+class Map:
+    """A map; of a repeated key the first entry is kept.
+
+    Attributes:
+        entries: key and value in the order of the file.
+    """
+
+    entries: tuple[tuple[Scalar, Node], ...]
+    place: Place = field(default=Place(), compare=False)
+
+    def get(self, key: str) -> Node | None:
+        """Return the value of a key, ``None`` when it is absent."""
+        return self._values.get(key)
+
+    @cached_property
+    def _values(self) -> dict[str, Node]:
+        return {name.text: value for name, value in reversed(self.entries)}
+
+    def keys(self) -> list[str]:
+        """Return the keys in the order of the file."""
+        return [name.text for name, _ in self.entries]
+
+
+Node = Scalar | Items | Map
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number as written, beside its double: comparisons stay exact."""
+
+    text: str
+    value: float
+
+
+def describe(node: Node) -> str:
+    """Describe the kind of a node, for messages."""
+    if isinstance(node, Items):
+        return "a list"
+    if isinstance(node, Map):
+        return "a map"
+    if is_null(node):
+        return "nothing (null)"
+    if not node.plain:
+        return f"the quoted text {shown(node.text)}"
+    if as_number(node) is not None or as_bool(node) is not None:
+        return node.text
+    return f"the text {shown(node.text)}"
+
+
+def shown(text: str) -> str:
+    """Return a text in quotes for a message, shortened where it is long."""
+    return repr(text if len(text) <= 60 else f"{text[:57]}...")
+
+
+def is_null(node: Node) -> bool:
+    """Return whether a node is a plain ``null`` or empty."""
+    return isinstance(node, Scalar) and node.plain and node.text in _NULLS
+
+
+def as_text(node: Node) -> str | None:
+    """Return the text of a scalar other than null, ``None`` for anything else."""
+    return node.text if isinstance(node, Scalar) and not is_null(node) else None
+
+
+def as_number(node: Node) -> Number | None:
+    """Return the number that a plain scalar is in YAML 1.2 (may be NaN).
+
+    ``None`` for anything else, and for numbers that no double can hold or that have more than
+    :data:`MAX_DIGITS` characters: exact arithmetic with ``1e999999999`` would not end.
+    """
+    if not isinstance(node, Scalar) or not node.plain or len(node.text) > MAX_DIGITS:
+        return None
+    text, special = node.text, _SPECIAL.fullmatch(node.text)
+    if special is not None:
+        sign = special["sign"]
+        text = "nan" if sign is None else f"{sign.replace('+', '')}inf"
+        return Number(text, float(text))
+    text = str(int(text, 0)) if _OTHER_BASE.fullmatch(text) else text
+    if not _DECIMAL.fullmatch(text):
+        return None
+    value = float(text)
+    too_small = value == 0.0 and re.search("[1-9]", re.split("[eE]", text)[0])
+    return None if abs(value) == float("inf") or too_small else Number(text, value)
+
+
+def as_bool(node: Node) -> bool | None:
+    """Return the Boolean that a plain scalar is in YAML 1.2, ``None`` for others."""
+    return _BOOLEANS.get(node.text) if isinstance(node, Scalar) and node.plain else None
+
+
+def as_integer(node: Node) -> int | None:
+    """Return the decimal integer (up to 18 digits) that a plain scalar is, ``None`` for others."""
+    if not isinstance(node, Scalar) or not node.plain or not _INTEGER.fullmatch(node.text):
+        return None
+    return int(node.text) if len(node.text) <= 19 else None
 
 
 def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
@@ -97,10 +180,7 @@ def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]
         text = source.text(code)
     except EddiError as refused:
         return None, list(refused.problems)
-    node, problems = _Composer(source.name, code, text).compose()
-    if _IS_SLOW and len(source.data) > _LARGE:
-        problems.append(problem("F003.slow_yaml", Place(source.name)))
-    return node, problems
+    return _Composer(source.name, code, text).compose()
 
 
 def read_map(source: Source, code: str) -> tuple[Map | None, list[Problem]]:
@@ -136,41 +216,6 @@ def dump_11(data: dict[str, str]) -> str:
     return str(text)
 
 
-def differs_between_versions(node: Node) -> bool:
-    """Return whether YAML 1.1 and 1.2 read a plain scalar differently (``on``, ``1e3``)."""
-    if not isinstance(node, Scalar) or not node.plain:
-        return False
-    old, new = _scalar_11(node.text), value_12(node)
-    return repr(old) != repr(new)  # by text, since NaN differs from itself
-
-
-_SHORT = 10
-"""Characters of a number up to which it is written without an exponent."""
-_DECIMAL = re.compile(
-    r"(?P<minus>[-+]?)(?P<whole>[0-9]*)(?:\.(?P<rest>[0-9]*))?(?:[eE](?P<sign>[-+]?)(?P<power>[0-9]+))?",
-    re.ASCII,
-)
-
-
-def number_for_11(node: Node) -> str | None:
-    """Return how to write a number so that YAML 1.1, too, reads it: ``0.001`` for ``1e-3``.
-
-    Where that would be long, with an exponent: ``1.0e-9`` for ``1e-9``.
-    """
-    if not isinstance(node, Scalar) or not node.plain:
-        return None
-    match = _DECIMAL.fullmatch(node.text)
-    if match is None:
-        return None
-    power = match["power"] and f"e{match['sign'] or '+'}{match['power']}"
-    text = f"{match['minus']}{match['whole'] or '0'}.{match['rest'] or '0'}{power or ''}"
-    value = value_12(node)
-    if not isinstance(value, int | float) or _scalar_11(text) != value:
-        return None
-    digits = format(Decimal(text).normalize(), "f") if abs(int(match["power"] or 0)) < 10 else ""
-    return digits if 0 < len(digits) <= _SHORT and _scalar_11(digits) == value else text
-
-
 class _Resolving(yaml.constructor.SafeConstructor, yaml.resolver.Resolver):
     """PyYAML's own idea of plain scalars, without a document around it."""
 
@@ -197,7 +242,6 @@ def _scalar_11(text: str) -> Any:
         return text
 
 
-"""Lines above the one that the parser stops at, in which the cause is looked for."""
 _TOO_DEEP = f"nested deeper than the limit of {MAX_DEPTH}"
 _NOT = "put the text in quotes, and write NOT for `!`"
 _NO_COLON = "could not find expected ':'"
@@ -234,10 +278,6 @@ class _Stop(Exception):  # noqa: N818 - control flow inside this module
         self.message, self.place, self.hint = message, place, hint
 
 
-def _hint(problem: str) -> str | None:
-    return next((hint for words, hint in _HINTS.items() if words in problem), None)
-
-
 class _Composer:
     """Builds the node graph of one document from the events of the parser."""
 
@@ -246,8 +286,7 @@ class _Composer:
         self.problems: list[Problem] = []
         self.open: list[_Open] = []
         self.anchors: dict[str, tuple[Node, int, int] | None] = {}
-        self.roots: list[Node] = []
-        self.visits = 0
+        self.root: Node | None = None
 
     def compose(self) -> tuple[Node | None, list[Problem]]:
         try:
@@ -256,120 +295,88 @@ class _Composer:
         except _Stop as stop:
             self._report(stop.message, stop.place, stop.hint)
             return None, self.problems
-        if not self.roots:
+        if self.root is None:
             self._report("the file contains no document", Place(self.name, 1, 1))
-            return None, self.problems
-        return self.roots[0], self.problems
+        return self.root, self.problems
 
     def _report(self, reason: str, place: Place, hint: str | None = None) -> None:
         self.problems.append(problem(f"{self.code}.yaml", place, hint=hint, reason=reason))
 
-    def _events(self) -> Iterator[Any]:
-        try:
-            yield from yaml.parse(self.text, Loader=_FAST_LOADER)
-        except yaml.MarkedYAMLError as failure:
-            mark = failure.problem_mark or failure.context_mark
-            place = Place(self.name) if mark is None else self._place(mark)
-            if "maximum nesting depth" in (failure.problem or ""):  # the parser's own, 1000
-                raise _Stop(_TOO_DEEP, place) from None
-            conflict = self._conflict(mark.line) if mark is not None else None
-            if conflict is not None:
-                message = "a merge conflict that nobody has resolved begins here"
-                raise _Stop(message, Place(self.name, conflict + 1, 1), _RESOLVE) from None
-            if mark is not None and self._has_tab(mark.line):
-                message = "this is not YAML: a tab indents this line"
-                raise _Stop(message, place, "indent with spaces") from None
-            parts = [part for part in (failure.context, failure.problem) if part]
-            hint = None if mark is None else self._quotes(failure.context or "", mark.line)
-            if failure.problem == _NO_COLON and failure.context_mark:
-                place = self._place(failure.context_mark)  # of the key; the other is below it
-            hint = hint or _hint(failure.problem or "")
-            raise _Stop(f"this is not YAML: {': '.join(parts)}", place, hint) from None
-        except yaml.reader.ReaderError as failure:
-            raise _Stop(*self._unreadable(failure)) from None
-
-    def _has_tab(self, line: int) -> bool:
-        """Return whether a line, counted from 0, is indented with a tab."""
-        text = self._line(line)
-        return "\t" in text[: len(text) - len(text.lstrip(" \t"))]
-
-    def _conflict(self, last: int) -> int | None:
-        """Return the first line up to ``last``, from 0, that git put before both sides."""
-        numbered = enumerate(itertools.islice(yaml_lines(self.text), last + 1))
-        return next((at for at, text in numbered if text.startswith("<<<<<<< ")), None)
-
-    def _quotes(self, context: str, line: int) -> str | None:
-        """Return the hint for an operator of expressions that YAML takes for its own."""
-        if "alias" in context:
-            return "put the text with `*` in quotes"
-        if re.search(r"[:,\[-]\s+%", self._line(line)):
-            return "write `percent`, or put the text in quotes"
-        return _NOT if re.search(r"[:,\[-]\s+!", self._line(line)) else None
-
-    def _line(self, number: int) -> str:
-        return next(itertools.islice(yaml_lines(self.text), number, None), "")
-
-    def _unreadable(self, problem: yaml.reader.ReaderError) -> tuple[str, Place]:
-        bad = re.search(
-            "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
-        )
-        before = self.text[: bad.start()] if bad else ""
-        shown = f" U+{ord(bad.group()):04X}" if bad else ""
-        return f"this is not YAML: the character{shown} is not allowed", _place_after(
-            self.name, before
-        )
-
     def _place(self, mark: Any) -> Place:
         return Place(self.name, mark.line + 1, mark.column + 1)
 
-    def _take(self, event: Any) -> None:
-        if isinstance(event, yaml.ScalarEvent):
-            self._scalar(event)
-        elif isinstance(event, yaml.CollectionStartEvent):
-            self._begin(event)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            self._end()
-        elif isinstance(event, yaml.AliasEvent):
-            self._alias(event)
-        elif isinstance(event, yaml.DocumentStartEvent) and self.roots:
-            raise _Stop("the file contains more than one document", self._place(event.start_mark))
+    def _events(self) -> Iterator[Any]:
+        try:
+            yield from yaml.parse(self.text, Loader=_LOADER)
+        except yaml.MarkedYAMLError as failure:
+            raise self._not_yaml(failure) from None
+        except yaml.reader.ReaderError:
+            bad = re.search(
+                "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", self.text
+            )
+            lines = (self.text[: bad.start()] if bad else "").split("\n")
+            shown = f" U+{ord(bad.group()):04X}" if bad else ""
+            message = f"this is not YAML: the character{shown} is not allowed"
+            raise _Stop(message, Place(self.name, len(lines), len(lines[-1]) + 1)) from None
 
-    def _check_tag(self, event: Any) -> None:
-        if event.tag is not None and event.tag not in _CORE_TAGS:
-            place = self._place(event.start_mark)
+    def _not_yaml(self, failure: yaml.MarkedYAMLError) -> _Stop:
+        what, context = failure.problem or "", failure.context or ""
+        mark = failure.problem_mark or failure.context_mark
+        place = Place(self.name) if mark is None else self._place(mark)
+        if "maximum nesting depth" in what:  # the parser's own, 1000
+            return _Stop(_TOO_DEEP, place)
+        lines = list(itertools.islice(yaml_lines(self.text), mark.line + 1)) if mark else [""]
+        for number, line in enumerate(lines, 1):
+            if line.startswith("<<<<<<< "):
+                message = "a merge conflict that nobody has resolved begins here"
+                return _Stop(message, Place(self.name, number, 1), _RESOLVE)
+        line = lines[-1] if mark is not None and len(lines) > mark.line else ""
+        if re.match(r" *\t", line):
+            message = "this is not YAML: a tab indents this line"
+            return _Stop(message, place, "indent with spaces")
+        hint = next((hint for words, hint in _HINTS.items() if words in what), None)
+        if "alias" in context:
+            hint = "put the text with `*` in quotes"
+        elif re.search(r"[:,\[-]\s+%", line):
+            hint = "write `percent`, or put the text in quotes"
+        elif re.search(r"[:,\[-]\s+!", line):
+            hint = _NOT
+        if what == _NO_COLON and failure.context_mark:
+            place = self._place(failure.context_mark)  # of the key; the other is below it
+        parts = ": ".join(part for part in (failure.context, failure.problem) if part)
+        return _Stop(f"this is not YAML: {parts}", place, hint)
+
+    def _take(self, event: Any) -> None:
+        place = self._place(event.start_mark)
+        if getattr(event, "tag", None) is not None and event.tag not in _CORE_TAGS:
             hint = _NOT if event.tag.startswith("!") else None
             raise _Stop(f"the tag {event.tag!r} is not supported here", place, hint)
+        if isinstance(event, yaml.ScalarEvent):
+            plain = event.style in (None, "") and event.tag is None
+            self._add(Scalar(event.value, plain, place), event.anchor, 1, 0)
+        elif isinstance(event, yaml.CollectionStartEvent):
+            if len(self.open) >= MAX_DEPTH:
+                raise _Stop(_TOO_DEEP, place)
+            if event.anchor is not None:
+                self.anchors[event.anchor] = None  # an alias to what is still open is recursive
+            is_map = isinstance(event, yaml.MappingStartEvent)
+            self.open.append(_Open(place, is_map, event.anchor))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            done = self.open.pop()
+            node: Node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
+            self._add(node, done.anchor, done.visits, done.depth + 1)
+        elif isinstance(event, yaml.AliasEvent):
+            self._alias(str(event.anchor), place)
+        elif isinstance(event, yaml.DocumentStartEvent) and self.root is not None:
+            raise _Stop("the file contains more than one document", place)
 
-    def _scalar(self, event: Any) -> None:
-        if event.tag is not None:
-            self._check_tag(event)
-        plain = event.style in (None, "") and event.tag is None
-        node = Scalar(event.value, plain, self._place(event.start_mark))
-        self._add(node, event.anchor, 1, 0)
-
-    def _begin(self, event: Any) -> None:
-        self._check_tag(event)
-        place = self._place(event.start_mark)
-        if len(self.open) >= MAX_DEPTH:
-            raise _Stop(_TOO_DEEP, place)
-        if event.anchor is not None:
-            self.anchors[event.anchor] = None  # an alias to what is still open is recursive
-        is_map = isinstance(event, yaml.MappingStartEvent)
-        self.open.append(_Open(place, is_map, event.anchor))
-
-    def _end(self) -> None:
-        done = self.open.pop()
-        node: Node = self._map(done) if done.is_map else Items(tuple(done.children), done.place)
-        self._add(node, done.anchor, done.visits, done.depth + 1)
-
-    def _alias(self, event: Any) -> None:
-        place = self._place(event.start_mark)
-        if event.anchor not in self.anchors:
-            raise _Stop(f"the alias *{event.anchor} has no anchor", place)
-        found = self.anchors[event.anchor]
-        if found is None:
-            raise _Stop(f"the alias *{event.anchor} is inside the node that it refers to", place)
-        node, visits, depth = found
+    def _alias(self, anchor: str, place: Place) -> None:
+        if anchor not in self.anchors:
+            raise _Stop(f"the alias *{anchor} has no anchor", place)
+        anchored = self.anchors[anchor]
+        if anchored is None:
+            raise _Stop(f"the alias *{anchor} is inside the node that it refers to", place)
+        node, visits, depth = anchored
         if len(self.open) + depth > MAX_DEPTH:
             raise _Stop(_TOO_DEEP, place)
         self._add(node, None, visits, depth)
@@ -378,7 +385,7 @@ class _Composer:
         if anchor is not None:
             self.anchors[anchor] = (node, visits, depth)
         if not self.open:
-            self.roots.append(node)
+            self.root = node
             return
         parent = self.open[-1]
         parent.children.append(node)
@@ -398,8 +405,3 @@ class _Composer:
                 message = f"the key {shown(key.text)} is repeated, first in line {first.place.line}"
                 self._report(message, key.place)
         return Map(tuple(entries.values()), done.place)
-
-
-def _place_after(name: str, before: str) -> Place:
-    line = before.count("\n") + 1
-    return Place(name, line, len(before) - (before.rfind("\n") + 1) + 1)

@@ -7,7 +7,8 @@ follows; here a part ends with its last scalar.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any
@@ -81,24 +82,40 @@ def spans(text: str, name: str) -> Span | None:
 
 
 def _root(text: str) -> Span | None:
-    # the Python parser, whose marks count characters; a configuration is small
-    parser = yaml.parse(text, Loader=yaml.SafeLoader)
     stack: list[Span] = []
-    for event in parser:
+    # the Python parser, whose marks count characters; a configuration is small
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        start: Any = event.start_mark
+        end: Any = event.end_mark
+        span = Span(start.index, start.index, start.line + 1)
+        anchor: str | None = getattr(event, "anchor", None)
+        if anchor is not None:
+            names = span.aliases if isinstance(event, yaml.AliasEvent) else span.anchors
+            names[anchor] = span.line
         if isinstance(event, yaml.CollectionStartEvent):
-            stack.append(_opened(event))
-        elif isinstance(event, yaml.CollectionEndEvent):
-            done = stack.pop()
-            if done.is_flow:
-                done.end = _offset(event.end_mark)
-            if not stack:
-                return done
-            _add(stack[-1], done)
+            span.is_map = isinstance(event, yaml.MappingStartEvent)
+            span.is_flow = bool(event.flow_style)
+            stack.append(span)
+            continue
+        if isinstance(event, yaml.CollectionEndEvent):
+            span = stack.pop()
+            span.end = end.index if span.is_flow else span.end
         elif isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
-            leaf = _leaf(event)
-            if not stack:
-                return leaf
-            _add(stack[-1], leaf)
+            span.end = end.index
+            if isinstance(event, yaml.ScalarEvent):
+                span.text = event.value
+                span.scalars += [(span.start, span.end)] if span.end > span.start else []
+        else:
+            continue
+        if not stack:
+            return span
+        parent = stack[-1]
+        parent.children.append(span)
+        if span.end > span.start:  # an empty one, marked at the next token, moves no end
+            parent.end = max(parent.end, span.end)
+        parent.anchors |= span.anchors
+        parent.aliases |= span.aliases
+        parent.scalars += span.scalars
     return None
 
 
@@ -168,10 +185,8 @@ def _add(parent: Span, child: Span) -> None:
 
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_FOLD = re.compile("(?:[ \t]*(?:\r\n|[\n\r\x85\u2028\u2029]))+[ \t]*")
 _BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
-
-_Spot = tuple[int, int]
-"""Line and column, both from 0."""
 
 
 def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
@@ -184,14 +199,15 @@ def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
     """
     if start.line is None or start.col is None or not text:
         return lambda _: start
-    lines = yaml_lines(text)
-    if start.line > len(lines):
+    begins = [0, *(match.end() for match in _LINE_END.finditer(text))]
+    if start.line > len(begins):
         return lambda _: start
-    found = list(_characters(lines, start.line - 1, start.col - 1))
+    places = list(_characters(text, begins[start.line - 1], start.col - 1))
 
     def of(offset: int) -> Place:
-        line, col = found[min(offset, len(found) - 1)] if found else (0, 0)
-        return replace(start, line=line + 1, col=col + 1)
+        place = places[min(offset, len(places) - 1)] if places else 0
+        line = bisect_right(begins, place)
+        return replace(start, line=line, col=place - begins[line - 1] + 1)
 
     return of
 
@@ -201,92 +217,68 @@ def yaml_lines(text: str) -> list[str]:
     return _LINE_END.split(text)
 
 
-def _characters(lines: Sequence[str], line: int, col: int) -> Iterator[_Spot]:
-    """Yield the place of each character of the value, then that behind it."""
-    block = _BLOCK.match(lines[line], col)
-    if block is not None:
-        parent = _indent_of_parent(lines[line], col)
-        return _block(lines, line + 1, parent, block["indent"], folded=block["style"] == ">")
-    first = lines[line][col : col + 1]
-    return _flow(lines, line, col, first if first in ("'", '"') else "")
+def _characters(text: str, begin: int, col: int) -> Iterator[int]:
+    """Yield the offset of each character of the value, then that behind it."""
+    block = _BLOCK.match(text, begin + col)
+    if block is None:
+        quote = text[begin + col : begin + col + 1]
+        return _flow(text, begin + col, quote if quote in ("'", '"') else "")
+    line = text[begin : begin + col]
+    parent = len(line) - len(line.lstrip(" \t"))
+    while dash := re.match(r"-[ \t]+(?=\S)", line[parent:]):  # the entries that hold it
+        parent += dash.end()
+    parent = parent if parent < col else -1
+    indent = parent + int(block["indent"]) if block["indent"] else None
+    end = _LINE_END.search(text, block.end())
+    first = end.end() if end is not None else len(text)
+    return _block(text, first, parent + 1, indent, folded=block["style"] == ">")
 
 
-def _flow(lines: Sequence[str], line: int, col: int, quote: str) -> Iterator[_Spot]:
+def _flow(text: str, at: int, quote: str) -> Iterator[int]:
     """Yield the characters of a plain or quoted scalar."""
-    col += len(quote)
-    while line < len(lines):
-        text = lines[line]
-        blanks = len(text[col:]) - len(text[col:].lstrip(" \t"))
-        if col + blanks == len(text):  # blanks at the end of a line are not part of the value
-            empty = _blank_lines(lines, line + 1)
-            yield line, col  # a blank, or the first of several line ends
-            yield from ((line + 1 + one, 0) for one in range(empty - 1))
-            line += 1 + empty
-            col = _indent(lines[line]) if line < len(lines) else 0
+    at += len(quote)
+    while at < len(text):
+        is_escape = quote == '"' and text[at] == "\\"
+        fold = _FOLD.match(text, at + is_escape)
+        if fold is not None:  # one line end is a blank, or nothing behind an escape
+            ends = [end.start() for end in _LINE_END.finditer(text, at, fold.end())]
+            yield from ends[1:] if is_escape or len(ends) > 1 else [at]
+            at = fold.end()
             continue
-        yield from ((line, one) for one in range(col, col + blanks))
-        col += blanks
-        if quote == '"' and text[col:] == "\\":  # an escaped line end is not part of it either
-            empty = _blank_lines(lines, line + 1)
-            yield from ((line + 1 + one, 0) for one in range(empty))
-            line += 1 + empty
-            col = _indent(lines[line]) if line < len(lines) else 0
-            continue
-        yield line, col
-        if quote == '"' and text[col] == "\\":
-            col += _LONG_ESCAPES.get(text[col + 1], 2)
-        elif quote == "'" and text[col : col + 2] == "''":
-            col += 2
-        elif text[col] == quote:
+        yield at
+        if is_escape:
+            at += _LONG_ESCAPES.get(text[at + 1 : at + 2], 2)
+        elif quote == "'" and text.startswith("''", at):
+            at += 2
+        elif text[at] == quote:
             return
         else:
-            col += 1
+            at += 1
 
 
-def _block(
-    lines: Sequence[str], line: int, parent: int, indicator: str | None, *, folded: bool
-) -> Iterator[_Spot]:
+def _block(text: str, begin: int, least: int, indent: int | None, *, folded: bool) -> Iterator[int]:
     """Yield the characters of a literal or folded block scalar, with every line end at its end."""
-    if indicator is not None:
-        indent = parent + int(indicator)
-    else:
-        leading = list(takewhile(lambda one: not one.strip(" "), lines[line:]))
-        first = lines[line + len(leading) : line + len(leading) + 1]
-        indent = max([parent + 1, *map(len, leading), *map(_spaces, first)])
-    while line < len(lines) and _is_empty(lines[line], indent):
-        yield line, len(lines[line])
-        line += 1
-    while line < len(lines) and _spaces(lines[line]) >= indent:
-        text = lines[line]
-        yield from ((line, one) for one in range(indent, len(text)))
-        empty = sum(1 for _ in takewhile(lambda one: _is_empty(one, indent), lines[line + 1 :]))
-        behind = lines[line + 1 + empty] if line + 1 + empty < len(lines) else ""
-        goes_on = _spaces(behind) >= indent and len(behind) > indent
-        folds = folded and goes_on and text[indent] not in " \t" and behind[indent] not in " \t"
-        if not (folds and empty):
-            yield line, len(text)
-        yield from ((line + 1 + one, len(lines[line + 1 + one])) for one in range(empty))
-        line += 1 + empty
-
-
-def _indent_of_parent(text: str, col: int) -> int:
-    """Return the column of the node that holds a block scalar, which begins at a column."""
-    at = _indent(text)
-    while text[at : at + 1] == "-" and at + 1 + _indent(text[at + 1 :]) < col:
-        at += 1 + _indent(text[at + 1 :])
-    return at if at < col else -1
-
-
-def _blank_lines(lines: Sequence[str], line: int) -> int:
-    return sum(1 for _ in takewhile(lambda one: not one.strip(" \t"), lines[line:]))
-
-
-def _is_empty(text: str, indent: int) -> bool:
-    return len(text) <= indent and not text.strip(" ")
-
-
-def _indent(text: str) -> int:
-    return len(text) - len(text.lstrip(" \t"))
+    lines, at = yaml_lines(text[begin:]), begin
+    if indent is None:
+        blank = list(takewhile(lambda line: not line.strip(" "), lines))
+        first = lines[len(blank) : len(blank) + 1]
+        indent = max([least, *map(len, blank), *map(_spaces, first)])
+    empty = [len(line) <= indent and not line.strip(" ") for line in lines]
+    below = [""] * len(lines)  # for each line the next one that is not empty
+    for number in range(len(lines) - 1, 0, -1):
+        below[number - 1] = below[number] if empty[number] else lines[number]
+    for number, line in enumerate(lines):
+        if not empty[number] and _spaces(line) < indent:
+            return
+        if not empty[number]:
+            yield from range(at + indent, at + len(line))
+        behind = below[number]
+        goes_on = folded and _spaces(behind) >= indent and len(behind) > indent
+        is_folded = goes_on and not empty[number] and not {line[indent], behind[indent]} & {*" \t"}
+        if not (is_folded and empty[number + 1]):
+            yield at + len(line)
+        end = _LINE_END.match(text, at + len(line))
+        at = end.end() if end is not None else len(text)
 
 
 def _spaces(text: str) -> int:

@@ -54,27 +54,21 @@ def dump_plain(data: Any) -> str:
 
 
 def _lines(data: Any) -> list[str]:
+    lines: list[str] = []
     if isinstance(data, Mapping) and data:
-        return [line for key, value in data.items() for line in _entry(f"{quoted(key)}:", value)]
+        for key, value in data.items():
+            first, *rest = _lines(value)
+            if isinstance(value, Mapping | list | tuple) and value:
+                lines += [f"{quoted(key)}:", *(f"  {line}" for line in (first, *rest))]
+            else:
+                lines.append(f"{quoted(key)}: {first}")
+        return lines
     if isinstance(data, Sequence) and not isinstance(data, str) and data:
-        return [line for value in data for line in _item(value)]
+        for value in data:
+            first, *rest = _lines(value)
+            lines += [f"- {first}", *(f"  {line}" for line in rest)]
+        return lines
     return [_scalar(data)]
-
-
-def _entry(head: str, value: Any) -> list[str]:
-    lines = _lines(value)
-    if _is_block(value):
-        return [head, *(f"  {line}" for line in lines)]
-    return [f"{head} {lines[0]}"]
-
-
-def _item(value: Any) -> list[str]:
-    lines = _lines(value)
-    return [f"- {lines[0]}", *(f"  {line}" for line in lines[1:])]
-
-
-def _is_block(value: Any) -> bool:
-    return isinstance(value, Mapping | list | tuple) and bool(value)
 
 
 def _scalar(value: Any) -> str:
@@ -90,11 +84,7 @@ def _scalar(value: Any) -> str:
         return "[]"
     if isinstance(value, int):
         return str(int(value))
-    return _float(float(value))
-
-
-def _float(value: float) -> str:
-    text = repr(value)
+    text = repr(float(value))
     if text in ("inf", "-inf", "nan"):
         return text.replace("inf", ".inf").replace("nan", ".nan")
     # YAML 1.1 takes 1e+16 as text: its numbers need a point before the exponent

@@ -11,9 +11,9 @@ from hypothesis import settings
 
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.analysis import Analysis
-from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import monitor_model
+from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.running import build_engine
 from eddi_scaffold.program.standalone_python import python_module

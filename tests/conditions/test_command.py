@@ -151,37 +151,3 @@ def test_bad_usage(words: list[str], code: str, tmp_path: Path) -> None:
     assert f"[{code}]" in result.err
     assert (tmp_path / "taken" / "event_event.py").read_text() == "mine = True\n"
     assert not (tmp_path / "out").exists()
-
-
-def test_a_name_that_cannot_be_used_comes_with_one_that_can(tmp_path: Path) -> None:
-    refused = run("event", "x > 1", "--name", "Wächter 2", "-o", "out", cwd=tmp_path)
-    assert refused.err == (
-        "error: files and functions cannot begin with 'Wächter 2': lower-case ASCII letters, "
-        "digits and single underscores are expected [G002]\n"
-        "  hint: --name wachter_2\n1 error\n"
-    )
-    word = run("event", "x > 1", "--name", "int", "-o", "out", cwd=tmp_path)
-    assert word.err == (
-        "error: files and functions cannot begin with 'int': it means something else in C or "
-        "Python [G002]\n"
-        "  hint: --name int_monitor\n1 error\n"
-    )
-    assert run("event", "x > 1", "--name", "int_monitor", "-o", "out", cwd=tmp_path).status == 0
-
-
-def test_a_name_that_is_made_of_the_files_is_said(tmp_path: Path) -> None:
-    (tmp_path / "über wach.events").write_text("x > 1\n")
-    made = run("event", "über wach.events", "-o", "out", cwd=tmp_path)
-    assert (made.status, made.out) == (0, "out/uber_wach_event.py\n")
-    assert made.err == (
-        "note: files and functions begin with 'uber_wach', not 'über wach'; "
-        "--name chooses another\n"
-    )
-
-
-def test_two_hundred_events_in_one_file(tmp_path: Path) -> None:
-    lines = ["VAR x : NUMBER TIMEOUT 1s"]
-    lines += [f"EVENT e{k} (HAZARD) := AVERAGE(x, {k + 1}00ms) > {k}" for k in range(200)]
-    (tmp_path / "many.events").write_text("\n".join(lines))
-    result = run("event", "many.events", "--rate", "10", "-o", "out", cwd=tmp_path)
-    assert result.status == 0

@@ -11,10 +11,10 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions import analyse
-from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
+from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.running import build_engine
 from tests.conditions.reference import NearTie, aggregate, combine
 
@@ -200,62 +200,6 @@ def same(found: float, wanted: Any, analysis: Any) -> bool:
     if wanted is None:
         return math.isnan(found)
     return found == wanted or math.isclose(found, wanted, rel_tol=1e-9, abs_tol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("text", "column", "message"),
-    [
-        ("scan.ranges[*] > 1", 1, "scan.ranges[*] is a list, no single value"),
-        ("MIN(scan.ranges[*], 5s) > 1", 21, "a list takes no duration"),
-        ("MIN(a.x[*] + b.y[*]) > 1", 1, "a reduction is of one message, these are two: a and b"),
-        ("MIN(a.x[*] + a.b.y[*]) > 1", 1, "a.x[*] and a.b.y[*] are different lists"),
-        ("MIN(a.x[*] + a.y[1..2]) > 1", 1, "a.x[*] and a.y[1..2] are different lists"),
-        ("MIN(a[*].x + a[*].y[*]) > 1", 1, "a[*].x and a[*].y[*] are different lists"),
-        ("ANY(RISE(a.x[*] > 1))", 5, "RISE remembers earlier steps, a list is of one message"),
-        (
-            "MIN(AGE(a.x[*]) + a.x[*]) > 1",
-            5,
-            "AGE remembers earlier steps, a list is of one message",
-        ),
-        ("ANY(x > 1)", 1, "ANY needs a list"),
-        ("RATE(a.x[*]) > 1", 1, "RATE takes no list"),
-        (
-            "MIN(MIN(a.x[*]) + a.x[*]) > 1",
-            5,
-            "a reduction inside of a reduction: lists of lists are one list",
-        ),
-        ("MIN(a.x[*], LENGTH 5 .. 2) > 1", 26, "the LENGTH is empty: its ends are swapped"),
-        ("MIN(a.x[*], COVERAGE 0) > 1", 22, "the coverage must be above 0 and at most 1"),
-        ("MIN(a.x[*], COVERAGE 1, COVERAGE 1) > 1", 25, "COVERAGE is repeated"),
-        (
-            "MIN(a.x[*], SOME 1) > 1",
-            13,
-            "COVERAGE or SECTOR or LENGTH or WITHIN is expected, found 'SOME'",
-        ),
-        ("MIN(a.x[*], SECTOR 0 .. 1) > 1", 20, "SECTOR needs angles"),
-        ("MIN(a.x[*], SECTOR -1 .. 1 rad) > 1", 20, "SECTOR needs angles"),
-        (
-            "MIN(a.x[*], SECTOR -1 rad, 1 rad) > 1",
-            26,
-            "'..' as in SECTOR -30 deg .. 30 deg is expected, found ','",
-        ),
-        ("MIN(a.x[*], SECTOR 1 rad .. 0 rad) > 1", 13, "the SECTOR is empty: its ends are swapped"),
-        (
-            "MIN(a.x[*].y, SECTOR 0 rad .. 1 rad) > 1",
-            15,
-            "SECTOR needs the list of a scan, such as scan.ranges[*]",
-        ),
-        ("MIN(a.x[2..1]) > 1", 9, "an index behind 2 is expected, found '1'"),
-        ("LEAST(x) > 1", 1, "LEAST takes 2 arguments or more, here are 1"),
-        ("CLAMP(x, 2, 1) > 1", 1, "the lower bound of CLAMP must be below the upper one"),
-        ("NUMBER(x + 1) > 1", 8, "NUMBER needs a text, this is a number"),
-    ],
-)
-def test_what_lists_cannot_be(text: str, column: int, message: str) -> None:
-    problems = analyse(text, rate=10).problems
-    assert [(one.place.col, one.message) for one in problems if one.level == "error"] == [
-        (column, message)
-    ]
 
 
 @pytest.mark.parametrize(

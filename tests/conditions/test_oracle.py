@@ -11,11 +11,11 @@ import pytest
 import yaml
 
 from eddi_scaffold.conditions import Variable, analyse
-from eddi_scaffold.conditions.findings import TextFindings, in_text
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.syntax import canonical
+from eddi_scaffold.conditions.tokens import TextFindings, in_text
 from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.running import build_engine
 from eddi_scaffold.program.standalone_python import python_module

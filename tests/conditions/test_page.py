@@ -21,7 +21,7 @@ import pytest
 from eddi_scaffold.cli.event import _read_signal
 from eddi_scaffold.common.local_server import MAX_BODY
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.conditions.event_server import open_server
+from eddi_scaffold.conditions.event_page import open_server
 from tests.diagnosed import assert_reported
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"

@@ -6,7 +6,6 @@ the picture of the documentation anew.
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.cli.event import _read_signal
-from eddi_scaffold.conditions.event_server import open_server
+from eddi_scaffold.conditions.event_page import open_server
 from tests.conditions.browser import Browser
 
 D72 = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
@@ -83,31 +82,6 @@ def test_check_mend_generate_and_copy_by_the_keyboard(browser: Browser, address:
     browser.press("Enter")
     browser.wait("document.querySelector('.copy').innerText !== 'Copy'")
     assert browser.script("document.getSelection().toString().length") == len(code)
-
-
-@pytest.mark.slow
-def test_values_are_drawn_over_time(browser: Browser, address: str) -> None:
-    browser.open(address)
-    replace_text(browser, D72)
-    browser.script("document.querySelector('details').open = true")
-    browser.script("document.querySelector('[name=example]').focus()")
-    browser.press("Enter")
-    browser.wait("document.querySelector('img') !== null")
-    browser.wait("document.querySelector('img').naturalWidth > 500")
-    wanted = os.environ.get("EDDI_SCREENSHOT")
-    if wanted:
-        browser.screenshot(Path(wanted))
-
-
-@pytest.mark.slow
-def test_it_works_without_javascript(browser: Browser, address: str) -> None:
-    browser.call("Emulation.setScriptExecutionDisabled", value=True)
-    browser.open(address)
-    replace_text(browser, "x > 1 > 2")
-    tab_to(browser, "check")
-    browser.press("Enter")
-    asked(browser)
-    assert "comparisons do not chain" in result(browser)
 
 
 @pytest.mark.slow

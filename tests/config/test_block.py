@@ -76,19 +76,6 @@ def test_where_a_block_goes_that_is_not_there(text: str, wanted: str) -> None:
     assert written(text, SCAN) == (wanted, [])
 
 
-def test_line_ends_stay() -> None:
-    text = "Model:\r\n  id: A\r\nSimulatorOutputs: []\r\nEDDIInputs: []\r\n"
-    assert written(text, SCAN)[0] == text.replace(
-        "SimulatorOutputs: []\r\n", NEW.replace("\n", "\r\n")
-    )
-
-
-def test_texts_that_yaml_would_read_as_something_else_are_quoted() -> None:
-    text, _ = rewritten(new_document("c.yml"), [ON, TopicEntry("null", "a.B", "/1")])
-    assert '- id: "on"\n' in text
-    assert '- id: "null"\n' in text
-
-
 def test_other_keys_stay_with_their_topic() -> None:
     old = (
         "SimulatorOutputs:\n- id: a\n  max_age: 0.5\n  topic: /scan\n"

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place
-from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.options import options_of
+from eddi_scaffold.config.file import ConfigFile, from_json, options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
@@ -36,15 +35,15 @@ def test_the_least_configuration_and_its_defaults() -> None:
     assert (config.Package.version, config.Package.license) == ("0.1.0", "Apache-2.0")
 
 
+def test_an_empty_section_is_an_empty_list() -> None:
+    config = read("Model: {id: A, type: ConSert}\nEDDIInputs:\nSimulatorOutputs: ~\n").config
+    assert (config.EDDIInputs, config.SimulatorOutputs) == ([], [])
+
+
 def test_no_lease_is_longer_than_words_are_remembered() -> None:
     head = "Model: {id: A, type: ConSert}\n"
     assert codes(f"{head}Fleet: {{robot: b, lease: 60}}\n") == []
     assert codes(f"{head}Fleet: {{robot: b, lease: 60.5}}\n") == ["K003"]
-
-
-def test_an_empty_section_is_an_empty_list() -> None:
-    config = read("Model: {id: A, type: ConSert}\nEDDIInputs:\nSimulatorOutputs: ~\n").config
-    assert (config.EDDIInputs, config.SimulatorOutputs) == ([], [])
 
 
 @pytest.mark.parametrize("spelt", ["std_msgs.Bool", "std_msgs/Bool", "std_msgs/msg/Bool"])
@@ -68,11 +67,6 @@ def test_types_of_inputs(spelt: str, means: str) -> None:
     assert read(text).config.EDDIInputs[0].type == means
 
 
-@pytest.mark.parametrize("topic", ["/a", "a", "~a", "/a/b_1"])
-def test_topics(topic: str) -> None:
-    assert codes(f"Model: {{id: A, type: C}}\nEDDIOutputs: [{{id: o, topic: '{topic}'}}]\n") == []
-
-
 @pytest.mark.parametrize("topic", ["", "/", "a/", "//a", "1a", "a b", "ä", "a\n", "/_a", "a-b"])
 def test_what_is_no_topic(topic: str) -> None:
     text = dump_plain(
@@ -92,10 +86,6 @@ def test_ids_that_look_like_numbers_are_texts() -> None:
     )
 
 
-def test_fractions_of_a_step_per_second() -> None:
-    assert read("Model: {id: A, type: C, frequency: 0.5}\n").config.Model.frequency == 0.5
-
-
 def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
     text = (
         "Model: {id: A, type: C, frequency: 0, x: 1}\n"
@@ -106,37 +96,6 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
     assert [p.code for p in found] == ["K003", "K003", "K003", "K003", "K003", "K003"]
     places = [(p.place.line or 0, p.place.col or 0) for p in found]
     assert places == sorted(places)
-
-
-@pytest.mark.parametrize(
-    ("entry", "message"),
-    [
-        ("frequency: fast", "a number of steps per second is expected"),
-        ("frequency: .nan", "0.000001 to 1000000 steps per second are expected"),
-        ("frequency: 2000000", "0.000001 to 1000000 steps per second are expected"),
-        ("startup_grace: true", "seconds (a number from 0 on) are expected"),
-        ("startup_grace: -1", "seconds from 0 to 1000000 are expected"),
-    ],
-)
-def test_values_of_the_model_that_cannot_be(entry: str, message: str) -> None:
-    text = f"Model: {{id: A, type: C, {entry}}}\n"
-    (found,) = read_config(Source("c.yml", text.encode()))[1]
-    assert (found.code, found.message) == ("K003", f"Model.{entry.partition(':')[0]}: {message}")
-
-
-@pytest.mark.parametrize(
-    ("entry", "message"),
-    [
-        ('version: "0.1"', "three numbers are expected, such as 0.1.0"),
-        ("maintainer: Ada", "a name and an address are expected: Ada Lovelace <ada@example.org>"),
-        ('description: ""', "one line of text is expected"),
-        ('license: "a\\nb"', "one line of text is expected"),
-    ],
-)
-def test_texts_of_the_package_that_cannot_be(entry: str, message: str) -> None:
-    text = f"Model: {{id: A, type: C}}\nPackage: {{{entry}}}\n"
-    (found,) = read_config(Source("c.yml", text.encode()))[1]
-    assert (found.code, found.message) == ("K003", f"Package.{entry.partition(':')[0]}: {message}")
 
 
 def test_parts_know_their_places() -> None:

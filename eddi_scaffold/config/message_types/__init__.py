@@ -1,41 +1,128 @@
-"""Message types of a configuration: which fields they have."""
+"""Message types of a configuration as tables of fields: names with types as in ``.msg`` files.
+
+A type is ``float64``, ``geometry_msgs/Point``, or one of these with ``[]`` or ``[9]`` behind it.
+The common messages travel with eddi-scaffold, so that the same configuration gives the same package
+on a machine with ROS and on one without.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
+from importlib.resources import files
 
-from eddi_scaffold.config.message_types.common import common_messages
-from eddi_scaffold.config.message_types.definitions import (
-    EITHER_TIMES,
-    TIMES,
-    Fields,
-    declared,
-    element,
-    fields_of,
-    is_primitive,
-    packages_of,
-    python_type,
-)
 from eddi_scaffold.kinds import kinds
 
-__all__ = [
-    "EITHER_TIMES",
-    "TIMES",
-    "Fields",
-    "MessageFields",
-    "declared",
-    "element",
-    "fields_of",
-    "is_primitive",
-    "known_messages",
-    "packages_of",
-    "python_type",
-    "used",
-]
+Fields = Mapping[str, str]
+"""Field -> type; constants are none."""
 
 MessageFields = Mapping[str, Fields]
 """Message type (``std_msgs/Bool``) -> field -> type as in a ``.msg`` file."""
+_INTEGERS = (
+    "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64", "byte", "char",
+)  # fmt: skip
+_PYTHON_TYPES = {
+    "bool": "bool",
+    "string": "str",
+    "float32": "float",
+    "float64": "float",
+    **dict.fromkeys(_INTEGERS, "int"),
+}
+TIMES: Mapping[str, Fields] = {
+    "time": {"secs": "uint32", "nsecs": "uint32"},
+    "duration": {"secs": "int32", "nsecs": "int32"},
+}
+"""What rospy makes of the two primitive types that have parts."""
+PRIMITIVES = (*_PYTHON_TYPES, *TIMES, "wstring")
+"""All types that are no messages."""
+EITHER_TIMES: Mapping[str, Fields] = {
+    "time": {**TIMES["time"], "sec": "int32", "nanosec": "uint32"},
+    "duration": {**TIMES["duration"], "sec": "int32", "nanosec": "uint32"},
+}
+"""The same, or as in ROS 2: before it is known for which of them a package is."""
+_FIELD = re.compile(r"^\s*([A-Za-z][\w/]*(?:\[\d*\])?)\s+([A-Za-z]\w*)\s*(?:#.*)?$", re.MULTILINE)
+_TYPE = re.compile(r"([A-Za-z][\w/]*)(\[\d*\])?")
+
+
+def fields_of(text: str, package: str = "") -> dict[str, str]:
+    """Read the fields of a ``.msg`` text.
+
+    Args:
+        text: the definition.
+        package: of the message, which names of the same package leave out.
+    """
+    return {name: _qualified(of, package) for of, name in _FIELD.findall(text)}
+
+
+def declared(fields: Iterable[tuple[str, str]], package: str) -> dict[str, str]:
+    """Return a field table of pairs of type and name; what is not a field name is left out."""
+    return {
+        name: _qualified(of.replace("/msg/", "/").replace(".", "/"), package)
+        for of, name in fields
+        if _TYPE.fullmatch(of.replace(".", "/")) and re.fullmatch(r"[A-Za-z]\w*", name)
+    }
+
+
+def _qualified(of: str, package: str) -> str:
+    """Return a type with its package: ``Header`` is that of std_msgs."""
+    match = _TYPE.fullmatch(of)
+    if match is None:
+        return of
+    name, array = match[1], match[2] or ""
+    if name == "Header":
+        name = "std_msgs/Header"
+    elif "/" not in name and name not in _PYTHON_TYPES and name not in TIMES and package:
+        name = f"{package}/{name}"
+    return f"{name}{array}"
+
+
+def element(of: str) -> str | None:
+    """Return the type of the elements of a list, ``None`` for what is not a list."""
+    return of.partition("[")[0] if of.endswith("]") else None
+
+
+def is_primitive(of: str) -> bool:
+    """Return whether a type has no fields: ``bool``, ``float64``, ``string``, ..."""
+    return of in _PYTHON_TYPES
+
+
+def python_type(of: str) -> str:
+    """Return ``bool``, ``int``, ``float``, ``str``, ``float[]`` or ``bool[]``, else the type.
+
+    A list of bytes (``uint8[]``, ``char[]``) is ``bytes`` in rospy, which is none of these.
+    """
+    inner = element(of)
+    if inner is None:
+        return _PYTHON_TYPES.get(of, of)
+    if inner in ("uint8", "char"):
+        return of
+    number = {"float": "float[]", "int": "float[]", "bool": "bool[]"}
+    return number.get(_PYTHON_TYPES.get(inner, ""), of)
+
+
+def packages_of(texts: Iterable[str]) -> list[str]:
+    """Return the packages of the field types in ``.msg`` texts, sorted."""
+    types = [of for text in texts for of in fields_of(text).values()]
+    return sorted({of.partition("/")[0] for of in types if "/" in of})
+
+
+@cache
+def common_messages() -> MessageFields:
+    """Return message type -> fields of std_msgs, common_msgs and geometry2 of ROS 1."""
+    lines = (files(__package__) / "common.txt").read_text("utf-8").splitlines()
+    messages: dict[str, Fields] = {}
+    for line in lines:
+        if line and not line.startswith("#"):
+            name, _, text = line.partition(":")
+            pairs = (part.split() for part in text.split(",") if part.strip())
+            messages[name] = {field: of for of, field in pairs}
+    return messages
+
+
+def line_of(name: str, fields: Fields) -> str:
+    """Return the line of the table for one message."""
+    return f"{name}: {', '.join(f'{of} {field}' for field, of in fields.items())}".rstrip()
 
 
 @cache
@@ -51,12 +138,60 @@ def known_messages() -> MessageFields:
 
 def used(types: Iterable[str], known: MessageFields) -> dict[str, dict[str, str]]:
     """Return those of the known messages that are needed to follow any path into some types."""
-    found: dict[str, dict[str, str]] = {}
+    needed: dict[str, dict[str, str]] = {}
     waiting = list(types)
     while waiting:
         name = waiting.pop()
         name = element(name) or name
-        if name in known and name not in found:
-            found[name] = dict(known[name])
+        if name in known and name not in needed:
+            needed[name] = dict(known[name])
             waiting += known[name].values()
-    return dict(sorted(found.items()))
+    return dict(sorted(needed.items()))
+
+
+_WORDS = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
+_CHANGED: dict[str, Fields] = {
+    "builtin_interfaces/Time": {"sec": "int32", "nanosec": "uint32"},
+    "builtin_interfaces/Duration": {"sec": "int32", "nanosec": "uint32"},
+    "std_msgs/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
+}
+_LOWER_CASE = ("sensor_msgs/CameraInfo", "stereo_msgs/DisparityImage")
+_OTHER = (
+    "shape_msgs/SolidPrimitive",
+    "visualization_msgs/Marker",
+    "visualization_msgs/MarkerArray",
+)
+"""Not the same in all releases."""
+_GONE = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics", "std_msgs/Duration", "std_msgs/Time")
+
+
+def ros2_messages(known: dict[str, Fields]) -> dict[str, Fields]:
+    """Return the fields of message types in ROS 2; types that it does not have are left out.
+
+    Args:
+        known: type -> fields, as ROS 1 has them.
+    """
+    return {name: _fields(name, of) for name, of in known.items() if not _is_gone(name)} | _CHANGED
+
+
+def ros2_fields(fields: Fields) -> dict[str, str]:
+    """Return fields with the times of ROS 2."""
+    return {name: _renamed(of) for name, of in fields.items()}
+
+
+def _fields(name: str, fields: Fields) -> Fields:
+    lower = name in _LOWER_CASE
+    return {field.lower() if lower else field: of for field, of in ros2_fields(fields).items()}
+
+
+def _renamed(of: str) -> str:
+    item = element(of) or of
+    return _WORDS.get(item, item) + of[len(item) :]
+
+
+def _is_gone(name: str) -> bool:
+    package, _, message = name.partition("/")
+    action = package in ("nav_msgs", "tf2_msgs") and message.startswith(
+        ("GetMap", "LookupTransform")
+    )
+    return action or name in (*_GONE, *_OTHER, *TIMES)

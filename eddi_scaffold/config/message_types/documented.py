@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from eddi_scaffold.config.message_types.definitions import Fields, element
+from eddi_scaffold.config.message_types import Fields, element
 
 _ROW = re.compile(
     r"(?P<unit>\S+)(?: (?P<low>[^.\s]+)\.\.(?P<high>[^.\s]+))?(?P<inf> inf)?"

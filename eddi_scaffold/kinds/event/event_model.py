@@ -11,8 +11,8 @@ from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.findings import line_and_column
 from eddi_scaffold.conditions.report import cost_line
+from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult

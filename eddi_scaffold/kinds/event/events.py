@@ -11,9 +11,9 @@ from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place, Problem, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.findings import Locate, line_and_column
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import is_list_path
+from eddi_scaffold.conditions.tokens import Locate, line_and_column
 from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.kinds import InputType, ModelInput
 

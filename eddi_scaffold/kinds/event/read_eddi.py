@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.conditions.findings import TextFindings, in_text
-from eddi_scaffold.conditions.tokens import comments_of, tokens_of
+from eddi_scaffold.conditions.tokens import TextFindings, comments_of, in_text, tokens_of
 from eddi_scaffold.eddi_xml.extensions import (
     EVENTS,
     MODEL,
@@ -104,7 +103,7 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
     begins = [
         k
         for k, token in enumerate(tokens)
-        if token.word in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
+        if token.keyword in DECLARATIONS and (k == 0 or tokens[k - 1].text != ".")
     ]
     if not begins or begins[0] != 0:
         raise EddiError(problem("X031.not_a_declaration", place))
@@ -112,7 +111,7 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
     for first, last in zip(begins, [*begins[1:], len(tokens) - 1], strict=True):
         start, end = tokens[first].end, tokens[last - 1].end
         words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
-        entries.append((tokens[first].start, tokens[first].word, words))
+        entries.append((tokens[first].start, tokens[first].keyword, words))
         _refuse_comments(place.file, text, tokens[first].start, end)
     for start, end in comments_of(text):
         entries.append((start, COMMENT, text[start + 2 : end].strip()))
