@@ -10,8 +10,9 @@ import pytest
 
 from eddi_scaffold.kinds.consert import MESSAGES
 from eddi_scaffold.watch.fleet import FleetState
-from eddi_scaffold.watch.ros1.source import Ros1Graph
-from tests.cli.command import ROOT
+from eddi_scaffold.watch.ros1 import Ros1Graph
+from tests.cli.command import ROOT, run
+from tests.diagnosed import assert_reported
 from tests.ros1.world import make_messages
 
 pytestmark = pytest.mark.ros
@@ -72,10 +73,6 @@ def test_two_robots_live_die_and_come_back(world, master, watch, model_files):
 
     watch.until(lambda robots: states(robots.get("/robot1", ()), "conserta") == ALL)
     watch.until(lambda robots: states(robots.get("/robot2", ()), "conserta") == UNKNOWN)
-    assert master.call("getSystemState")  # and nobody noticed:
-    subscribers = dict(master.call("getSystemState")[1])
-    assert not [name for names in subscribers.values() for name in names if "watch" in name]
-
     reported = lambda robots: robots["/robot1"][0].report is not None  # noqa: E731
     watch.until(reported)
     (monitor,) = (r.monitors[0] for r in watch.shown.robots if r.name == "/robot1")
@@ -96,7 +93,7 @@ def test_two_robots_live_die_and_come_back(world, master, watch, model_files):
     assert wanted[-3:] == ["active", "unknown", "active"] or wanted[-2:] == ["unknown", "active"]
 
 
-def test_another_definition_is_not_believed_and_a_lost_master_is_told(world, tmp_path, model_files):
+def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_path, model_files):
     master = world.master()
     watch = Watch(master)
     changed = MESSAGES["GuaranteeStatus"].replace("string id", "string name")
@@ -110,11 +107,21 @@ def test_another_definition_is_not_believed_and_a_lost_master_is_told(world, tmp
     assert [one.name for one in watch.shown.robots] == ["/honest"]
     master.process.end()
     watch.until(lambda _: any("does not answer" in one for one in watch.source.notes()))
-    last = watch.shown.robots[0].monitors[0].last
-    watch.until(
-        lambda robots: robots["/honest"][0].last > last + 0.5
-    )  # it is followed all the same
+    last = watch.shown.robots[0].monitors[0].last  # the node is followed all the same
+    watch.until(lambda robots: robots["/honest"][0].last > last + 0.5)
+    master.start()
+    world.node(master, "conserta", f"compiled:={model_files['conserta']}", "__ns:=/new")
+    watch.until(lambda robots: states(robots.get("/new", ()), "conserta") == UNKNOWN, 20.0)
     watch.close()
+    assert "watch" not in str(master.call("getSystemState"))
+
+
+def test_without_rospy_it_says_what_to_do(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr("eddi_scaffold.watch.ros1.SYSTEM_PYTHON", sys.executable)
+    result = run("watch", "--text", cwd=tmp_path)
+    assert (result.status, result.err.count("source ROS")) == (2, 1)
+    assert_reported("I010", result.err)
 
 
 def test_the_command_prints_and_ends(world, master, model_files):
