@@ -156,20 +156,20 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError
     from eddi_scaffold.conditions.recorded_values import columns, play
-    from eddi_scaffold.recordings.csv_recording import read_recording
+    from eddi_scaffold.recordings.csv_recording import read_rows
 
-    recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
-    if recording is None:
-        raise EddiError(*found)
+    rows, problems = read_rows(read_source(inputs), dict(columns(analysis)))
+    if rows is None:
+        raise EddiError(*problems)
     if not as_json:
-        console.problems(found)
+        console.problems(problems)
     word = "value" if analysis.events[0].type == "number" else "verdict"
     last = None
-    for t, verdicts in play(analysis, ((row.t, row.samples) for row in recording.rows)):
+    for t, verdicts in play(analysis, ((row.t, row.samples) for row in rows)):
         if as_json:
-            rows = [{"id": name, word: value} for name, value in verdicts.items()]
-            alone = {word: rows[0][word]} if len(rows) == 1 else {}
-            console.data(json.dumps({"t": t, **alone, "outputs": rows}))
+            outputs = [{"id": name, word: value} for name, value in verdicts.items()]
+            alone = {word: outputs[0][word]} if len(outputs) == 1 else {}
+            console.data(json.dumps({"t": t, **alone, "outputs": outputs}))
             continue
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in verdicts.items())
         if shown != last:
@@ -279,9 +279,8 @@ def _read_signal(
 ) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
     """Return the rows of a recording that was typed."""
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.recordings.csv_recording import read_recording
+    from eddi_scaffold.recordings.csv_recording import read_rows
 
     columns: dict[str, Any] = dict(types)
-    recording, found = read_recording(Source("<values>", text.encode()), columns)
-    rows = None if recording is None else [(row.t, row.samples) for row in recording.rows]
-    return rows, found
+    rows, problems = read_rows(Source("<values>", text.encode()), columns)
+    return None if rows is None else [(row.t, row.samples) for row in rows], problems

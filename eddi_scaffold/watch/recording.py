@@ -8,9 +8,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.common.identifiers import full_topic
 from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.recordings.bags import opened
+from eddi_scaffold.recordings.bags import opened, topic_of, type_of
 from eddi_scaffold.watch.messages import DIAGNOSTICS, Message, is_watched
 
 _TICK_S = 0.25
@@ -58,22 +57,16 @@ class Recording:
 
 
 def _messages(reader: Any, place: Place) -> Iterator[Message]:
-    topics = {
-        connection.id: (
-            full_topic(connection.topic, namespace="", package=""),
-            connection.msgtype.replace("/msg/", "/"),
-        )
-        for connection in reader.connections
-    }
-    watched = [one for one in reader.connections if is_watched(*topics[one.id])]
-    if all(topics[connection.id][1] == DIAGNOSTICS for connection in watched):
+    watched = [c for c in reader.connections if is_watched(topic_of(c), type_of(c))]
+    if all(type_of(connection) == DIAGNOSTICS for connection in watched):
         raise EddiError(problem("V002", place))
     seen: set[int] = set()
     for connection, t, data in reader.messages(watched):
-        is_kept = bool(getattr(connection.ext, "latching", 0)) and connection.id not in seen
-        seen.add(connection.id)
+        is_kept = bool(getattr(connection.ext, "latching", 0)) and id(connection) not in seen
+        seen.add(id(connection))
         yield Message(
-            *topics[connection.id],
+            topic_of(connection),
+            type_of(connection),
             reader.deserialize(connection, data),
             (t - reader.start_time) / 1e9,
             getattr(connection.ext, "callerid", None) or "",

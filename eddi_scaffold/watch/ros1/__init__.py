@@ -43,6 +43,7 @@ class Ros1Graph:
         self._contents: dict[tuple[str, str], object] = {}
         self._notes: Sequence[str] = ()
         self._rest = b""
+        self._process: Any
         for python in dict.fromkeys((shutil.which("python3"), SYSTEM_PYTHON)):
             if python is not None and self._is_started(python):
                 self._python = python
@@ -56,7 +57,7 @@ class Ros1Graph:
             for name, text in kind.messages.items()
         }
         with contextlib.suppress(OSError):
-            self._process: Any = subprocess.Popen(
+            self._process = subprocess.Popen(
                 [python, _LISTENER, json.dumps(texts)],
                 env=self._environment,
                 stdin=subprocess.PIPE,
@@ -65,16 +66,15 @@ class Ros1Graph:
                 bufsize=0,
                 start_new_session=True,  # Ctrl-C is for the view, which ends it
             )
-            self._lines: Any = self._process.stdout
-            if self._lines.readline():
-                os.set_blocking(self._lines.fileno(), False)
+            if self._process.stdout.readline():
+                os.set_blocking(self._process.stdout.fileno(), False)
                 return True
             self.close()
         return False
 
     def receive(self, seconds: float) -> tuple[float, Sequence[Message]]:
         """Wait for messages, and return what came."""
-        if select.select([self._lines], [], [], seconds)[0]:
+        if select.select([self._process.stdout], [], [], seconds)[0]:
             time.sleep(GATHER_S)
         now, messages = time.monotonic(), []
         for line in self._read():
@@ -91,7 +91,7 @@ class Ros1Graph:
 
     def _read(self) -> Iterator[Any]:
         data = self._rest
-        while block := self._lines.read(1 << 20):
+        while block := self._process.stdout.read(1 << 20):
             data += block
         *lines, self._rest = data.split(b"\n")
         if block is not None:  # the listener has ended; else there is no more for now
@@ -113,4 +113,4 @@ class Ros1Graph:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
-        self._lines.close()
+        self._process.stdout.close()
