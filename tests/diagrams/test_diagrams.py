@@ -13,8 +13,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, drawn
-from eddi_scaffold.diagrams.layers import crossings, layered, ordered
-from eddi_scaffold.diagrams.layout import label_of, laid_out, placed, text_width
+from eddi_scaffold.diagrams.layout import (
+    crossings,
+    label_of,
+    laid_out,
+    layered,
+    ordered,
+    placed,
+    text_width,
+)
 
 ROOT = Path(__file__).parents[2]
 SVG = "{http://www.w3.org/2000/svg}"
@@ -117,14 +124,14 @@ def test_labels_of_opposite_edges_stand_apart_inside_the_picture() -> None:
     )
     layout = laid_out(Diagram("Chain", nodes, edges, "up"))
     spans = []
-    for line in layout.lines:
+    for line in layout.routes:
         half = text_width(line.edge.label) / 2
         spans.append((line.label[0] - half, line.label[0] + half, line.label[1]))
         assert spans[-1][0] >= 0
         assert spans[-1][1] <= layout.width
     for a, b in combinations(spans, 2):
         assert a[1] <= b[0] or b[1] <= a[0] or abs(a[2] - b[2]) >= 15
-    assert layout.lines[0].points != layout.lines[1].points[::-1]
+    assert layout.routes[0].points != layout.routes[1].points[::-1]
 
 
 texts = st.text(max_size=60)
