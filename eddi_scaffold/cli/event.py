@@ -71,27 +71,31 @@ def event(
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.conditions import analyse
+    from eddi_scaffold.conditions.findings import EXPRESSION
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
-    from eddi_scaffold.conditions.standalone import without_limits
+    from eddi_scaffold.conditions.standalone import generate, without_limits
     from eddi_scaffold.program.standalone import check_module_name
 
     path = file or _file_of(text or "")
-    if serve:
-        _serve(port, _source(text or "", path)[0], rate)
-        return
-    if name is not None:
+    if not serve and name is not None:
         check_module_name(name)
-    if None not in {text, file} or {text, file, config} == {None}:
+    if not serve and (None not in {text, file} or {text, file, config} == {None}):
         raise EddiError(problem("G000.argument"))
-    if config is not None or (path is not None and _is_model(path)):
+    if not serve and (config is not None or (path is not None and _is_model(path))):
         if check or inputs is not None:
             raise EddiError(problem("E026.conditions"))
         _generate_of_model(path, config, target, name, output, as_json=as_json)
         return
-    source, label = _source(text or "", path)
+    source, label = text or "", EXPRESSION
+    if path is not None:
+        source, label = read_source(path).text("E001"), str(path)
+    if serve:
+        _serve(port, source, rate)
+        return
     analysis = analyse(source, rate=rate, name=label)
     if analysis.form is None:
         if as_json:
@@ -99,31 +103,20 @@ def event(
             raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
     if target is Target.c and not check and inputs is None:
-        analysis = replace(
-            analysis, problems=(*analysis.problems, *without_limits(analysis, label))
-        )
+        problems = (*analysis.problems, *without_limits(analysis, label))
+        analysis = replace(analysis, problems=problems)
     if not as_json:
         console.problems(analysis.problems)
     if inputs is not None:
         _try(analysis, inputs, as_json=as_json)
+    elif check and as_json:
+        console.json(report_json(analysis))
     elif check:
-        if as_json:
-            console.json(report_json(analysis))
-        else:
-            console.data("\n".join(as_text(analysis)))
+        console.data("\n".join(as_text(analysis)))
     else:
-        stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
-        _generate(analysis, target, stem, output, as_json=as_json)
-
-
-def _source(text: str, path: Path | None) -> tuple[str, str]:
-    """Return the text and the name of its file."""
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.conditions.findings import EXPRESSION
-
-    if path is None:
-        return text, EXPRESSION
-    return read_source(path).text("E001"), str(path)
+        stem = name or ("event" if path is None else _name_of(path))
+        files = generate(analysis, target.value, stem)
+        _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
 
 
 def _name_of(file: Path) -> str:
@@ -143,10 +136,10 @@ def _name_of(file: Path) -> str:
 def _file_of(text: str) -> Path | None:
     """Return the path when the argument names a file, and is not an expression."""
     try:
-        found = Path(text).is_file()
+        is_file = Path(text).is_file()
     except (OSError, ValueError):  # too long for a name, or a NUL
         return None
-    return Path(text) if found or text.endswith(".events") else None
+    return Path(text) if is_file or text.endswith(".events") else None
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
@@ -183,16 +176,6 @@ def _shown(value: bool | float | None) -> str:
     return str(value).upper() if isinstance(value, bool) else f"{value:.6g}"
 
 
-def _generate(
-    analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
-) -> None:
-    from eddi_scaffold.conditions.report import as_json as report_json
-    from eddi_scaffold.conditions.standalone import generate
-
-    files = generate(analysis, target.value, name)
-    _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
-
-
 def _is_model(path: Path) -> bool:
     """Return whether a file is a model, not the text of a condition."""
     from eddi_scaffold.common.files import read_source
@@ -223,8 +206,8 @@ def _generate_of_model(
     files = standalone(monitor, target.value, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    found = [problem.as_json() for problem in problems]
-    _write(files, output, lambda new: {"problems": found, "files": new}, as_json=as_json)
+    rows = [problem.as_json() for problem in problems]
+    _write(files, output, lambda new: {"problems": rows, "files": new}, as_json=as_json)
 
 
 def _write(
@@ -261,14 +244,11 @@ def _write(
 
 
 def _serve(port: int, text: str, rate: float | None) -> None:
-    from dataclasses import replace
-
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.conditions.event_server import START, open_server
 
-    start = replace(
-        START, text=text or START.text, rate=START.rate if rate is None else f"{rate:g}"
-    )
+    rate_text = START.rate if rate is None else f"{rate:g}"
+    start = replace(START, text=text or START.text, rate=rate_text)
     with open_server(port, _read_signal, start) as server:
         console.say(f"the Event Creator is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         server.serve_forever()
