@@ -126,17 +126,6 @@ def test_a_monitor_is_generated_with_the_topics_of_the_system(robot: Path) -> No
     ]  # fmt: skip
 
 
-def test_an_upgrade_keeps_the_message_types_of_the_robots_models(robot: Path) -> None:
-    (robot / "ws/src").mkdir(parents=True)
-    generate = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run(*generate, "--models", NODES, cwd=robot).status == 0
-    inputs = robot / "ws/src/eddi_monitor/rover/src/rover/EDDIInput.py"
-    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
-    edit(robot / CONFIG, "max_age: 5\n", "max_age: 6\n")
-    assert run("upgrade", "-w", "ws", "-m", MODEL, "-c", CONFIG, cwd=robot).status == 0
-    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
-
-
 def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
     """Whatever command comes next, and without the models."""
     (robot / "ws/src").mkdir(parents=True)

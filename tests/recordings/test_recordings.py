@@ -13,7 +13,7 @@ from eddi_scaffold.recordings.csv_recording import MAX_PROBLEMS, read_rows, reco
 from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
 from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor
 from eddi_scaffold.recordings.playing import play as played
-from runtime_lib.tests.conserts import active, categorical, monitor, numeric
+from runtime_lib.tests.conserts import active, monitor
 
 TYPES = {"e": "bool", "speed": "float", "front left": "str", "n": "int"}
 
@@ -96,17 +96,6 @@ def test_problems(text, wanted):
     assert found(text) == wanted
 
 
-def test_hints_excerpts_and_missing_columns():
-    _, problems = read("t,Speed\n")
-    assert problems[0].hint == "did you mean 'speed'?"
-    assert problems[0].excerpt == "t,Speed"
-    warnings = [p for p in problems if p.code == "I004"]
-    assert [p.message for p in warnings][:2] == [
-        "there is no column for the input 'e': it never gets a sample",
-        "there is no column for the input 'speed': it never gets a sample",
-    ]
-
-
 def test_many_problems_are_cut():
     _, problems = read("t,e,speed,front left,n\n" + "x,y\n" * 1000)
     assert len(problems) == MAX_PROBLEMS + 1
@@ -164,39 +153,6 @@ def play(made, text, types):
     return [(frame.t, active(frame.output)) for frame in frames(made, text, types)]
 
 
-def test_samples_hold_until_they_are_too_old():
-    made = monitor(
-        ["e"], ["d"], guarantees=["G"], edges=["e>G", "d>G"], specs={"d": {"max_age": 0.5}}
-    )
-    text = "t,d,e\n0,,\n0.2,true,\n0.3,,true\n0.7,,\n0.71,,\n1,true,\n1.1,,false\n"
-    types = {"e": "bool", "d": "bool"}
-    wanted = [(0, []), (0.2, []), (0.3, ["G"]), (0.7, ["G"]), (0.71, []), (1, ["G"]), (1.1, [])]
-    assert play(made, text, types) == wanted
-    assert play(made, text, types) == wanted
-
-
-def test_reasons_while_playing():
-    made = monitor(["e"], guarantees=["G"], edges=["e>G"], specs={"e": {"max_age": 1}})
-    played_rows = frames(made, "t,e\n0,\n1,true\n3.5,\n", {"e": "bool"})
-    reasons = [dict(made.reasons()) for _ in played_rows]
-    assert reasons[0]["e"] == ("missing", "no message of e")
-    assert reasons[1] == {}
-    assert reasons[2]["e"] == ("stale", "the last message is 2.5 s old, the limit is 1 s")
-
-
-def test_defaults_hold_before_the_first_sample_only():
-    specs = {"x": {"default": 3.0, "max_age": 1}, "c": {"default": "ok"}}
-    made = monitor(
-        [("x", numeric("[0, 5]")), ("c", categorical("ok"))],
-        guarantees=["G"],
-        edges=["x>G", "c>G"],
-        specs=specs,
-    )
-    types = {"x": "float", "c": "str"}
-    text = "t,x,c\n0,,\n1,4,\n2.5,,\n3,nan,\n4,5,bad\n"
-    assert play(made, text, types) == [(0, ["G"]), (1, ["G"]), (2.5, []), (3, []), (4, [])]
-
-
 def test_ids_that_are_no_identifiers():
     specs = {"front left": {"attribute": "front_left"}, "_ages": {}}
     made = monitor(
@@ -216,9 +172,3 @@ def test_any_text_gives_problems_or_a_recording(text):
     assert all(p.place.line and p.place.col for p in problems)
     if rows is not None:
         assert [row.t for row in rows] == sorted(row.t for row in rows)
-
-
-@given(st.binary(max_size=40))
-def test_any_bytes_give_problems_or_a_recording(data):
-    rows, problems = read(data, TYPES)
-    assert (rows is None) == any(p.level == "error" for p in problems)
