@@ -58,13 +58,13 @@ def check(
         unread += rest
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]
-    found, robot = check_robots(robots, others, models)
+    problems, robot = check_robots(robots, others, models)
     if system is not None:
-        reported = {replace(problem, level="warning") for problem in found}
+        reported = {replace(problem, level="warning") for problem in problems}
         with beside_configs(system, models) as (robot, unsure):
-            found += [problem for problem in unsure if problem not in reported]
-    found += check_files(others, default_guarantee or (), robot, platform)
-    problems = in_order(until_written_near(found, files))
+            problems += [problem for problem in unsure if problem not in reported]
+    problems += check_files(others, default_guarantee or (), robot, platform)
+    problems = in_order(until_written_near(problems, files))
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:

@@ -52,10 +52,10 @@ def diagram(
     if is_fleet(source):
         files = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        given = configured(source, ())  # a configuration that names its model
-        place, marks = Path(given.source.name), default_guarantee or ()
+        chosen = configured(source, ())  # a configuration that names its model
+        place, marks = Path(chosen.source.name), default_guarantee or ()
         files, problems = pictures(place, name, marks, single=single)
-        console.problems([*given.problems, *problems])
+        console.problems([*chosen.problems, *problems])
     if output is None:
         console.data("\n".join(svg.rstrip("\n") for svg in files.values()))
         return

@@ -156,12 +156,12 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
         raise EddiError(*problems)
     if not as_json:
         console.problems(problems)
-    word = "value" if analysis.events[0].type == "number" else "verdict"
+    key = "value" if analysis.events[0].type == "number" else "verdict"
     last = None
     for t, verdicts in play(analysis, ((row.t, row.samples) for row in rows)):
         if as_json:
-            outputs = [{"id": name, word: value} for name, value in verdicts.items()]
-            alone = {word: outputs[0][word]} if len(outputs) == 1 else {}
+            outputs = [{"id": name, key: value} for name, value in verdicts.items()]
+            alone = {key: outputs[0][key]} if len(outputs) == 1 else {}
             console.data(json.dumps({"t": t, **alone, "outputs": outputs}))
             continue
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in verdicts.items())

@@ -70,13 +70,13 @@ def generate(
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
     """
     if deployment is not None:
-        given = {
+        values = {
             "--model": model, "--workspace": workspace, "--config": config, "--system": system,
             "--models": models, "--name": name, "--default-guarantee": default_guarantee,
             "--runtime": runtime, "--single-process": single_process, "--rename": rename,
             "--platform": None if platform == DEFAULT else platform,
         }  # fmt: skip
-        others = [option for option, value in given.items() if value is not None]
+        others = [option for option, value in values.items() if value is not None]
         _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
         return
     from dataclasses import replace

@@ -74,14 +74,14 @@ def shown_time(tracks: Iterable[Track]) -> Span:
 
 def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
     """Return (from, to, value) of each stretch of equal values; the last one ends at ``end``."""
-    found: list[tuple[float, float, Value]] = []
+    parts: list[tuple[float, float, Value]] = []
     for k, (t, value) in enumerate(zip(track.times, track.values, strict=True)):
         until = track.times[k + 1] if k + 1 < len(track.times) else end
-        if found and found[-1][2] == value and type(found[-1][2]) is type(value):
-            found[-1] = (found[-1][0], until, value)
+        if parts and parts[-1][2] == value and type(parts[-1][2]) is type(value):
+            parts[-1] = (parts[-1][0], until, value)
         else:
-            found.append((t, until, value))
-    return found
+            parts.append((t, until, value))
+    return parts
 
 
 def ticks(low: float, high: float) -> list[float]:

@@ -163,19 +163,19 @@ class Publications:
         self.topics = frozenset(channel.topic for channel in self.channels)
 
     def messages(
-        self, running: RuntimeMonitor[Any], output: Any, wanted: Collection[str]
+        self, running: RuntimeMonitor[Any], output: Any, topics: Collection[str]
     ) -> list[tuple[str, Message]]:
         """Return topic and message of all that a step publishes on the wanted topics."""
-        made: dict[str, Sequence[Message]] = {}
+        by_message: dict[str, Sequence[Message]] = {}
         published: list[tuple[str, Message]] = []
         for channel in self.channels:
-            if channel.topic not in wanted:
+            if channel.topic not in topics:
                 continue
             of = channel.of
-            if of not in made:
+            if of not in by_message:
                 trees = getattr(running, f"{of}_message")() if of else running.message(output)
                 trees = trees if isinstance(trees, list) else [] if trees is None else [trees]
-                made[of] = [message_of(tree) for tree in trees]
-            for message in made[of]:
+                by_message[of] = [message_of(tree) for tree in trees]
+            for message in by_message[of]:
                 published += [(channel.topic, picked) for picked in channel.picked(message)]
         return published

@@ -62,7 +62,6 @@ class MonitorView:
         title: of its kind.
         topic: of its result.
         node: that publishes it, empty where that is not known.
-        digest: of its model, empty where it does not tell.
         verdicts: in the order of its messages.
         accepted: what its configuration accepts in place of what is not known.
         last: when its last message came.
@@ -74,7 +73,6 @@ class MonitorView:
     title: str
     topic: str
     node: str
-    digest: str
     verdicts: tuple[VerdictView, ...]
     accepted: tuple[str, ...]
     last: float
@@ -159,7 +157,6 @@ class _Monitor:
     topic: str
     node: str
     model: str = ""
-    digest: str = ""
     streams: dict[str, _Stream] = field(default_factory=dict)
     is_alone: bool = True  # the only one of its node: else the node has no name of it
 
@@ -197,7 +194,6 @@ class _Monitor:
             self.title,
             self.topic,
             self.node,
-            self.digest,
             tuple(verdict for stream in streams for verdict in stream.verdicts.values()),
             tuple(dict.fromkeys(text for stream in streams for text in stream.accepted)),
             self.last,
@@ -260,7 +256,6 @@ class FleetState:
             return []
         stream.reading = reading
         monitor.model = plain(reading.model) or monitor.model
-        monitor.digest = plain(reading.digest) or monitor.digest
         stream.accepted = tuple(plain(text) for text in reading.accepted[:MAX_REASONS])
         changes = self._changes_by(monitor, stream, reading, message.t, is_back=was_silent)
         return self._remember(list(changes))

@@ -142,20 +142,12 @@ _INACTIVE = "inactive: "
 _CLAIMS = ("guarantee", "threshold", "event", "in_scope")
 
 
-@dataclass(frozen=True)
-class InputReport:
-    """One input of a monitor.
-
-    Attributes:
-        state: in a word: ok, waiting, latched, missing, stale or invalid.
-        age: of its oldest message in seconds, ``None``: not known, or there is none.
-        reason: why it is not ok.
-    """
+class InputReport(NamedTuple):
+    """One input of a monitor."""
 
     id: str
-    state: str
-    age: float | None
-    reason: str
+    state: str  # in a word: ok, waiting, latched, missing, stale or invalid
+    age: float | None  # seconds of its oldest message, if there is one and it is known
 
 
 @dataclass(frozen=True)
@@ -205,17 +197,15 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
             node=plain(status.hardware_id),
             model=plain(str(status.name).rpartition(": ")[2]),
             message=plain(status.message),
-            inputs=tuple(_input(name, values) for name in inputs[:MAX_INPUTS]),
+            inputs=tuple(
+                InputReport(plain(id_), plain(values.get(id_, "")), _number(values[id_ + _AGE]))
+                for id_ in inputs[:MAX_INPUTS]
+            ),
             reasons=reasons,
             steps=int(_number(values.get("steps")) or 0),
             overruns=int(_number(values.get("overruns")) or 0),
             longest_step=(_number(values.get("longest_step_ms")) or 0.0) / 1e3,
         )
-
-
-def _input(name: str, values: Mapping[str, str]) -> InputReport:
-    state, reason = values.get(name, ""), values.get(f"{name}.reason", "")
-    return InputReport(plain(name), plain(state), _number(values[f"{name}{_AGE}"]), plain(reason))
 
 
 def _number(text: str | None) -> float | None:

@@ -40,7 +40,7 @@ class Ros1Graph:
 
     def __init__(self, master: str) -> None:
         self._environment = {**os.environ, "ROS_MASTER_URI": master}
-        self._contents: dict[tuple[str, str], object] = {}
+        self._contents: dict[tuple[str, str], object]
         self._notes: Sequence[str] = ()
         self._rest = b""
         self._process: Any
@@ -66,6 +66,7 @@ class Ros1Graph:
                 bufsize=0,
                 start_new_session=True,  # Ctrl-C is for the view, which ends it
             )
+            self._contents = {}
             if self._process.stdout.readline():
                 os.set_blocking(self._process.stdout.fileno(), False)
                 return True

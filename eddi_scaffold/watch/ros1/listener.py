@@ -12,7 +12,7 @@ import json
 import os
 import sys
 import threading
-from typing import Any
+from typing import Any, TextIO
 
 import genpy
 import rosgraph
@@ -28,20 +28,23 @@ DIAGNOSTICS = "/diagnostics"
 OURS = b"runtime_version"  # what is in the diagnostics of no other node
 STAMP = 12  # bytes of a message before the frame of its header: number and stamp
 MAX_TOPICS = 6_000
+MAX_SENDERS = 20_000
 EVERY_S = 1.0
 
 
 class Listener:
     """Follows every topic of a known type."""
 
-    def __init__(self, texts: dict[str, str]) -> None:
+    def __init__(self, texts: dict[str, str], lines: TextIO) -> None:
+        self.lines = lines
         parts = {**texts, Header._type: Header._full_text}
         text = "".join(f"\n{'=' * 80}\nMSG: {name}\n{part}" for name, part in parts.items())
         first = next(iter(texts))
         self.classes: dict[str, Any] = generate_dynamic(first, texts[first] + text)
+        self.own = set(self.classes)
         if DiagnosticArray is not None:
             self.classes[DiagnosticArray._type] = DiagnosticArray
-        self.master = rosgraph.Master(f"/eddi_watch_{os.getpid()}")
+        self.master = rosgraph.Master("/eddi_watch")
         self.subscribers: dict[str, Any] = {}
         self.last: dict[tuple[str, str], tuple[Any, bytes]] = {}  # header and bytes
         self.bad: dict[tuple[str, str], str] = {}
@@ -54,18 +57,21 @@ class Listener:
         self.ended.set()
 
     def look(self) -> bool:
-        """Follow what is new; return False where the master does not know this node any more."""
+        """Follow what is new; return False where all has to begin anew.
+
+        The master does not know this node any more, or others came and went for years.
+        """
         publishers, subscribers, _ = self.master.getSystemState()
         types = dict(self.master.getTopicTypes())
         name = rospy.get_name()
         known = {topic for topic, nodes in subscribers if name in nodes}
-        if not known >= self.subscribers.keys():
+        if not known >= self.subscribers.keys() or len(self.last) + len(self.bad) > MAX_SENDERS:
             return False
         for topic, _ in publishers:
             kind = types.get(topic)
             if topic in self.subscribers or len(self.subscribers) >= MAX_TOPICS:
                 continue
-            if kind in self.classes and (topic == DIAGNOSTICS) == (kind == DiagnosticArray._type):
+            if kind in self.classes and (topic == DIAGNOSTICS or kind in self.own):
                 self.subscribers[topic] = rospy.Subscriber(
                     topic, rospy.AnyMsg, self.take, (topic, kind), tcp_nodelay=True
                 )
@@ -83,23 +89,23 @@ class Listener:
             return
         last_header, last = self.last.get(key, (None, b""))
         is_first = last_header is not header  # of a connection
-        self.last[key] = (header, data[STAMP:])
         kept = is_first and header.get("latching") == "1"
         line = {"topic": topic, "type": kind, "node": key[1], "kept": kept}
-        try:
-            if is_first or last != data[STAMP:]:
+        if is_first or last != data[STAMP:]:
+            try:
                 line["content"] = plain(cls().deserialize(data))
-            self.bad.pop(key, None)
-        except genpy.DeserializationError as failure:
-            self.bad[key] = f"{topic} of {key[1]}: {failure}"
-            return
+            except Exception as failure:  # noqa: BLE001 - whatever the bytes make of genpy
+                self.bad[key] = f"{topic} of {key[1]}: {failure}"
+                return
+        self.last[key] = (header, data[STAMP:])
+        self.bad.pop(key, None)
         self.send(line)
 
     def send(self, line: dict[str, Any]) -> None:
         """Write a line to who has started this."""
         with self.lock:
-            sys.stdout.write(json.dumps(line) + "\n")
-            sys.stdout.flush()
+            self.lines.write(json.dumps(line) + "\n")
+            self.lines.flush()
 
     def run(self) -> None:
         """Look for publishers until the end, or until the master has forgotten this node."""
@@ -110,7 +116,8 @@ class Listener:
                 self.master.getPid()
                 if not rospy.core.is_initialized():
                     rospy.init_node(
-                        self.master.caller_id[1:],
+                        "eddi_watch",
+                        anonymous=True,
                         disable_rosout=True,
                         disable_rostime=True,
                         disable_signals=True,
@@ -133,7 +140,9 @@ def plain(value: Any) -> Any:
 
 
 if __name__ == "__main__":
-    listener = Listener(json.loads(sys.argv[1]))
+    own = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # whatever rospy prints is no line of ours
+    listener = Listener(json.loads(sys.argv[1]), own)
     listener.send({"notes": []})
     threading.Thread(target=listener.wait_for_end, daemon=True).start()
     listener.run()
