@@ -203,12 +203,6 @@ def test_answers_take_the_model_that_a_configuration_names(folder: Path) -> None
 # packages
 
 
-def test_the_folder_above_the_one_in_which_one_works(folder: Path) -> None:
-    (folder / "src").mkdir()
-    result = run("generate", "-w", ".", "-c", CONFIG, "-m", MODEL, cwd=folder / "src")
-    assert "name the folder above: -w ..\n" in result.err
-
-
 def test_an_active_virtual_environment_is_left_before_ros_is_started(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -494,19 +488,6 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
     assert found.err.startswith("broken.yml:2:1: error")
     assert "\nnot checked: README.md, docker-compose.yml, package.xml, recording" in found.err
     assert "in broken.yml, consert_a_config.yml, consert_b_config.yml, two_conserts" in found.err
-
-
-def test_upgrade_finds_the_model_that_a_newer_configuration_names(tmp_path: Path) -> None:
-    for file in (ROOT / "examples/safeml").glob("*.*"):
-        shutil.copy(file, tmp_path / file.name)
-    generate = ("generate", "--platform", "plain", "-o", "pl", "-c", "perception_config.yml")
-    assert run(*generate, cwd=tmp_path).status == 0
-    config = tmp_path / "perception_config.yml"
-    text = config.read_text("utf-8")
-    config.write_text(text.replace("field: data", "field: data\n    max_age: 7.5"))
-    assert run("upgrade", "-w", "pl", "-c", config.name, cwd=tmp_path).status == 0
-    assert '"max_age": 7.5' in (tmp_path / "pl/camera_scope/model.json").read_text("utf-8")
-    assert run(*generate, cwd=tmp_path).err.startswith("nothing to change below pl\n")
 
 
 @pytest.mark.parametrize(
