@@ -70,7 +70,7 @@ def answers(
     target = chosen(platform)
     root = (workspace or Path()) / target.root
     configs, marks = [config] if config else [], default_guarantee or ()
-    with beside_configs(system, models) as (robot, unsure):
+    with robot_models(system, models) as (robot, unsure):
         monitors, problems = monitors_of(model, configs, name, marks, robot, root)
     only(monitors)
     options = choices(runtime, single_process)

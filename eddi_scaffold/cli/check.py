@@ -61,7 +61,7 @@ def check(
     problems, robot = check_robots(robots, others, models)
     if system is not None:
         reported = {replace(problem, level="warning") for problem in problems}
-        with beside_configs(system, models) as (robot, unsure):
+        with robot_models(system, models) as (robot, unsure):
             problems += [problem for problem in unsure if problem not in reported]
     problems += check_files(others, default_guarantee or (), robot, platform)
     problems = in_order(until_written_near(problems, files))

@@ -64,7 +64,7 @@ def connect(
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.draft import recorded_age
     from eddi_scaffold.connect.rossystem import save
-    from eddi_scaffold.connect.surroundings import Around
+    from eddi_scaffold.connect.surroundings import Surroundings
     from eddi_scaffold.recordings.bags import read_contents
 
     surroundings = Surroundings(system, models, others or (), default_guarantee or ())
@@ -75,8 +75,10 @@ def connect(
             for topic, times in contents.times.items()
             if (age := recorded_age(times, bag.name)) is not None
         }
-        around = replace(around, ages=ages, topics=contents.topics, types=contents.types)
-    draft = connect(model, name, output, around)
+        surroundings = replace(
+            surroundings, ages=ages, topics=contents.topics, types=contents.types
+        )
+    draft = connect(model, name, output, surroundings)
     if as_json:
         console.json(draft.as_json())
     elif dry_run and output is not None:

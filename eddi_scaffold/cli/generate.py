@@ -83,7 +83,7 @@ def generate(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import destination, finish
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.deployments.topics import shared_by_robots
     from eddi_scaffold.deployments.wiring import members_of
     from eddi_scaffold.packages.assembly import assemble, monitors_of
@@ -100,7 +100,7 @@ def generate(
     root = packages_root(target, place)
     marks = default_guarantee or ()
     with alone(() if dry_run else [root]):
-        with beside_configs(system, models) as (robot, unsure):
+        with robot_models(system, models) as (robot, unsure):
             monitors, problems = monitors_of(
                 model, config or [], name, marks, robot, root, rename or ()
             )

@@ -100,7 +100,7 @@ def run(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import refuse_input
     from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.recordings.playing import ROWS, of_messages, of_values, play, step_rule
@@ -113,7 +113,7 @@ def run(
     configs: list[Path] = []
     problems: Sequence[Problem] = ()
     if package is None:
-        with beside_configs(system, models) as (robot, unsure):
+        with robot_models(system, models) as (robot, unsure):
             model_files, configs = _models_and_configs(files or [], config or [], robot)
             marks = default_guarantee or ()
             monitors, problems = monitors_of(model_files, configs, name, marks, robot)

@@ -42,7 +42,7 @@ def upgrade(
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.connect.robot import beside_configs
+    from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages import upgrading
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
@@ -53,7 +53,7 @@ def upgrade(
     outcomes: list[WriteResult] = []
     template = own_template()
     places = upgrading.roots(workspace, packages or [])
-    with alone(() if dry_run else places), beside_configs(system, models) as (robot, unsure):
+    with alone(() if dry_run else places), robot_models(system, models) as (robot, unsure):
         groups = upgrading.groups(workspace, packages or [])
         upgrading.refuse_for_several(groups, model, config or [])
         plans = [(g, *upgrading.targets(g, model, config or [], robot)) for g in groups]
