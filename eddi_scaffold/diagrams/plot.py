@@ -19,19 +19,12 @@ Form = Literal["truth", "number", "text"]
 
 @dataclass(frozen=True)
 class Track:
-    """One value over time.
+    """One value over time."""
 
-    Attributes:
-        name: for people.
-        group: heading under which it is shown (``inputs``, ``outputs``).
-        times: seconds, ascending.
-        values: one per time.
-    """
-
-    name: str
-    group: str
-    times: tuple[float, ...]
-    values: tuple[Value, ...]
+    name: str  # for people
+    group: str  # heading under which it is shown (`inputs`, `outputs`)
+    times: tuple[float, ...]  # seconds, ascending
+    values: tuple[Value, ...]  # one per time
 
     @property
     def form(self) -> Form:

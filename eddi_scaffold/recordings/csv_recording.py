@@ -64,33 +64,21 @@ class Row:
 
 @dataclass(frozen=True)
 class Sample:
-    """One message of a recording.
+    """One message of a recording."""
 
-    Attributes:
-        t: nanoseconds.
-        topic: full name of a topic; of a CSV file, id of an input.
-    """
-
-    t: int
-    topic: str
+    t: int  # nanoseconds
+    topic: str  # full name of a topic; of a CSV file, id of an input
     message: Any
 
 
 @dataclass(frozen=True)
 class Recording:
-    """What was recorded; times are nanoseconds.
+    """What was recorded; times are nanoseconds."""
 
-    Attributes:
-        start: where it begins.
-        end: where it ends.
-        samples: in the order of time.
-        rows: times at which something was written down, also if no sample came.
-    """
-
-    start: int
-    end: int
-    samples: tuple[Sample, ...]
-    rows: tuple[int, ...] = ()
+    start: int  # where it begins
+    end: int  # where it ends
+    samples: tuple[Sample, ...]  # in the order of time
+    rows: tuple[int, ...] = ()  # times at which something was written down, also if no sample came
 
 
 def recording_of(rows: Sequence[Row]) -> Recording:

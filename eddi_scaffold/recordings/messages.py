@@ -107,21 +107,13 @@ def _check(where: str, type_: str) -> Callable[[Any], Any]:
 
 @dataclass(frozen=True)
 class Channel:
-    """One topic of a monitor.
+    """One topic of a monitor."""
 
-    Attributes:
-        topic: its full name.
-        of: which message of the monitor: empty for the result, else an additional one.
-        only: id of the one message of several that goes here.
-        path: to the one value of the message that goes here, empty for all of it.
-        type: of the message.
-    """
-
-    topic: str
-    of: str
-    only: str | None
-    path: Sequence[PlainStep]
-    type: str
+    topic: str  # its full name
+    of: str  # which message of the monitor: empty for the result, else an additional one
+    only: str | None  # id of the one message of several that goes here
+    path: Sequence[PlainStep]  # to the one value of the message that goes here, empty for all of it
+    type: str  # of the message
 
     def picked(self, message: Message) -> Iterator[Message]:
         """Yield what goes to the topic; nothing where the message does not have the value."""

@@ -31,33 +31,21 @@ _HELPERS: Mapping[str, Callable[..., Any]] = {
 
 @dataclass(frozen=True)
 class Received:
-    """One message that a node was given.
+    """One message that a node was given."""
 
-    Attributes:
-        t: nanoseconds.
-        source: id of the simulator output.
-        latched: it came on subscription and can be of any age.
-    """
-
-    t: int
-    source: str
+    t: int  # nanoseconds
+    source: str  # id of the simulator output
     message: Any
-    latched: bool = False
+    latched: bool = False  # it came on subscription and can be of any age
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a node.
+    """One step of a node."""
 
-    Attributes:
-        t: time in seconds.
-        inputs: input id -> what the monitor read, None when unknown.
-        output: what it gave.
-    """
-
-    t: float
-    inputs: Mapping[str, Any]
-    output: Any
+    t: float  # time in seconds
+    inputs: Mapping[str, Any]  # input id -> what the monitor read, None when unknown
+    output: Any  # what it gave
 
 
 class GivenInput(EDDIInputBase):

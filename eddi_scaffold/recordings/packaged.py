@@ -40,19 +40,12 @@ _CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
 
 @dataclass(frozen=True)
 class Packaged:
-    """A package whose code has been loaded.
+    """A package whose code has been loaded."""
 
-    Attributes:
-        monitor: as far as the package remembers it.
-        by_hand: ids of the inputs that hand-written lines make of their messages.
-        new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
-        folder: as it was named.
-    """
-
-    monitor: BoundMonitor
-    by_hand: frozenset[str]
-    new: Callable[[], tuple[Any, Any]]
-    folder: Path
+    monitor: BoundMonitor  # as far as the package remembers it
+    by_hand: frozenset[str]  # ids of the inputs that hand-written lines make of their messages
+    new: Callable[[], tuple[Any, Any]]  # makes an `EDDIMonitor` and an `EDDIInput`
+    folder: Path  # as it was named
 
     def from_messages(self) -> Running:
         """Return its monitor, and a node that is given messages."""

@@ -35,49 +35,29 @@ _UNREADABLE = (AttributeError, TypeError, ValueError)
 
 @dataclass(frozen=True)
 class VerdictView:
-    """One guarantee, threshold or event.
-
-    Attributes:
-        state: now; silence makes it unknown.
-        reasons: why it is not active.
-        text: further facts.
-        since: seconds, when it came into this state.
-        seen: it was seen to change; else it may have been in this state for longer.
-    """
+    """One guarantee, threshold or event."""
 
     id: str
-    state: State
-    reasons: tuple[str, ...]
-    text: str
-    since: float
-    seen: bool
+    state: State  # now; silence makes it unknown
+    reasons: tuple[str, ...]  # why it is not active
+    text: str  # further facts
+    since: float  # seconds, when it came into this state
+    seen: bool  # it was seen to change; else it may have been in this state for longer
 
 
 @dataclass(frozen=True)
 class MonitorView:
-    """One monitor.
+    """One monitor."""
 
-    Attributes:
-        name: of its model, else of its node, else of its topic.
-        title: of its kind.
-        topic: of its result.
-        node: that publishes it, empty where that is not known.
-        verdicts: in the order of its messages.
-        accepted: what its configuration accepts in place of what is not known.
-        last: when its last message came.
-        silent: it sends nothing any more.
-        report: of its node, ``None`` where none came, or where it is silent.
-    """
-
-    name: str
-    title: str
-    topic: str
-    node: str
-    verdicts: tuple[VerdictView, ...]
-    accepted: tuple[str, ...]
-    last: float
-    silent: bool
-    report: NodeReport | None
+    name: str  # of its model, else of its node, else of its topic
+    title: str  # of its kind
+    topic: str  # of its result
+    node: str  # that publishes it, empty where that is not known
+    verdicts: tuple[VerdictView, ...]  # in the order of its messages
+    accepted: tuple[str, ...]  # what its configuration accepts in place of what is not known
+    last: float  # when its last message came
+    silent: bool  # it sends nothing any more
+    report: NodeReport | None  # of its node, `None` where none came, or where it is silent
 
 
 @dataclass(frozen=True)
@@ -109,21 +89,13 @@ class Change:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The fleet at one time.
+    """The fleet at one time."""
 
-    Attributes:
-        t: seconds.
-        robots: sorted by name.
-        changes: the last ones, the newest first.
-        changed: how many there were in all.
-        notes: what else a person should know, as sentences.
-    """
-
-    t: float
-    robots: tuple[RobotView, ...]
-    changes: tuple[Change, ...]
-    changed: int
-    notes: tuple[str, ...]
+    t: float  # seconds
+    robots: tuple[RobotView, ...]  # sorted by name
+    changes: tuple[Change, ...]  # the last ones, the newest first
+    changed: int  # how many there were in all
+    notes: tuple[str, ...]  # what else a person should know, as sentences
 
 
 @dataclass

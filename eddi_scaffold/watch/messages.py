@@ -29,23 +29,14 @@ MAX_REASONS = 20  # of one verdict
 
 @dataclass(frozen=True)
 class Message:
-    """One message as it was received.
+    """One message as it was received."""
 
-    Attributes:
-        topic: its full name.
-        type: ``package/Name``.
-        content: its fields as attributes, under the names of the ``.msg`` file.
-        t: seconds on the clock of the receiver.
-        node: full name of the node that published it, empty where that is not known.
-        kept: the publisher had kept it for who comes later: it may be of any age.
-    """
-
-    topic: str
-    type: str
-    content: Any
-    t: float
-    node: str = ""
-    kept: bool = False
+    topic: str  # its full name
+    type: str  # `package/Name`
+    content: Any  # its fields as attributes, under the names of the `.msg` file
+    t: float  # seconds on the clock of the receiver
+    node: str = ""  # full name of the node that published it, empty where that is not known
+    kept: bool = False  # the publisher had kept it for who comes later: it may be of any age
 
 
 class Source(Protocol):

@@ -38,21 +38,14 @@ class Row:
 
 @dataclass(frozen=True)
 class Group:
-    """One robot.
+    """One robot."""
 
-    Attributes:
-        number: its place.
-        summary: how many verdicts are in which state.
-        facts: lines about its monitors: what is accepted, what nodes report.
-        graph: another number when its graph is another one.
-    """
-
-    number: int
+    number: int  # its place
     name: str
-    summary: str
+    summary: str  # how many verdicts are in which state
     rows: tuple[Row, ...]
-    facts: tuple[str, ...]
-    graph: int
+    facts: tuple[str, ...]  # lines about its monitors: what is accepted, what nodes report
+    graph: int  # another number when its graph is another one
 
     @property
     def id(self) -> str:
@@ -62,20 +55,13 @@ class Group:
 
 @dataclass(frozen=True)
 class View:
-    """The page.
+    """The page."""
 
-    Attributes:
-        time: of the snapshot.
-        shape: another number when robots, monitors or verdicts came or went.
-        changes: number and line of the last changes, the newest first.
-        notes: what else a person should know.
-    """
-
-    time: str
-    shape: int
+    time: str  # of the snapshot
+    shape: int  # another number when robots, monitors or verdicts came or went
     groups: tuple[Group, ...]
-    changes: tuple[tuple[int, str], ...]
-    notes: tuple[str, ...]
+    changes: tuple[tuple[int, str], ...]  # number and line of the last changes, the newest first
+    notes: tuple[str, ...]  # what else a person should know
 
     def news(self, previous: View | None) -> dict[str, Any]:
         """Return for the script of the page what an earlier view has not, or has otherwise."""

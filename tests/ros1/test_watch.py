@@ -11,8 +11,7 @@ import pytest
 from eddi_scaffold.kinds.consert import MESSAGES
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.ros1 import Ros1Graph
-from tests.cli.command import ROOT, run
-from tests.diagnosed import assert_reported
+from tests.cli.command import ROOT
 from tests.ros1.world import make_messages
 
 pytestmark = pytest.mark.ros
@@ -113,14 +112,6 @@ def test_another_definition_is_not_believed_and_a_master_comes_back(world, tmp_p
     watch.until(lambda robots: states(robots.get("/new", ()), "conserta") == UNKNOWN, 20.0)
     watch.close()
     assert "watch" not in str(master.call("getSystemState"))
-
-
-def test_without_rospy_it_says_what_to_do(tmp_path, monkeypatch):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr("eddi_scaffold.watch.ros1.SYSTEM_PYTHON", sys.executable)
-    result = run("watch", "--text", cwd=tmp_path)
-    assert (result.status, result.err.count("source ROS")) == (2, 1)
-    assert_reported("I010", result.err)
 
 
 def test_the_command_prints_and_ends(world, master, model_files):
