@@ -19,6 +19,7 @@ from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.messages import Publications, blank
 from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
+from tests.recordings.full_form import full_form
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
 CASES = {case["id"]: case for case in yaml.safe_load(ORACLE.read_text("utf-8"))["cases"]}
@@ -29,7 +30,8 @@ VALUES: Mapping[State, str] = {"active": "true", "not active": "false", "unknown
 def test_values(name: str, tmp_path: Path) -> None:
     case = CASES[name]
     for file, text in case["files"].items():
-        (tmp_path / file).write_text(text, encoding="utf-8")
+        written = full_form(text) if text.startswith("evidence:") else text
+        (tmp_path / file).write_text(written, encoding="utf-8")
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
     parts = of_messages(monitors, [step_rule(one) for one in monitors])
     by_name = {one.id: one for one in monitors}
