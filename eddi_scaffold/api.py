@@ -21,9 +21,8 @@ from eddi_scaffold.packages.handwritten import until_written_near
 from eddi_scaffold.packages.rendering import own_template
 from eddi_scaffold.packages.workspace import alone, packages_root
 from eddi_scaffold.platforms import choices, chosen
-from eddi_scaffold.recordings.csv_recording import read_tape
-from eddi_scaffold.recordings.parts import columns, of_values, rhythm
-from eddi_scaffold.recordings.playing import play
+from eddi_scaffold.recordings.csv_recording import read_recording
+from eddi_scaffold.recordings.playing import columns, of_values, play, step_rule
 from eddi_scaffold.recordings.results import steps
 
 __all__ = [
@@ -138,5 +137,5 @@ def run(
     """
     monitors, _ = monitors_of(_paths(model), _paths(config))
     monitor = only(monitors)
-    tape, _ = read_tape(read_source(Path(recording)), columns([monitor]))
-    yield from steps(play(of_values([monitor], [rhythm(monitor)]), tape))
+    tape, _ = read_recording(read_source(Path(recording)), columns([monitor]))
+    yield from steps(play(of_values([monitor], [step_rule(monitor)]), tape))

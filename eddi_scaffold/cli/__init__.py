@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import traceback
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -41,6 +42,7 @@ def main() -> None:
 def _status(arguments: Sequence[str]) -> int:
     """Run one command and return its exit status."""
     console.quiet, console.verbose, console.colour = False, False, None
+    with_traceback = "--traceback" in arguments
     try:
         from eddi_scaffold.cli.app import app  # Ctrl-C while this loads is caught, too
         from eddi_scaffold.common.files import inputs_noted
@@ -52,25 +54,25 @@ def _status(arguments: Sequence[str]) -> int:
     except KeyboardInterrupt:
         result = exit_status.INTERRUPTED
     except OSError as refused:  # permission, full disk, too many open files
-        return _fail([_refusal(refused)], arguments, refused)
+        place = Place(str(refused.filename)) if refused.filename is not None else Place()
+        if with_traceback:
+            console.complain("".join(traceback.format_exception(refused)))
+        reason = refused.strerror or refused
+        return _fail([problem("F001.system", place, reason=reason)], arguments)
     except Exception as failed:  # noqa: BLE001 - a user never sees a traceback unasked
         if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer report it
             result = exit_status.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
             return _misused(failed, arguments)
         else:
-            _report_bug(failed, with_traceback="--traceback" in arguments)
+            _report_bug(failed, with_traceback=with_traceback)
             return exit_status.OUR_BUG
     if result == exit_status.INTERRUPTED:
         console.say("interrupted, nothing is half-written")
     return result if isinstance(result, int) else 0
 
 
-def _fail(
-    problems: Sequence[Problem], arguments: Sequence[str], cause: Exception | None = None
-) -> int:
-    if cause is not None and "--traceback" in arguments:
-        _say_traceback(cause)
+def _fail(problems: Sequence[Problem], arguments: Sequence[str]) -> int:
     if _wants_json(arguments):
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
@@ -79,44 +81,27 @@ def _fail(
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
-    of = failed.ctx.command if getattr(failed, "ctx", None) is not None else None
-    options = {name for one in getattr(of, "params", ()) for name in one.opts}
+    command = failed.ctx.command if getattr(failed, "ctx", None) is not None else None
+    options = {name for param in getattr(command, "params", ()) for name in param.opts}
     if "unexpected extra argument" in failed.message and "-c" in options:
         failed.message += "; a configuration is -c FILE"
     if _wants_json(arguments):
-        return _fail(
-            [problem("G000.usage", reason=" ".join(failed.format_message().split()))], arguments
-        )
+        reason = " ".join(failed.format_message().split())
+        return _fail([problem("G000.usage", reason=reason)], arguments)
     failed.show()
     return exit_status.BAD_INPUT
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:
-    return (
-        "--json" in arguments
-        or "--format=json" in arguments
-        or ("--format", "json") in pairwise(arguments)
-    )
-
-
-def _refusal(refused: OSError) -> Problem:
-    place = Place(str(refused.filename)) if refused.filename is not None else Place()
-    return problem("F001.system", place, reason=refused.strerror or refused)
-
-
-def _say_traceback(failed: Exception) -> None:
-    import traceback
-
-    console.complain("".join(traceback.format_exception(failed)))
+    words = {"--json", "--format=json"}
+    return not words.isdisjoint(arguments) or ("--format", "json") in pairwise(arguments)
 
 
 def _report_bug(bug: Exception, *, with_traceback: bool) -> None:
-    import traceback
-
     from eddi_scaffold import __version__
 
     if with_traceback:
-        _say_traceback(bug)
+        console.complain("".join(traceback.format_exception(bug)))
     frame = traceback.extract_tb(bug.__traceback__)[-1]
     console.complain(
         f"this is a bug in eddi-scaffold {__version__}: {type(bug).__name__}: {bug} "

@@ -7,12 +7,7 @@ from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import (
-    DryRun,
-    OptionalModelFile,
-    PlatformOfPlace,
-    in_a_folder,
-)
+from eddi_scaffold.cli.options import DryRun, OptionalModelFile, PlatformOfPlace, in_a_folder
 
 
 def adopt(
@@ -46,8 +41,7 @@ def adopt(
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.cli.destination import destination
-    from eddi_scaffold.cli.reporting import finish
+    from eddi_scaffold.cli.reporting import destination, finish
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.adopting.adopt import adopt as adopted
     from eddi_scaffold.packages.adopting.writing import write_adopted
@@ -59,12 +53,12 @@ def adopt(
         raise EddiError(problem("G006.none"))
     target = chosen(platform or (DEFAULT_IN_FOLDER if workspace is None else DEFAULT))
     place = destination(target, workspace, output)
-    found = adopted(package, model, name)
-    for line in found.notes:
-        console.say(line)
+    proposal = adopted(package, model, name)
+    for note in proposal.notes:
+        console.say(note)
     with alone(() if dry_run else [packages_root(target, place)]):
-        result = write_adopted(found, target, place, own_template(), dry_run=dry_run)
+        result = write_adopted(proposal, target, place, own_template(), dry_run=dry_run)
     console.problems(result.problems)
-    for line in result.notes:
-        console.say(line)
+    for note in result.notes:
+        console.say(note)
     finish(result.outcome, dry_run=dry_run)

@@ -27,10 +27,7 @@ def answers(
     output: Annotated[
         Path,
         typer.Option(
-            "-o",
-            "--output",
-            callback=in_a_folder,
-            help="File to write; with --all a folder.",
+            "-o", "--output", callback=in_a_folder, help="File to write; with --all a folder."
         ),
     ],
     model: OptionalModelFile = None,
@@ -47,9 +44,7 @@ def answers(
     workspace: Annotated[
         Path | None,
         typer.Option(
-            "-w",
-            "--workspace",
-            help="Workspace of the package, and of the others with --all.",
+            "-w", "--workspace", help="Workspace of the package, and of the others with --all."
         ),
     ] = None,
     every: Annotated[
@@ -74,22 +69,22 @@ def answers(
 
     target = chosen(platform)
     root = (workspace or Path()) / target.root
-    configs = [config] if config else []
-    with robot_models(system, models) as (robot, problems):
-        monitors, found = monitors_of(model, configs, name, default_guarantee or (), robot, root)
+    configs, marks = [config] if config else [], default_guarantee or ()
+    with robot_models(system, models) as (robot, unsure):
+        monitors, problems = monitors_of(model, configs, name, marks, robot, root)
     only(monitors)
-    asked = choices(runtime, single_process)
-    assembly = assemble(monitors, target, root, [*problems, *found], asked)
+    options = choices(runtime, single_process)
+    assembly = assemble(monitors, target, root, [*unsure, *problems], options)
     console.problems(assembly.problems)
-    rendered = [package for package in assembly.packages if package.answers]
-    packages = rendered if every else rendered[:1]
+    packages = [package for package in assembly.packages if package.answers]
+    packages = packages if every else packages[:1]
     place = output if every else output.parent
-    names = [f"{one.folder}.yml" if every else output.name for one in packages]
+    names = [f"{package.folder}.yml" if every else output.name for package in packages]
     files: dict[str, FileState] = {}
-    for package, name_ in zip(packages, names, strict=True):
-        tables = f"{name_}.tables"
-        given = {"tables_folder": str((place / tables).resolve())} if package.files else {}
-        files[name_] = FileState(dump_plain({**package.answers, **given}).encode())
+    for package, file in zip(packages, names, strict=True):
+        tables = f"{file}.tables"
+        more = {"tables_folder": str((place / tables).resolve())} if package.files else {}
+        files[file] = FileState(dump_plain({**package.answers, **more}).encode())
         for path, data in package.files.items():
             files[f"{tables}/{path.rpartition('/')[2]}"] = FileState(data)
     write(place, files)
@@ -98,16 +93,13 @@ def answers(
     version = f" --vcs-ref {template.ref}" if template.ref else ""
     command = f"copier copy --trust --defaults{version}"
     for package, file in zip(packages, names, strict=True):
-        path = quote(str(output / file if every else output))
-        folder = quote((root / package.folder).as_posix())
+        path, folder = quote(str(place / file)), quote((root / package.folder).as_posix())
         console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
-    present = assembly.present
-    lost = [
-        f"{one.folder}: {line}"
-        for one in packages
-        for was in [present.get(one.folder, {})]
-        for line in lost_sources(root / one.folder, was, one.answers)
-    ]
+    lost: list[str] = []
+    for package in packages:
+        before = assembly.present.get(package.folder, {})
+        lines = lost_sources(root / package.folder, before, package.answers)
+        lost += [f"{package.folder}: {line}" for line in lines]
     for line in lost:
         console.say(f"note: {line}")
     if lost:

@@ -18,10 +18,9 @@ from eddi_scaffold.cli import (
     connect,
     diagram,
     event,
-    example,
-    explain,
     export,
     generate,
+    learning,
     parse_rossystem,
     regions,
     run,
@@ -58,20 +57,19 @@ class _Command(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments and options, `<path>` in place of Typer's `<list[Path]>`."""
-        for title, what in (("Arguments", "argument"), ("Options", "option")):
-            params = [param for param in self.get_params(ctx) if param.param_type_name == what]
+        for title in ("Arguments", "Options"):
+            params = [p for p in self.get_params(ctx) if title.lower() == f"{p.param_type_name}s"]
             records = [param.get_help_record(ctx) for param in params]
-            rows = [(_LIST.sub(_one, name), text) for name, text in filter(None, records)]
+            rows = [
+                (_LIST.sub(lambda list_: f"<{list_[1].lower()}>", name), text)
+                for name, text in filter(None, records)
+            ]
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
 
 
 _LIST = re.compile(r"<list\[(.+?)\]>")
-
-
-def _one(found: re.Match[str]) -> str:
-    return f"<{found[1].lower()}>"
 
 
 app = typer.Typer(
@@ -86,8 +84,8 @@ app = typer.Typer(
 )
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(value: bool) -> None:
+    if value:
         console.data(f"eddi-scaffold {__version__}")
         raise typer.Exit
 
@@ -105,7 +103,7 @@ def options(
 
 COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
     "Start here": {
-        "example": example.example,
+        "example": learning.example,
         "check": check.check,
         "show": show.show,
         "run": run.run,
@@ -118,7 +116,7 @@ COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
         "status": status.status,
         "upgrade": upgrade.upgrade,
         "watch": watch.watch,
-        "explain": explain.explain,
+        "explain": learning.explain,
     },
     "Models": {
         "diagram": diagram.diagram,

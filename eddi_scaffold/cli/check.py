@@ -58,25 +58,24 @@ def check(
         unread += rest
     robots = [file for file in files if named_like_mros(file.name)]
     others = [file for file in files if file not in robots]
-    found, robot = check_robots(robots, others, models)
+    problems, robot = check_robots(robots, others, models)
     if system is not None:
-        told = {replace(one, level="warning") for one in found}
+        reported = {replace(problem, level="warning") for problem in problems}
         with robot_models(system, models) as (robot, unsure):
-            found += [one for one in unsure if one not in told]
-    found += check_files(others, default_guarantee or (), robot, platform)
-    problems = in_order(until_written_near(found, files))
+            problems += [problem for problem in unsure if problem not in reported]
+    problems += check_files(others, default_guarantee or (), robot, platform)
+    problems = in_order(until_written_near(problems, files))
     if as_json:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems, summary=False)
-        shown = [problem for problem in problems if console.shows(problem)]
         by_hand = [problem.of for problem in problems if isinstance(problem, ByHand)]
         if by_hand and not console.verbose:
             console.say(f"to be written by hand: {', '.join(by_hand)}")
         if unread:
             console.say(f"not checked: {', '.join(map(str, unread))}")
-        names = ", ".join(str(file) for file in files)
-        more = f" (-v shows {count_line(problems)})" if problems and not shown else ""
-        console.say(f"{count_line(shown) or 'no problems'} in {names}{more}")
+        counts = count_line([problem for problem in problems if console.shows(problem)])
+        more = f" (-v shows {count_line(problems)})" if problems and not counts else ""
+        console.say(f"{counts or 'no problems'} in {', '.join(map(str, files))}{more}")
     if has_errors(problems):
         raise typer.Exit(exit_status.NO)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -33,30 +34,28 @@ def compose(
     from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
-    labels, files = zip(*(_named(argument) for argument in conserts), strict=True)
-    sources = [read_source(file) for file in files]
+    arguments = [_named(argument) for argument in conserts]
+    sources = [read_source(file) for _, file in arguments]
     readings = [read_models(source, marks) for source in sources]
-    found_in = [
-        [(model.name, model.data) for model in reading.models if isinstance(model, ConSertModel)]
-        for reading in readings
-    ]
-    elsewhere = marks_elsewhere([[one for _, one in found] for found in found_in], marks)
+    models = [[m for m in r.models if isinstance(m, ConSertModel)] for r in readings]
+    elsewhere = marks_elsewhere([[model.data for model in inside] for inside in models], marks)
     instances = []
-    for label, source, reading, found in zip(labels, sources, readings, found_in, strict=True):
-        problems = tuple(
-            problem for problem in reading.problems if problem.message not in elsewhere
-        )
+    for (label, _), source, reading, inside in zip(
+        arguments, sources, readings, models, strict=True
+    ):
+        problems = tuple(p for p in reading.problems if p.message not in elsewhere)
         complete_reading(source, replace(reading, problems=problems))
-        if not found:
+        if not inside:
             raise EddiError(problem("F004.no_consert", Place(source.name)))
-        if label and len(found) != 1:
-            raise EddiError(problem("G004.one_name", source=source.name, number=len(found)))
-        instances += [(label or name, consert) for name, consert in found]
+        if label and len(inside) != 1:
+            raise EddiError(problem("G004.one_name", source=source.name, number=len(inside)))
+        instances += [(label or model.name, model.data) for model in inside]
         if not as_json:
             console.problems(problems)
-    repeated = sorted({name for name, _ in instances if [n for n, _ in instances].count(name) > 1})
-    if repeated:
-        raise EddiError(problem("C007.instances", name=repeated[0]))
+    names = sorted(name for name, _ in instances)
+    repeated = next((name for name, following in pairwise(names) if name == following), None)
+    if repeated is not None:
+        raise EddiError(problem("C007.instances", name=repeated))
     result = composition_of(instances)
     if as_json:
         console.json(result.as_json())

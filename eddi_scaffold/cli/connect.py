@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +13,6 @@ from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, Nod
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
-    from eddi_scaffold.connect.surroundings import Surroundings
 
 _STATES = {
     "kept": "decided before",
@@ -59,51 +57,50 @@ def connect(
 
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
     """
+    from dataclasses import replace
+
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.connecting import connect
+    from eddi_scaffold.connect.draft import recorded_age
     from eddi_scaffold.connect.rossystem import save
     from eddi_scaffold.connect.surroundings import Surroundings
+    from eddi_scaffold.recordings.bags import read_contents
 
     surroundings = Surroundings(system, models, others or (), default_guarantee or ())
     if bag is not None:
-        surroundings = _with_bag(surroundings, bag)
-    found = connect(model, name, output, surroundings)
+        contents = read_contents(bag)
+        ages = {
+            topic: age
+            for topic, times in contents.times.items()
+            if (age := recorded_age(times, bag.name)) is not None
+        }
+        surroundings = replace(
+            surroundings, ages=ages, topics=contents.topics, types=contents.types
+        )
+    draft = connect(model, name, output, surroundings)
     if as_json:
-        console.json(found.as_json())
+        console.json(draft.as_json())
     elif dry_run and output is not None:
-        console.data(found.diff().rstrip("\n"))
+        console.data(draft.diff().rstrip("\n"))
     elif output is None:
-        console.data(found.after.rstrip("\n"))
-    elif found.is_changed:
-        save(output, found.after, found.before)
-    console.problems(found.problems, summary=False)
-    if not (system or bag or others or found.has_topics):
+        console.data(draft.after.rstrip("\n"))
+    elif draft.is_changed:
+        save(output, draft.after, draft.before)
+    console.problems(draft.problems, summary=False)
+    if not (system or bag or others or draft.has_topics):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
-    console.say(_what(found, writes=output is not None and not dry_run and not as_json))
-    if has_errors(found.problems):
+    console.say(_summary(draft, writes=output is not None and not dry_run and not as_json))
+    if has_errors(draft.problems):
         raise typer.Exit(exit_status.NO)
 
 
-def _with_bag(surroundings: Surroundings, bag: Path) -> Surroundings:
-    """Return what is given, with the topics of a bag, and when their messages are too old."""
-    from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.recordings.bags import read_contents
-
-    found = read_contents(bag)
-    ages = {topic: recorded_age(times, bag.name) for topic, times in found.times.items()}
-    known = {topic: age for topic, age in ages.items() if age is not None}
-    return replace(surroundings, ages=known, topics=found.topics, types=found.types)
-
-
-def _what(found: DraftResult, *, writes: bool) -> str:
+def _summary(draft: DraftResult, *, writes: bool) -> str:
     """Return the last line: how far the draft is decided."""
-    states = Counter(map(found.state, found.decisions))
-    total = sum(states.values())
-    counts = ", ".join(f"{states[one]} {text}" for one, text in _STATES.items() if states[one])
-    inputs = f"{total} input{'s' if total != 1 else ''}{': ' if counts else ''}{counts}"
-    todo = f"{found.todo} value{'s' if found.todo != 1 else ''} to be decided"
-    done = ""
-    if writes:
-        done = f"; {found.name} is {'written' if found.is_changed else 'up to date'}"
-    return f"{inputs}; {todo}{done}"
+    from eddi_scaffold.common.problems import plural
+
+    states = Counter(map(draft.state, draft.decisions))
+    counts = ", ".join(f"{states[key]} {text}" for key, text in _STATES.items() if states[key])
+    inputs = plural(states.total(), "input") + (f": {counts}" if counts else "")
+    done = f"; {draft.name} is {'written' if draft.is_changed else 'up to date'}" if writes else ""
+    return f"{inputs}; {plural(draft.todo, 'value')} to be decided{done}"

@@ -7,13 +7,14 @@ import os
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
 from eddi_scaffold.common.files import open_regular
-from eddi_scaffold.common.problems import EddiError, Problem, in_order, problem
+from eddi_scaffold.common.problems import EddiError, Problem, in_order, plural, problem
 
 MAX_LINE = 1024 * 1024
 """Bytes of a longer line are not shown: the place could not be found in it."""
@@ -22,45 +23,33 @@ MAX_LINE = 1024 * 1024
 def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
     """Attach to each problem its source line, where the file can still be read."""
     problems = list(problems)
-    wanted: dict[str, set[int]] = {}
+    numbers: dict[str, set[int]] = {}
     for reported in problems:
         if reported.excerpt is None and reported.place.file and reported.place.line is not None:
-            wanted.setdefault(reported.place.file, set()).add(reported.place.line)
-    found = {file: _lines(Path(file), numbers) for file, numbers in wanted.items()}
-    return [_with_line(problem, found.get(problem.place.file, {})) for problem in problems]
+            numbers.setdefault(reported.place.file, set()).add(reported.place.line)
+    lines = {(file, n): line for file in numbers for n, line in _lines(file, numbers[file])}
+    return [
+        replace(p, excerpt=lines.get((p.place.file or "", p.place.line or 0), p.excerpt))
+        if p.excerpt is None
+        else p
+        for p in problems
+    ]
 
 
-def _with_line(problem: Problem, lines: Mapping[int, str]) -> Problem:
-    line = lines.get(problem.place.line or 0)
-    return (
-        replace(problem, excerpt=line) if line is not None and problem.excerpt is None else problem
-    )
-
-
-def _lines(file: Path, numbers: set[int]) -> dict[int, str]:
-    """Return the lines of a file with these numbers; none when it has gone or is not text."""
-    found: dict[int, str] = {}
-    try:
-        with open_regular(file) as stream:
-            for number, line in enumerate(stream, 1):
-                if number in numbers and len(line) <= MAX_LINE and b"\0" not in line:
-                    text = line.decode("utf-8-sig" if number == 1 else "utf-8", "replace")
-                    found[number] = text.rstrip("\r\n")
-                if number >= max(numbers):
-                    break
-    except OSError:
-        pass  # the problem itself was reported, the line only helps
-    return found
+def _lines(file: str, numbers: set[int]) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a file with these numbers; none when it has gone or is not text."""
+    with suppress(OSError), open_regular(Path(file)) as stream:  # the line only helps
+        for number, line in enumerate(stream, 1):
+            if number in numbers and len(line) <= MAX_LINE and b"\0" not in line:
+                text = line.decode("utf-8-sig" if number == 1 else "utf-8", "replace")
+                yield number, text.rstrip("\r\n")
+            if number >= max(numbers):
+                break
 
 
 _COLOURS = {
-    "error": "31",
-    "warning": "33",
-    "info": "36",
-    "hint": "36",
-    "success": "32",
-    "place": "1",
-}
+    "error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1",
+}  # fmt: skip
 _WIDTH = 160
 """Characters of a source line that are shown."""
 
@@ -134,25 +123,19 @@ class Console:
         return "".join(f"{line}\n" for line in lines)
 
     def _painted(self, role: str, text: str) -> str:
-        return f"\x1b[{_COLOURS[role]}m{text}\x1b[0m" if self._coloured() else text
-
-    def _coloured(self) -> bool:
-        if self.colour is not None:
-            return self.colour
-        if os.environ.get("NO_COLOR"):
-            return False
-        return bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
+        coloured = self.colour
+        if coloured is None:
+            forced = bool(os.environ.get("FORCE_COLOR")) or _on_terminal()
+            coloured = forced and not os.environ.get("NO_COLOR")
+        return f"\x1b[{_COLOURS[role]}m{text}\x1b[0m" if coloured else text
 
 
 def count_line(problems: Sequence[Problem]) -> str:
     """Return the closing line: ``2 errors, 1 warning``."""
     counts = Counter(problem.level for problem in problems)
-    parts = [
-        f"{counts[level]} {level}{'s' if counts[level] != 1 else ''}"
-        for level in ("error", "warning", "info")
-        if counts[level]
-    ]
-    return ", ".join(parts)
+    return ", ".join(
+        plural(counts[level], level) for level in ("error", "warning", "info") if counts[level]
+    )
 
 
 def _on_terminal() -> bool:
@@ -198,16 +181,12 @@ def _write(stream: TextIO | None, text: str) -> None:
         stream.write(text.encode(encoding, "backslashreplace").decode(encoding))
         stream.flush()
     except OSError as refused:
-        _mute(stream)
+        # What is written from now on vanishes, also what the interpreter flushes at its end.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
         if stream is sys.stdout and not isinstance(refused, BrokenPipeError):
             raise EddiError(problem("F002.output", reason=refused.strerror)) from None
-
-
-def _mute(stream: TextIO) -> None:
-    """Let what is written from now on vanish, also what the interpreter flushes at its end."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, stream.fileno())
-    os.close(nowhere)
 
 
 console = Console()

@@ -48,24 +48,19 @@ def diagram(
     from eddi_scaffold.packages.transaction import FileState, write
 
     source = read_source(model)
+    single = output is None or output.suffix.lower() == ".svg"
     if is_fleet(source):
-        found = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
+        files = {f"{source.stem}.svg": picture_of_fleet(source, checked_models)}
     else:
-        given = configured(source, ())  # a configuration that names its model
-        place, marks = Path(given.source.name), default_guarantee or ()
-        found, problems = pictures(place, name, marks, single=_is_file(output))
-        console.problems([*given.problems, *problems])
+        chosen = configured(source, ())  # a configuration that names its model
+        place, marks = Path(chosen.source.name), default_guarantee or ()
+        files, problems = pictures(place, name, marks, single=single)
+        console.problems([*chosen.problems, *problems])
     if output is None:
-        console.data("\n".join(svg.rstrip("\n") for svg in found.values()))
+        console.data("\n".join(svg.rstrip("\n") for svg in files.values()))
         return
-    files, folder = found, output
-    if _is_file(output):
-        files, folder = dict(zip([output.name], found.values(), strict=True)), output.parent
-    write(folder, {file: FileState(svg.encode()) for file, svg in files.items()})
+    if single:
+        files, output = dict(zip([output.name], files.values(), strict=True)), output.parent
+    write(output, {file: FileState(svg.encode()) for file, svg in files.items()})
     for file in files:
-        console.success(f"{folder / file}")
-
-
-def _is_file(output: Path | None) -> bool:
-    """Return whether one file is asked for; standard output is one."""
-    return output is None or output.suffix.lower() == ".svg"
+        console.success(f"{output / file}")

@@ -71,27 +71,31 @@ def event(
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
     """
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.conditions import analyse
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
-    from eddi_scaffold.conditions.standalone import without_limits
+    from eddi_scaffold.conditions.standalone import generate, without_limits
+    from eddi_scaffold.conditions.tokens import EXPRESSION
     from eddi_scaffold.program.standalone import check_module_name
 
     path = file or _file_of(text or "")
-    if serve:
-        _serve(port, _source(text or "", path)[0], rate)
-        return
-    if name is not None:
+    if not serve and name is not None:
         check_module_name(name)
-    if None not in {text, file} or {text, file, config} == {None}:
+    if not serve and (None not in {text, file} or {text, file, config} == {None}):
         raise EddiError(problem("G000.argument"))
-    if config is not None or (path is not None and _is_model(path)):
+    if not serve and (config is not None or (path is not None and _is_model(path))):
         if check or inputs is not None:
             raise EddiError(problem("E026.conditions"))
         _generate_of_model(path, config, target, name, output, as_json=as_json)
         return
-    source, label = _source(text or "", path)
+    source, label = text or "", EXPRESSION
+    if path is not None:
+        source, label = read_source(path).text("E001"), str(path)
+    if serve:
+        _serve(port, source, rate)
+        return
     analysis = analyse(source, rate=rate, name=label)
     if analysis.form is None:
         if as_json:
@@ -99,31 +103,20 @@ def event(
             raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
     if target is Target.c and not check and inputs is None:
-        analysis = replace(
-            analysis, problems=(*analysis.problems, *without_limits(analysis, label))
-        )
+        problems = (*analysis.problems, *without_limits(analysis, label))
+        analysis = replace(analysis, problems=problems)
     if not as_json:
         console.problems(analysis.problems)
     if inputs is not None:
         _try(analysis, inputs, as_json=as_json)
+    elif check and as_json:
+        console.json(report_json(analysis))
     elif check:
-        if as_json:
-            console.json(report_json(analysis))
-        else:
-            console.data("\n".join(as_text(analysis)))
+        console.data("\n".join(as_text(analysis)))
     else:
-        stem = name or ("event" if label == "<expression>" else _name_of(Path(label)))
-        _generate(analysis, target, stem, output, as_json=as_json)
-
-
-def _source(text: str, path: Path | None) -> tuple[str, str]:
-    """Return the text and the name of its file."""
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.conditions.tokens import EXPRESSION
-
-    if path is None:
-        return text, EXPRESSION
-    return read_source(path).text("E001"), str(path)
+        stem = name or ("event" if path is None else _name_of(path))
+        files = generate(analysis, target.value, stem)
+        _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
 
 
 def _name_of(file: Path) -> str:
@@ -143,10 +136,10 @@ def _name_of(file: Path) -> str:
 def _file_of(text: str) -> Path | None:
     """Return the path when the argument names a file, and is not an expression."""
     try:
-        found = Path(text).is_file()
+        is_file = Path(text).is_file()
     except (OSError, ValueError):  # too long for a name, or a NUL
         return None
-    return Path(text) if found or text.endswith(".events") else None
+    return Path(text) if is_file or text.endswith(".events") else None
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
@@ -156,20 +149,20 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError
     from eddi_scaffold.conditions.standalone import columns, play
-    from eddi_scaffold.recordings.csv_recording import read_recording
+    from eddi_scaffold.recordings.csv_recording import read_rows
 
-    recording, found = read_recording(read_source(inputs), dict(columns(analysis)))
-    if recording is None:
-        raise EddiError(*found)
+    rows, problems = read_rows(read_source(inputs), dict(columns(analysis)))
+    if rows is None:
+        raise EddiError(*problems)
     if not as_json:
-        console.problems(found)
-    word = "value" if analysis.events[0].type == "number" else "verdict"
+        console.problems(problems)
+    key = "value" if analysis.events[0].type == "number" else "verdict"
     last = None
-    for t, verdicts in play(analysis, ((row.t, row.samples) for row in recording.rows)):
+    for t, verdicts in play(analysis, ((row.t, row.samples) for row in rows)):
         if as_json:
-            rows = [{"id": name, word: value} for name, value in verdicts.items()]
-            alone = {word: rows[0][word]} if len(rows) == 1 else {}
-            console.data(json.dumps({"t": t, **alone, "outputs": rows}))
+            outputs = [{"id": name, key: value} for name, value in verdicts.items()]
+            alone = {key: outputs[0][key]} if len(outputs) == 1 else {}
+            console.data(json.dumps({"t": t, **alone, "outputs": outputs}))
             continue
         shown = "  ".join(f"{name} {_shown(value)}" for name, value in verdicts.items())
         if shown != last:
@@ -181,16 +174,6 @@ def _shown(value: bool | float | None) -> str:
     if value is None:
         return "UNKNOWN"
     return str(value).upper() if isinstance(value, bool) else f"{value:.6g}"
-
-
-def _generate(
-    analysis: Analysis, target: Target, name: str, output: Path | None, *, as_json: bool
-) -> None:
-    from eddi_scaffold.conditions.report import as_json as report_json
-    from eddi_scaffold.conditions.standalone import generate
-
-    files = generate(analysis, target.value, name)
-    _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
 
 
 def _is_model(path: Path) -> bool:
@@ -223,8 +206,8 @@ def _generate_of_model(
     files = standalone(monitor, target.value, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    found = [problem.as_json() for problem in problems]
-    _write(files, output, lambda new: {"problems": found, "files": new}, as_json=as_json)
+    rows = [problem.as_json() for problem in problems]
+    _write(files, output, lambda new: {"problems": rows, "files": new}, as_json=as_json)
 
 
 def _write(
@@ -261,8 +244,6 @@ def _write(
 
 
 def _serve(port: int, text: str, rate: float | None) -> None:
-    from dataclasses import replace
-
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.conditions.event_page import Page, open_server
 
@@ -278,9 +259,8 @@ def _read_signal(
 ) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
     """Return the rows of a recording that was typed."""
     from eddi_scaffold.common.files import Source
-    from eddi_scaffold.recordings.csv_recording import read_recording
+    from eddi_scaffold.recordings.csv_recording import read_rows
 
     columns: dict[str, Any] = dict(types)
-    recording, found = read_recording(Source("<values>", text.encode()), columns)
-    rows = None if recording is None else [(row.t, row.samples) for row in recording.rows]
-    return rows, found
+    rows, problems = read_rows(Source("<values>", text.encode()), columns)
+    return None if rows is None else [(row.t, row.samples) for row in rows], problems

@@ -62,18 +62,18 @@ def export(
     if kind is not None and kind not in kinds():
         hint = did_you_mean(kind, kinds()) or f"kinds: {', '.join(kinds())}"
         raise EddiError(problem("G008.kind", hint=hint, kind=kind))
-    wanted = kinds()[kind] if kind else None
-    alone = is_config(read_source(model))
-    configs = [model, *(config or ())] if alone else config
+    kind_only = kinds()[kind] if kind else None
+    marks = default_guarantee or ()
+    is_alone = is_config(read_source(model))  # it names its model
+    configs = [*([model] if is_alone else ()), *(config or ())]
     if configs:
-        models = None if alone else model
-        monitors, found = monitors_of(models, configs, name, default_guarantee or ())
-        chosen = select_models([monitor.model for monitor in monitors], None, wanted)
+        monitors, problems = monitors_of(None if is_alone else model, configs, name, marks)
+        chosen = select_models([monitor.model for monitor in monitors], None, kind_only)
     else:
-        reading = checked_models(model, default_guarantee or ())
-        chosen, found = select_models(reading.models, name, wanted), list(reading.problems)
-    seen = [problem for item in chosen for problem in item.check()]
-    console.problems(in_order([*found, *seen]))
+        reading = checked_models(model, marks)
+        chosen, problems = select_models(reading.models, name, kind_only), list(reading.problems)
+    checked = [problem for item in chosen for problem in item.check()]
+    console.problems(in_order([*problems, *checked]))
     if into is not None:
         before = read_source(into)
         old = FileState(before.data, stat.S_IMODE(into.stat().st_mode))

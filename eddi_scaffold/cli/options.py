@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import signature
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any
 
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.platforms import (
-    DEFAULT,
-    DEFAULT_IN_FOLDER,
-    INSTALLED,
-    VENDORED,
-)
+from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, INSTALLED, VENDORED
 from eddi_scaffold.platforms import names as platform_names
+
+_OTHER_PICTURES = frozenset(
+    [".png", ".pdf", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff", ".eps", ".ps"]
+)
 
 
 def in_a_folder(path: Path | None) -> Path | None:
@@ -28,17 +29,26 @@ def in_a_folder(path: Path | None) -> Path | None:
     Raises:
         EddiError: there is no such folder (F002).
     """
-    if path is None or path.parent.is_dir():
-        return path
-    from shlex import quote
+    if path is not None and not path.parent.is_dir():
+        place = Place(str(path))
+        there = next(parent for parent in path.parents if parent.exists())
+        if not there.is_dir():
+            raise EddiError(problem("F002.not_a_folder", place, folder=there))
+        quoted = quote(str(path.parent))
+        raise EddiError(problem("F002.no_folder", place, folder=path.parent, quoted=quoted))
+    return path
 
-    from eddi_scaffold.common.problems import EddiError, Place, problem
 
-    there = next(parent for parent in path.parents if parent.exists())
-    if not there.is_dir():
-        raise EddiError(problem("F002.not_a_folder", Place(str(path)), folder=there))
-    quoted = quote(str(path.parent))
-    raise EddiError(problem("F002.no_folder", Place(str(path)), folder=path.parent, quoted=quoted))
+def for_pictures(path: Path | None) -> Path | None:
+    """Refuse the same, and a name of a picture of another format.
+
+    Raises:
+        EddiError: there is no such folder (F002), or the name is not that of an SVG (G000).
+    """
+    if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
+        svg = path.with_suffix(".svg")
+        raise EddiError(problem("G000.picture", Place(str(path)), suffix=path.suffix, value=svg))
+    return in_a_folder(path)
 
 
 def a_runtime(name: str | None) -> str | None:
@@ -52,37 +62,10 @@ def a_runtime(name: str | None) -> str | None:
     return name
 
 
-_OTHER_PICTURES = frozenset(
-    [".png", ".pdf", ".jpg", ".jpeg", ".gif", ".bmp", ".webp", ".tif", ".tiff", ".eps", ".ps"]
-)
-
-
-def for_pictures(path: Path | None) -> Path | None:
-    """Refuse the same, and a name of a picture of another format.
-
-    Raises:
-        EddiError: there is no such folder (F002), or the name is not that of an SVG (G000).
-    """
-    if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
-        from eddi_scaffold.common.problems import EddiError, Place, problem
-
-        raise EddiError(
-            problem(
-                "G000.picture", Place(str(path)), suffix=path.suffix, value=path.with_suffix(".svg")
-            )
-        )
-    return in_a_folder(path)
-
-
-ModelFile = Annotated[
-    Path, typer.Option("-m", "--model", help="EDDI XML, or a model file of a kind (ConSert YAML).")
-]
 OptionalModelFile = Annotated[
     Path | None,
     typer.Option(
-        "-m",
-        "--model",
-        help="EDDI XML or a model file; a configuration may name its own.",
+        "-m", "--model", help="EDDI XML or a model file; a configuration may name its own."
     ),
 ]
 ConfigFiles = Annotated[
@@ -151,60 +134,48 @@ Force = Annotated[
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]
 
 
-def _quiet(wanted: bool) -> None:
-    console.quiet = console.quiet or wanted
+def _quiet(value: bool) -> None:
+    console.quiet = console.quiet or value
 
 
-def _verbose(wanted: bool) -> None:
-    console.verbose = console.verbose or wanted
+def _verbose(value: bool) -> None:
+    console.verbose = console.verbose or value
 
 
-def _color(wanted: bool | None) -> None:
-    console.colour = console.colour if wanted is None else wanted
+def _color(value: bool | None) -> None:
+    console.colour = console.colour if value is None else value
 
 
-_OPTIONS: dict[str, tuple[Any, bool | None]] = {
-    "quiet": (
-        Annotated[bool, typer.Option("-q", "--quiet", callback=_quiet, help="Print errors only.")],
-        False,
-    ),
-    "verbose": (
-        Annotated[
-            bool, typer.Option("-v", "--verbose", callback=_verbose, help="Print infos as well.")
-        ],
-        False,
-    ),
-    "color": (
-        Annotated[
-            bool | None,
-            typer.Option("--color/--no-color", callback=_color, help="Default: on a terminal."),
-        ],
-        None,
-    ),
-    "traceback": (
-        Annotated[bool, typer.Option("--traceback", help="Show where a bug happened.")],
-        False,
-    ),
-}
-"""Name -> what it is, and its default. ``main`` looks for ``--traceback`` itself."""
+def _global_options(
+    *,
+    quiet: Annotated[
+        bool, typer.Option("-q", "--quiet", callback=_quiet, help="Print errors only.")
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("-v", "--verbose", callback=_verbose, help="Print infos as well.")
+    ] = False,
+    color: Annotated[
+        bool | None,
+        typer.Option("--color/--no-color", callback=_color, help="Default: on a terminal."),
+    ] = None,
+    traceback: Annotated[
+        bool, typer.Option("--traceback", help="Show where a bug happened.")
+    ] = False,
+) -> None:
+    """Only declare them: callbacks carry them out, and ``main`` looks for ``--traceback``."""
 
 
 def with_global_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command that takes the global options as well; their callbacks carry them out."""
+    """Return a command that takes the global options as well."""
     own = signature(command, eval_str=True)
-    added = [
-        Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
-        for name, (annotation, default) in _OPTIONS.items()
-    ]
+    added = signature(_global_options, eval_str=True).parameters
 
     @wraps(command)
     def taking_all(**values: Any) -> None:
-        command(**{name: value for name, value in values.items() if name not in _OPTIONS})
+        command(**{name: value for name, value in values.items() if name not in added})
 
-    whole = own.replace(parameters=[*own.parameters.values(), *added])
+    parameters = [*own.parameters.values(), *added.values()]
     # Typer reads one or the other, according to its version.
-    vars(taking_all)["__signature__"] = whole
-    taking_all.__annotations__ = {
-        parameter.name: parameter.annotation for parameter in whole.parameters.values()
-    }
+    vars(taking_all)["__signature__"] = own.replace(parameters=parameters)
+    taking_all.__annotations__ = {each.name: each.annotation for each in parameters}
     return taking_all

@@ -102,12 +102,11 @@ def parse_rossystem(
     from eddi_scaffold.mros.topics import Filters
 
     robot = read_robot(system, models)
-    filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
     parsed = parse(
         robot,
         config,
         include=[_EXTRAS[extra] for extra in include or ()],
-        filters=filters,
+        filters=Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure),
         names="model" if topics is NameSource.model else "label",
     )
     if format is Format.json:
@@ -119,50 +118,47 @@ def parse_rossystem(
     elif parsed.is_changed:
         save(config, parsed.after, parsed.before)
     console.problems(robot.located(parsed.problems), summary=False)
-    what = _what(parsed, config, format, dry_run=dry_run)
-    (console.complain if has_errors(parsed.problems) else console.say)(what)
+    summary = _summary(parsed)
+    if format is Format.yaml:
+        summary += f"; {_result(parsed, config, dry_run=dry_run)}"
     if has_errors(parsed.problems):
+        console.complain(summary)
         raise typer.Exit(exit_status.NO)
+    console.say(summary)
 
 
-def _what(parsed: Parsed, config: Path, format: Format, *, dry_run: bool) -> str:  # noqa: A002 - as above
-    """Return the last line: what was found, and what became of it."""
+def _summary(parsed: Parsed) -> str:
+    """Return how much there is in the system."""
+    from eddi_scaffold.common.problems import plural
+
     counts = parsed.summary()
-    found = ", ".join(
-        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}"
-        for key in ("components", "publishers", "topics")
-    )
-    deaf = [
-        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}"
-        for key in ("services", "actions")
-        if counts[key]
-    ]
+
+    def counted(*keys: str) -> list[str]:
+        return [plural(counts[key], key.removesuffix("s")) for key in keys]
+
+    deaf = [text for text in counted("services", "actions") if not text.startswith("0 ")]
     silent = f"; {' and '.join(deaf)} cannot be listened to" if deaf else ""
-    wrong = ", ".join(
-        f"{counts[key]} {key if counts[key] != 1 else key[:-1]}" for key in ("errors", "warnings")
-    )
-    done = _done(parsed, config, dry_run=dry_run) if format is Format.yaml else ""
-    return "; ".join(part for part in (f"{found}{silent}", wrong, done) if part)
+    topics = ", ".join(counted("components", "publishers", "topics"))
+    return f"{topics}{silent}; {', '.join(counted('errors', 'warnings'))}"
 
 
-def _done(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
+def _result(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
+    from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.config.topic_block import KEPT_ENTRIES
 
-    failed = any(problem.level == "error" for problem in parsed.problems)
+    failed = has_errors(parsed.problems)
     if failed and not parsed.outputs.topics:
         changed = "written" if parsed.before is None else "changed"
         return f"nothing resolved, so {config} is not {changed}"
     if not parsed.is_changed:
-        done = f"{config} is up to date"
+        result = f"{config} is up to date"
     elif parsed.before is None:
-        done = f"{config} {'would be' if dry_run else 'is'} written"
-    elif dry_run:
-        done = f"{config} would change"
+        result = f"{config} {'would be' if dry_run else 'is'} written"
     else:
-        done = f"{config}: SimulatorOutputs is rewritten"
+        result = f"{config}{' would change' if dry_run else ': SimulatorOutputs is rewritten'}"
     if failed:
-        done += " with what resolved"
-    kept = sum(1 for problem in parsed.problems if problem.case in KEPT_ENTRIES)
+        result += " with what resolved"
+    kept = sum(problem.case in KEPT_ENTRIES for problem in parsed.problems)
     stays = "1 entry of before stays" if kept == 1 else f"{kept} entries of before stay"
-    return f"{done}; {stays}" if kept else done
+    return f"{result}; {stays}" if kept else result

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
-    from eddi_scaffold.recordings.csv_recording import Tape
+    from eddi_scaffold.recordings.csv_recording import Recording
     from eddi_scaffold.recordings.packaged import Packaged
-    from eddi_scaffold.recordings.playing import Playback, PlayedMonitor, StepRule
+    from eddi_scaffold.recordings.playing import Playback
 
 
 CHECKED_BY_BAG = {"K039"}
@@ -101,95 +101,90 @@ def run(
     from eddi_scaffold.common.files import refuse_input
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.connect.robot import robot_models
-    from eddi_scaffold.packages.assembly import monitors_of
+    from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.transaction import FileState, write
-    from eddi_scaffold.recordings.playing import play
-    from eddi_scaffold.recordings.results import changes, picture, steps, table, watched
+    from eddi_scaffold.recordings.playing import ROWS, of_messages, of_values, play, step_rule
+    from eddi_scaffold.recordings.results import changes, picture, steps, table, with_progress
 
-    if as_json and as_csv:
-        raise EddiError(problem("G000.formats"))
-    if (inputs is None) == (bag is None):
-        raise EddiError(problem("G000.one_recording"))
-    others = {"config": config, "name": name, "marks": default_guarantee}
-    package = _package(files or [], **others, system=system, models=models)
+    if (as_json and as_csv) or (inputs is None) == (bag is None):
+        raise EddiError(problem("G000.formats" if as_json and as_csv else "G000.one_recording"))
+    package = _package(files or [], (config, name, default_guarantee, system, models))
+    monitors = [package.monitor] if package is not None else []
     configs: list[Path] = []
-    monitors: list[BoundMonitor] = []
-    problems: list[Problem] = []
-    if package is not None:
-        monitors = [package.monitor]
-    else:
-        with robot_models(system, models) as (robot, problems):
+    problems: Sequence[Problem] = ()
+    if package is None:
+        with robot_models(system, models) as (robot, unsure):
             model_files, configs = _models_and_configs(files or [], config or [], robot)
             marks = default_guarantee or ()
-            monitors, more = monitors_of(model_files, configs, name, marks, robot)
-        problems += more
-        problems += _unused_lines(monitors, configs)
-    _check_number(monitors, configs, one_only="--csv" if as_csv else None)
-    rhythms = _rhythms(monitors, steps_as)
-    if bag is not None:
-        tape, found = _from_bag(monitors, bag, package)
+            monitors, problems = monitors_of(model_files, configs, name, marks, robot)
+        problems = [*unsure, *problems, *_unused_lines(monitors, configs)]
+    if not configs:
+        only(monitors)
+    if as_csv and len(monitors) > 1:
+        names = ", ".join(monitor.model.name for monitor in monitors)
+        raise EddiError(problem("G000.one_monitor", one_only="--csv", names=names))
+    if inputs is not None:
+        recording, more = _from_csv(monitors, inputs, package, configs)
+    elif bag is not None:
+        recording, more = _from_bag(monitors, bag, package)
         problems = [problem for problem in problems if problem.code not in CHECKED_BY_BAG]
-    else:
-        tape, found = _from_csv(monitors, inputs, package, configs)
-    console.problems([*problems, *found])
+    console.problems([*problems, *more])
     if plot is not None:
         refuse_input(plot)  # before anything is printed
+    rules = [ROWS if steps_as is StepsAs.ROWS else step_rule(monitor) for monitor in monitors]
 
-    def begun() -> Playback:
-        return play(_parts(monitors, rhythms, package, from_bag=bag is not None), tape)
+    def played() -> Playback:
+        if bag is not None:
+            node = None if package is None else package.from_messages()
+            return play(of_messages(monitors, rules, node), recording)
+        node = None if package is None else package.from_values()
+        return play(of_values(monitors, rules, node), recording)
 
-    playing = watched(begun(), console.progress)
+    playback = with_progress(played(), console.progress)
     if package is not None:
-        playing = package.raising(playing, lambda one: console.problems([one], summary=False))
-    if as_json:
-        for row in steps(playing):
-            console.data(json.dumps(row))
-    else:
-        for line in (table if as_csv else changes)(playing):
-            console.data(line)
+        playback = package.raising(playback, lambda p: console.problems([p], summary=False))
+    lines = (
+        map(json.dumps, steps(playback)) if as_json else (table if as_csv else changes)(playback)
+    )
+    for line in lines:
+        console.data(line)
     if plot is not None:
-        named = (f"{monitor.kind.title} {monitor.model.name}" for monitor in monitors)
-        title = next(named) if len(monitors) == 1 else f"{len(monitors)} monitors, their verdicts"
-        write(plot.parent, {plot.name: FileState(picture(title, begun()).encode())})
+        title = f"{monitors[0].kind.title} {monitors[0].model.name}"
+        title = title if len(monitors) == 1 else f"{len(monitors)} monitors, their verdicts"
+        write(plot.parent, {plot.name: FileState(picture(title, played()).encode())})
 
 
-def _package(files: Sequence[Path], **others: object) -> Packaged | None:
+def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None:
     """Return the package that is named in place of a model; its code is executed."""
     from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
-        inside = [one for path in files for one in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
+        inside = [found for path in files for found in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
         if inside:
-            raise EddiError(
-                problem(
-                    "G000.folder_of_packages",
-                    Place(str(inside[0].parent.parent)),
-                    inside=" or ".join(str(one.parent) for one in inside),
-                )
-            )
+            place = Place(str(inside[0].parent.parent))
+            names = " or ".join(str(answers.parent) for answers in inside)
+            raise EddiError(problem("G000.folder_of_packages", place, inside=names))
         return None
-    if len(files) > 1 or any(others.values()):
+    if len(files) > 1 or any(others):
         raise EddiError(problem("G000.package", Place(str(folder))))
     from eddi_scaffold.recordings.packaged import load
 
     return load(folder)
 
 
-def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> list[Problem]:
+def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> Iterator[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I014)."""
     from eddi_scaffold.common.problems import Place, problem
     from eddi_scaffold.packages.handwritten import packages_of, written
 
-    near = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
-    found = []
+    folders = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
     for monitor in monitors if configs else ():
-        for package in packages_of(monitor.package, near):
+        for package in packages_of(monitor.package, folders):
             lines = ", ".join(written(package))
             if lines:
-                found.append(problem("I014.lines", Place(str(package)), lines=lines))
-    return found
+                yield problem("I014.lines", Place(str(package)), lines=lines)
 
 
 def _models_and_configs(
@@ -211,86 +206,47 @@ def _models_and_configs(
         if parsed is None:
             raise EddiError(*problems)
         if named_model_path(parsed) is None:
-            raise EddiError(
-                problem("F003.configuration_without_model", Place(str(path)), path=path)
-            )
+            place = Place(str(path))
+            raise EddiError(problem("F003.configuration_without_model", place, path=path))
     return models, [*configs, *(path for path in sources if path not in models)]
-
-
-def _check_number(
-    monitors: Sequence[BoundMonitor], configs: Sequence[Path], one_only: str | None
-) -> None:
-    """Refuse several models without configurations, and what shows one monitor only."""
-    from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.packages.assembly import only
-
-    if not configs:
-        only(monitors)
-    if len(monitors) > 1 and one_only is not None:
-        names = ", ".join(monitor.model.name for monitor in monitors)
-        raise EddiError(problem("G000.one_monitor", one_only=one_only, names=names))
-
-
-def _rhythms(monitors: Sequence[BoundMonitor], steps_as: StepsAs) -> list[StepRule]:
-    from eddi_scaffold.recordings.parts import rhythm
-    from eddi_scaffold.recordings.playing import ROWS
-
-    return [ROWS if steps_as is StepsAs.ROWS else rhythm(monitor) for monitor in monitors]
-
-
-def _parts(
-    monitors: Sequence[BoundMonitor],
-    rhythms: Sequence[StepRule],
-    package: Packaged | None,
-    *,
-    from_bag: bool,
-) -> Sequence[PlayedMonitor]:
-    from eddi_scaffold.recordings.parts import of_messages, of_values
-
-    if from_bag:
-        made = package.from_messages() if package is not None else None
-        return of_messages(monitors, rhythms, made)
-    made = package.from_values() if package is not None else None
-    return of_values(monitors, rhythms, made)
 
 
 def _from_csv(
     monitors: Sequence[BoundMonitor],
-    path: Path | None,
+    path: Path,
     package: Packaged | None,
     configs: Sequence[Path],
-) -> tuple[Tape, Sequence[Problem]]:
+) -> tuple[Recording, Sequence[Problem]]:
     from functools import partial
 
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import problem
     from eddi_scaffold.monitors.survey import inputs_beside
-    from eddi_scaffold.recordings.csv_recording import read_tape
-    from eddi_scaffold.recordings.parts import beyond_whole, columns
+    from eddi_scaffold.recordings.csv_recording import read_recording
+    from eddi_scaffold.recordings.playing import columns, more_than_all
 
-    assert path is not None
     others = partial(inputs_beside, configs)
-    tape, found = read_tape(read_source(path), columns(monitors), others)
-    found += beyond_whole(monitors, tape, str(path))
+    recording, problems = read_recording(read_source(path), columns(monitors), others)
+    problems += more_than_all(monitors, recording, str(path))
     if any(monitor.config is None for monitor in monitors):
         hint = "give it with -c" if package is None else "generate the package with -c"
-        found.append(problem("I016", hint=hint))
-    found += package.without_lines() if package is not None else []
-    return tape, found
+        problems.append(problem("I016", hint=hint))
+    return recording, [*problems, *(package.out_of_reach() if package is not None else ())]
 
 
 def _from_bag(
     monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
-) -> tuple[Tape, Sequence[Problem]]:
+) -> tuple[Recording, Sequence[Problem]]:
     from eddi_scaffold.common.problems import EddiError, problem
-    from eddi_scaffold.recordings.bags import read_bag, written_by_hand
-    from eddi_scaffold.recordings.parts import published
+    from eddi_scaffold.recordings.bags import read_bag
+    from eddi_scaffold.recordings.playing import published
 
     if any(monitor.config is None for monitor in monitors):
         raise EddiError(problem("G000.bag"))
-    tape, problems = read_bag(path, monitors, published(monitors))
+    recording, problems = read_bag(path, monitors, published(monitors))
     for monitor in monitors if package is None else ():
-        by_hand = written_by_hand(monitor)
+        # Values that only code of a person gives stay unknown here.
+        by_hand = [b.model.id for b in monitor.inputs if b.requires and not b.is_given]
         if by_hand:
             problems.append(problem("I014.by_hand", by_hand=", ".join(by_hand)))
-    return tape, problems
+    return recording, problems

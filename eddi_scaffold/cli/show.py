@@ -48,26 +48,28 @@ def show(
     if robot is not None:
         _show_robot(robot, as_json=as_json)
         return
-    given = configured(source, [read_source(path) for path in config or ()])
-    source = given.source
-    survey, problems = survey_of(source)
-    reading = read_models(source, default_guarantee or ())
+    files = configured(source, [read_source(path) for path in config or ()])
+    marks = default_guarantee or ()
+    survey, problems = survey_of(files.source)
+    reading = read_models(files.source, marks)
     if has_errors(problems) or (not reading.models and has_errors(reading.problems)):
         raise EddiError(*(problems if has_errors(problems) else reading.problems))
-    chosen = select_models(reading.models, name) if name is not None else reading.models
-    survey = survey if name is None else only(survey, chosen)
-    accepted, models, wrong = accepted_of(reading.models, given.configs, default_guarantee or ())
+    chosen: Sequence[Model] = reading.models
+    if name is not None:
+        chosen = select_models(reading.models, name)
+        survey = only(survey, chosen)
+    accepted, models, wrong = accepted_of(reading.models, files.configs, marks)
     if as_json:
-        rows = [one.as_json() for one in accepted]
-        console.json(survey if not given.configs else {**survey, "accepted": rows})
+        rows = [acceptance.as_json() for acceptance in accepted]
+        console.json({**survey, "accepted": rows} if files.configs else survey)
     else:
         pairs = zip(reading.models, models, strict=True)
-        _print(survey, reading.models, [now for one, now in pairs if one in chosen])
+        _print(survey, reading.models, [joined for model, joined in pairs if model in chosen])
         if accepted:
-            console.data("\n".join(["", "accepted:", *(f"  {one.as_text()}" for one in accepted)]))
-    shown = [*reading.problems, *reading.unread, *unfit(chosen)]
-    console.problems([*given.problems, *wrong, *([] if as_json else shown)])
-    if wrong or has_errors(reading.problems):  # what is left of the file was shown
+            console.data("\n".join(["", "accepted:", *(f"  {a.as_text()}" for a in accepted)]))
+    of_models = [] if as_json else [*reading.problems, *reading.unread, *unfit(chosen)]
+    console.problems([*files.problems, *wrong, *of_models])
+    if wrong or has_errors(reading.problems):  # what remains of the file was shown
         raise typer.Exit(exit_status.NO)
 
 
@@ -90,13 +92,13 @@ def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.survey import is_one_of
 
-    for item in chosen:
-        console.data(f"{kinds()[item.kind].title} {item.name}")
-        for line in item.outline():
+    for model in chosen:
+        console.data(f"{kinds()[model.kind].title} {model.name}")
+        for line in model.outline():
             console.data(f"  {line}")
-        for one in item.links.values():
-            names = "; ".join(f"{link.class_name} {link.name}" for link in one.links)
-            console.data(f"  {one.element} {one.id} is linked with {names}")
+        for linked in model.links.values():
+            names = "; ".join(f"{link.class_name} {link.name}" for link in linked.links)
+            console.data(f"  {linked.element} {linked.id} is linked with {names}")
     for other in survey["models"]:
         if not is_one_of(other, models):
             counts = ", ".join(f"{number} {what}" for what, number in other["counts"].items())

@@ -32,9 +32,9 @@ def status(
     from eddi_scaffold.packages.drift import drift_of
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several
 
-    found = groups(workspace, packages or [])
-    refuse_for_several(found, model, config or [])
-    reports = [report for group in found for report in drift_of(group, model, config or [])]
+    chosen = groups(workspace, packages or [])
+    refuse_for_several(chosen, model, config or [])
+    reports = [report for group in chosen for report in drift_of(group, model, config or [])]
     if as_json:
         console.json({"packages": [report.as_json() for report in reports]})
     else:

@@ -38,25 +38,18 @@ def trace(
 
     if as_json and as_csv:
         raise EddiError(problem("G000.formats"))
-    chosen = groups(workspace, packages or [])
-    found = [
-        trace_of(answers)
-        for group in chosen
-        for answers in group.present.values()
-        if "facts_json" in answers
+    present = [
+        package for group in groups(workspace, packages or []) for package in group.present.items()
     ]
-    wired = [
-        wire
-        for group in chosen
-        for folder, answers in group.present.items()
-        if (wire := facts_of_package(folder, answers)) is not None
-    ]
+    traces = [trace_of(answers) for _, answers in present if "facts_json" in answers]
+    facts = [facts_of_package(folder, answers) for folder, answers in present]
+    wired = [wire for wire in facts if wire is not None]
     accepted, limits = acceptances(wired), bounds(wired)
     if as_json:
         console.json(
             {
-                "packages": [one.as_json() for one in found],
-                "accepted": [one.as_json() for one in accepted],
+                "packages": [trace.as_json() for trace in traces],
+                "accepted": [acceptance.as_json() for acceptance in accepted],
                 "bounds": [limit.as_json() for limit in limits],
             }
         )
@@ -64,11 +57,12 @@ def trace(
         table = io.StringIO()
         writer = csv.writer(table, lineterminator="\n")
         writer.writerow(("package", "model", "sha256", *COLUMNS))
-        for one in found:
-            writer.writerows((one.package, one.model, one.sha256, *one.cells(r)) for r in one.rows)
+        for trace in traces:
+            head = (trace.package, trace.model, trace.sha256)
+            writer.writerows((*head, *trace.cells(row)) for row in trace.rows)
         console.data(table.getvalue().rstrip("\n"))
     else:
-        console.data("\n\n".join(one.as_text() for one in found))
+        console.data("\n\n".join(trace.as_text() for trace in traces))
         for title, rows in (("accepted", accepted), ("silence", limits)):
             if rows:
                 console.data("\n".join(["", f"{title}:", *(f"  {row.as_text()}" for row in rows)]))

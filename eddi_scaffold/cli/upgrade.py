@@ -40,44 +40,35 @@ def upgrade(
     from dataclasses import replace
 
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.cli.reporting import finish_all
+    from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.connect.robot import robot_models
+    from eddi_scaffold.packages import upgrading
     from eddi_scaffold.packages.generation import WriteResult, write_packages
     from eddi_scaffold.packages.rendering import own_template
-    from eddi_scaffold.packages.upgrading import (
-        compiled_before,
-        groups,
-        refuse_for_several,
-        roots,
-        targets,
-    )
     from eddi_scaffold.packages.workspace import alone, linked_package
 
     if not config and (system is not None or models is not None):
         raise EddiError(problem("G000.no_configuration"))
     outcomes: list[WriteResult] = []
     template = own_template()
-    places = roots(workspace, packages or [])
-    with (
-        alone(() if dry_run else places),
-        robot_models(system, models) as (robot, unsure),
-    ):
-        found = groups(workspace, packages or [])
-        refuse_for_several(found, model, config or [])
-        planned = [(group, *targets(group, model, config or [], robot)) for group in found]
+    places = upgrading.roots(workspace, packages or [])
+    with alone(() if dry_run else places), robot_models(system, models) as (robot, unsure):
+        groups = upgrading.groups(workspace, packages or [])
+        upgrading.refuse_for_several(groups, model, config or [])
+        plans = [(g, *upgrading.targets(g, model, config or [], robot)) for g in groups]
         console.problems(unsure)
-        for group, wanted, problems in planned:
+        for group, targets, problems in plans:
             console.problems(problems)
-            done = write_packages(
+            outcome = write_packages(
                 group.root,
-                wanted,
+                targets,
                 template,
                 force=force,
                 dry_run=dry_run,
                 progress=console.progress,
             )
             links = [linked_package(link) for link in group.links]
-            left = [*links, *compiled_before(wanted), *done.left]
-            outcomes.append(replace(done, left=left))
-    finish_all(outcomes, dry_run=dry_run)
+            left = [*links, *upgrading.compiled_before(targets), *outcome.left]
+            outcomes.append(replace(outcome, left=left))
+    finish(*outcomes, dry_run=dry_run)

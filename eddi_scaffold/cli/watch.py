@@ -12,8 +12,8 @@ from eddi_scaffold.cli.options import Json
 
 if TYPE_CHECKING:
     from eddi_scaffold.watch.fleet import FleetState
+    from eddi_scaffold.watch.following import Clock
     from eddi_scaffold.watch.messages import Source
-    from eddi_scaffold.watch.text import Clock
 
 _MASTER = "http://localhost:11311"
 
@@ -72,17 +72,22 @@ def watch(
 
     Example: eddi-scaffold watch --text --robot arm
     """
-    from eddi_scaffold.watch.fleet import FleetState
-    from eddi_scaffold.watch.messages import wanted_robots
+    import json
 
-    state = FleetState(wanted_robots(robot or ()), patience)
-    lines = text or as_json
-    source, clock = _opened(bag, master, domain, None if lines else speed)
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.watch.fleet import FleetState
+    from eddi_scaffold.watch.following import changes, document, line
+    from eddi_scaffold.watch.messages import requested_robots
+
+    state = FleetState(requested_robots(robot or ()), patience)
+    source, clock = _opened(bag, master, domain, None if text or as_json else speed)
     try:
-        if lines:
-            _print(source, state, clock, as_json=as_json)
-        else:
+        if not (text or as_json):
             _serve(source, state, clock, port, files or [])
+            return
+        for change in changes(source, state, console.say):
+            data = json.dumps(document(change, clock)) if as_json else line(change, clock)
+            console.data(data)
     finally:
         source.close()
 
@@ -92,62 +97,40 @@ def _opened(
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""
     import os
-    import time
 
     from eddi_scaffold.common.problems import EddiError, problem
+    from eddi_scaffold.watch.following import seconds, time_of_day
     from eddi_scaffold.watch.recording import Recording
-    from eddi_scaffold.watch.ros1.source import Ros1Graph
-    from eddi_scaffold.watch.text import seconds, time_of_day
+    from eddi_scaffold.watch.ros1 import Ros1Graph
 
-    given = {"--bag": bag, "--master": master, "--domain": domains}
-    names = [name for name, value in given.items() if value]
+    options = {"--bag": bag, "--master": master, "--domain": domains}
+    names = [name for name, value in options.items() if value]
     if len(names) > 1:
         raise EddiError(problem("G000.exclude", options=" and ".join(names)))
     if bag is not None:
         return Recording(bag, speed), seconds
-    clock = time_of_day(time.time() - time.monotonic())
     uri, number = os.environ.get("ROS_MASTER_URI"), os.environ.get("ROS_DOMAIN_ID", "")
     if not names and not uri and number.isdecimal():
         domains = [int(number)]
-    if domains:
-        return _dds(domains), clock
-    return Ros1Graph(master or uri or _MASTER), clock
-
-
-def _dds(domains: list[int]) -> Source:
-    from eddi_scaffold.common.problems import EddiError, problem
-
+    if not domains:
+        return Ros1Graph(master or uri or _MASTER), time_of_day
     try:
         from eddi_scaffold.watch.dds_source import DdsGraphs
     except ImportError:
         raise EddiError(problem("I010.cyclonedds")) from None
-    return DdsGraphs(dict.fromkeys(domains))
-
-
-def _print(source: Source, state: FleetState, clock: Clock, *, as_json: bool) -> None:
-    import json
-
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.watch.running import changes
-    from eddi_scaffold.watch.text import document, line
-
-    for change in changes(source, state, console.say):
-        if as_json:
-            console.data(json.dumps(document(change, clock)))
-        else:
-            console.data(line(change, clock))
+    return DdsGraphs(dict.fromkeys(domains)), time_of_day
 
 
 def _serve(
     source: Source, state: FleetState, clock: Clock, port: int, models: Sequence[Path]
 ) -> None:
+    """Show the page, as long as nobody interrupts it."""
     import threading
 
     from eddi_scaffold.cli.console import console
+    from eddi_scaffold.watch.following import follow
     from eddi_scaffold.watch.page import pictures_of, view_of
-    from eddi_scaffold.watch.page_feed import Feed
-    from eddi_scaffold.watch.page_server import open_server
-    from eddi_scaffold.watch.running import show
+    from eddi_scaffold.watch.page_server import Feed, open_server
 
     first = state.snapshot(0.0)
     feed = Feed(first, view_of(first, clock))
@@ -155,7 +138,7 @@ def _serve(
         console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            show(source, state, feed, clock)
+            follow(source, state, lambda now, notes: feed.show(now, view_of(now, clock, notes)))
             threading.Event().wait()
         finally:
             feed.close()

@@ -19,38 +19,23 @@ Direction = Literal["up", "down"]
 
 @dataclass(frozen=True)
 class DiagramNode:
-    """One thing in a picture.
+    """One thing in a picture."""
 
-    Attributes:
-        id: unique in its diagram; edges name it.
-        lines: the label; the first line is its heading. Long ones are wrapped or cut.
-        shape: outline.
-        tone: colour.
-        tooltip: text that a browser shows at the pointer; the label when empty.
-    """
-
-    id: str
-    lines: tuple[str, ...]
-    shape: Shape = "box"
-    tone: Tone = "neutral"
-    tooltip: str = ""
+    id: str  # unique in its diagram; edges name it
+    lines: tuple[str, ...]  # the label; the first line is its heading. Long ones are wrapped or cut
+    shape: Shape = "box"  # outline
+    tone: Tone = "neutral"  # colour
+    tooltip: str = ""  # text that a browser shows at the pointer; the label when empty
 
 
 @dataclass(frozen=True)
 class DiagramEdge:
-    """A line from one node to another.
+    """A line from one node to another."""
 
-    Attributes:
-        source: id of a node.
-        target: id of a node.
-        label: short text at its middle, empty for none.
-        arrow: whether its end has an arrowhead.
-    """
-
-    source: str
-    target: str
-    label: str = ""
-    arrow: bool = True
+    source: str  # id of a node
+    target: str  # id of a node
+    label: str = ""  # short text at its middle, empty for none
+    arrow: bool = True  # whether its end has an arrowhead
 
 
 @dataclass(frozen=True)

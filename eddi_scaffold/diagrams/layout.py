@@ -1,72 +1,17 @@
-"""A diagram with coordinates: boxes, and lines through points. No font is asked."""
+"""A diagram with coordinates: boxes, and lines through points. No font is asked.
+
+The steps of Sugiyama, Tagawa and Toda, "Methods for Visual Understanding of Hierarchical System
+Structures" (1981): break cycles, assign layers, reduce crossings, place.
+"""
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from eddi_scaffold.diagrams.diagram import Diagram, DiagramEdge, DiagramNode
-from eddi_scaffold.diagrams.layers import layered, ordered
-
-_ROUNDS = 16
-
-
-def placed(
-    rows: Sequence[Sequence[int]],
-    widths: Mapping[int, float],
-    links: Sequence[tuple[int, int]],
-    gap: float,
-) -> dict[int, float]:
-    """Return the middle of every node and bend along its row; the leftmost edge is at 0.
-
-    Args:
-        rows: in their order.
-        widths: of nodes and bends.
-        links: pieces of edges between neighbouring rows.
-        gap: between two neighbours of a row.
-    """
-    near: dict[int, list[int]] = {node: [] for row in rows for node in row}
-    for start, end in links:
-        near[start].append(end)
-        near[end].append(start)
-    middle: dict[int, float] = {}
-    for row in rows:
-        left = 0.0
-        for node in row:
-            middle[node] = left + widths[node] / 2
-            left += widths[node] + gap
-    for number in range(_ROUNDS):
-        for row in rows if number % 2 else reversed(rows):
-            wanted = [_mean([middle[other] for other in near[node]], middle[node]) for node in row]
-            spans = [widths[node] for node in row]
-            middle.update(zip(row, _spread(wanted, spans, gap), strict=True))
-    least = min((middle[node] - widths[node] / 2 for node in middle), default=0.0)
-    return {node: value - least for node, value in middle.items()}
-
-
-def _mean(values: Sequence[float], otherwise: float) -> float:
-    return sum(values) / len(values) if values else otherwise
-
-
-def _spread(wanted: Sequence[float], widths: Sequence[float], gap: float) -> list[float]:
-    """Move places as little as possible (least squares) until no two overlap.
-
-    Pool adjacent violators: what would overlap becomes a block around its common mean.
-    """
-    offsets = [0.0]
-    for before, after in pairwise(widths):
-        offsets.append(offsets[-1] + (before + after) / 2 + gap)
-    blocks: list[tuple[float, int]] = []
-    for want, offset in zip(wanted, offsets, strict=True):
-        total, count = want - offset, 1
-        while blocks and blocks[-1][0] / blocks[-1][1] >= total / count:
-            before, number = blocks.pop()
-            total, count = total + before, count + number
-        blocks.append((total, count))
-    starts = [total / count for total, count in blocks for _ in range(count)]
-    return [start + offset for start, offset in zip(starts, offsets, strict=True)]
-
 
 LINE = 15.0
 """Height of a line of 12 pixels."""
@@ -75,12 +20,19 @@ RULE = 6.0
 _PADDING_X, _PADDING_Y = 12.0, 8.0
 _GAP_X, _GAP_Y = 26.0, 44.0
 _BEND = 10.0
+_BENDS = 10
+"""Bends for each node and edge; an edge across more layers is drawn as a straight line."""
 _APART = 9.0
 """How far each of two opposite edges keeps from the middle between them."""
 _LONGEST = 28
 """Letters of a line of a label."""
 _ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
 """How much wider than its text a shape must be."""
+_SWEEPS, _ROUNDS = 12, 16
+
+Edge = tuple[int, int]
+Point = tuple[float, float]
+Rows = Sequence[Sequence[int]]
 
 
 @dataclass(frozen=True)
@@ -100,8 +52,8 @@ class Route:
     """Where an edge runs: points from its source to its target, and the middle of its label."""
 
     edge: DiagramEdge
-    points: tuple[tuple[float, float], ...]
-    label: tuple[float, float]
+    points: tuple[Point, ...]
+    label: Point
 
 
 @dataclass(frozen=True)
@@ -109,14 +61,9 @@ class Layout:
     """A diagram that can be drawn."""
 
     boxes: tuple[Box, ...]
-    lines: tuple[Route, ...]
+    routes: tuple[Route, ...]
     width: float
     height: float
-
-
-def text_width(text: str) -> float:
-    """Return the width of 12 pixels bold, as browsers without our fonts draw it (DejaVu Sans)."""
-    return sum(11.9 if one in "MWmw@%" else 8.8 if one.isupper() else 7.6 for one in text)
 
 
 def laid_out(diagram: Diagram) -> Layout:
@@ -130,69 +77,258 @@ def laid_out(diagram: Diagram) -> Layout:
     labels = [label_of(node) for node in nodes]
     sizes = [_size(node, label) for node, label in zip(nodes, labels, strict=True)]
     widths = {node: sizes[node][0] if node < len(nodes) else _BEND for row in rows for node in row}
-    opposite = _opposite(ends)
+    # Of two opposite edges, each runs on a side of its own.
+    different = {(a, b) for a, b in ends if a != b}
+    sides = {(a, b): 1 if a < b else -1 for a, b in different if (b, a) in different}
     for edge, chain, (a, b) in zip(edges, layers.chains, ends, strict=True):
         for bend in chain[1:-1]:
-            widths[bend] = max(widths[bend], _label_width(edge))
-        if (a, b) in opposite:
-            wide = 2 * (_APART + _label_width(edge) + _BEND)
+            widths[bend] = max(widths[bend], text_width(edge.label))
+        if (a, b) in sides:
+            wide = 2 * (_APART + text_width(edge.label) + _BEND)
             widths[a], widths[b] = max(widths[a], wide), max(widths[b], wide)
-    middle = placed(rows, widths, layers.links(), _GAP_X)
+    middles = placed(rows, widths, layers.links(), _GAP_X)
     heights = [
         max((sizes[node][1] for node in row if node < len(nodes)), default=0.0) for row in rows
     ]
-    y, total = _levels(heights, upward=diagram.direction == "up")
-    at = {node: (middle[node], y[row]) for row, found in enumerate(rows) for node in found}
-    half = {y[row]: height / 2 for row, height in enumerate(heights)}
-    boxes = tuple(
-        Box(node, *at[index], *sizes[index], labels[index]) for index, node in enumerate(nodes)
-    )
-    lines = tuple(
-        _line(
-            edge,
-            _points(boxes[a], boxes[b], _bends([at[bend] for bend in chain[1:-1]], half)),
-            side=opposite.get((a, b), 0) if len(chain) == 2 else 0,
-        )
-        for edge, (a, b), chain in zip(edges, ends, layers.chains, strict=True)
-    )
-    width = max((middle[node] + widths[node] / 2 for node in widths), default=0.0)
-    return Layout(boxes, lines, max(width, *(x for x, _ in at.values()), 0.0), total)
+    total, top = sum(heights) + _GAP_Y * max(len(heights) - 1, 0), 0.0
+    at: dict[int, Point] = {}
+    half: dict[int, float] = {}  # height of the row of a node or bend
+    for row, height in zip(rows, heights, strict=True):
+        y = top + height / 2
+        at |= {node: (middles[node], total - y if diagram.direction == "up" else y) for node in row}
+        half |= dict.fromkeys(row, height / 2)
+        top += height + _GAP_Y
+    boxes = [Box(node, *at[k], *sizes[k], labels[k]) for k, node in enumerate(nodes)]
+    routes = []
+    for edge, (a, b), chain in zip(edges, ends, layers.chains, strict=True):
+        # Two points for each bend, so that a line passes its row upright between the boxes.
+        bends = [(at[k][0], at[k][1] + s * half[k]) for k in chain[1:-1] for s in (-1, 1)]
+        side = sides.get((a, b), 0) if len(chain) == 2 else 0
+        routes.append(_route(edge, _points(boxes[a], boxes[b], bends), side))
+    width = max((middles[node] + widths[node] / 2 for node in widths), default=0.0)
+    return Layout(tuple(boxes), tuple(routes), max(width, *(x for x, _ in at.values()), 0.0), total)
 
 
-def _opposite(ends: Sequence[tuple[int, int]]) -> dict[tuple[int, int], int]:
-    """Return each edge that has an opposite one, and on which side of it it runs."""
-    every = set(ends)
-    return {(a, b): 1 if a < b else -1 for a, b in every if a != b and (b, a) in every}
+@dataclass(frozen=True)
+class Layers:
+    """Nodes and bends by layer.
+
+    Attributes:
+        rows: numbers of nodes; bends have numbers behind those of the nodes.
+        chains: for each edge the numbers on its way, in the direction of the layers.
+        turned: whether the edge leads against the layers, because it closes a cycle.
+    """
+
+    rows: tuple[tuple[int, ...], ...]
+    chains: tuple[tuple[int, ...], ...]
+    turned: tuple[bool, ...]
+
+    def links(self) -> list[Edge]:
+        """Return the pieces of all edges between neighbouring layers, each once."""
+        return list(dict.fromkeys(pair for chain in self.chains for pair in pairwise(chain)))
 
 
-def _label_width(edge: DiagramEdge) -> float:
-    return text_width(edge.label)
+def layered(count: int, edges: Sequence[Edge]) -> Layers:
+    """Assign layers.
+
+    Args:
+        count: number of nodes, which are called 0, 1, ...
+        edges: from, to; a loop at one node, and an edge across very many layers, has an empty
+            chain.
+    """
+    turned = _turned(count, edges)
+    forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
+    depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
+    rows: list[list[int]] = [[] for _ in range(max(depth, default=-1) + 1)]
+    for node, row in enumerate(depth):
+        rows[row].append(node)
+    spans = [depth[end] - depth[start] for start, end in forward]
+    longest, affordable = max(spans, default=0), _BENDS * (count + len(spans) + _BENDS)
+    for span in sorted(spans):
+        affordable -= span - 1
+        if affordable < 0:
+            longest = span - 1
+            break
+    chains: list[tuple[int, ...]] = []
+    bends = count
+    for (start, end), span in zip(forward, spans, strict=True):
+        if start == end or span > longest:
+            chains.append(())
+            continue
+        between = range(bends, bends + span - 1)
+        for row, bend in enumerate(between, depth[start] + 1):
+            rows[row].append(bend)
+        chains.append((start, *between, end))
+        bends += len(between)
+    return Layers(tuple(map(tuple, rows)), tuple(chains), tuple(turned))
 
 
-def _line(edge: DiagramEdge, points: tuple[tuple[float, float], ...], side: int) -> Route:
-    """Return a line with its label; opposite ones are parallel, labels outside."""
-    points = tuple((x + side * _APART, y) for x, y in points)
-    (x, y), (u, v) = points[len(points) // 2 - 1], points[len(points) // 2]
-    outside = side * (_label_width(edge) / 2 + 4)
-    return Route(edge, points, ((x + u) / 2 + outside, (y + v) / 2))
+def _turned(count: int, edges: Sequence[Edge]) -> list[bool]:
+    """Mark the edges that lead back to a node from which the walk came."""
+    leaving: list[list[int]] = [[] for _ in range(count)]
+    for number, (start, _) in enumerate(edges):
+        leaving[start].append(number)
+    new, on_walk, done = 0, 1, 2
+    state = [new] * count
+    turned = [False] * len(edges)
+    for root in range(count):
+        walk = [(root, iter(leaving[root]))] if state[root] == new else []
+        state[root] = max(state[root], on_walk)
+        while walk:
+            node, remaining = walk[-1]
+            edge = next(remaining, None)
+            if edge is None:
+                state[node] = done
+                walk.pop()
+                continue
+            target = edges[edge][1]
+            if state[target] == on_walk:
+                turned[edge] = target != node
+            elif state[target] == new:
+                state[target] = on_walk
+                walk.append((target, iter(leaving[target])))
+    return turned
+
+
+def _depths(count: int, edges: Sequence[Edge]) -> list[int]:
+    """Return the longest way to each node; sources then move close to what they lead to."""
+    missing = [0] * count
+    following: list[list[int]] = [[] for _ in range(count)]
+    for start, end in edges:
+        missing[end] += 1
+        following[start].append(end)
+    depth = [0] * count
+    order = [node for node in range(count) if not missing[node]]
+    sources = set(order)
+    for node in order:
+        for target in following[node]:
+            depth[target] = max(depth[target], depth[node] + 1)
+            missing[target] -= 1
+            if not missing[target]:
+                order.append(target)
+    for node in sources:
+        if following[node]:
+            depth[node] = min(depth[target] for target in following[node]) - 1
+    return depth
+
+
+def ordered(layers: Layers) -> list[list[int]]:
+    """Return the layers, each in an order that gives few crossings.
+
+    Sweeps down and up by the mean place of the neighbours (barycentre), the best order of all is
+    kept; the order of the model decides where nothing else does.
+    """
+    above: dict[int, list[int]] = {}
+    below: dict[int, list[int]] = {}
+    for start, end in layers.links():
+        above.setdefault(end, []).append(start)
+        below.setdefault(start, []).append(end)
+    rows = [list(row) for row in layers.rows]
+    best, fewest = [list(row) for row in rows], crossings(rows, below)
+    for sweep in range(_SWEEPS):
+        down = sweep % 2 == 0
+        in_turn = rows if down else rows[::-1]
+        for fixed, row in pairwise(in_turn):
+            _sort(row, fixed, above if down else below)
+        count = crossings(rows, below)
+        if count < fewest:
+            best, fewest = [list(row) for row in rows], count
+    return best
+
+
+def crossings(rows: Rows, below: Mapping[int, Sequence[int]]) -> int:
+    """Count the pairs of edges that cross between neighbouring layers."""
+    total = 0
+    for row, following in pairwise(rows):
+        place = {node: number for number, node in enumerate(following)}
+        ends: list[int] = []
+        for node in row:
+            targets = sorted(place[target] for target in below.get(node, ()))
+            total += sum(len(ends) - bisect_left(ends, target + 1) for target in targets)
+            for target in targets:
+                insort(ends, target)
+    return total
+
+
+def _sort(row: list[int], fixed: Sequence[int], neighbours: Mapping[int, Sequence[int]]) -> None:
+    place = {node: number for number, node in enumerate(fixed)}
+    means = []
+    for number, node in enumerate(row):
+        places = [place[other] for other in neighbours.get(node, ())] or [number]
+        means.append((sum(places) / len(places), number, node))
+    row[:] = [node for _, _, node in sorted(means)]
+
+
+def placed(
+    rows: Rows, widths: Mapping[int, float], links: Sequence[Edge], gap: float
+) -> dict[int, float]:
+    """Return the middle of every node and bend along its row; the leftmost edge is at 0.
+
+    Args:
+        rows: in their order.
+        widths: of nodes and bends.
+        links: pieces of edges between neighbouring rows.
+        gap: between two neighbours of a row.
+    """
+    neighbours: dict[int, list[int]] = {node: [] for row in rows for node in row}
+    for start, end in links:
+        neighbours[start].append(end)
+        neighbours[end].append(start)
+    middles: dict[int, float] = {}
+    for row in rows:
+        left = 0.0
+        for node in row:
+            middles[node] = left + widths[node] / 2
+            left += widths[node] + gap
+    for number in range(_ROUNDS):
+        for row in rows if number % 2 else reversed(rows):
+            means = []
+            for node in row:
+                places = [middles[other] for other in neighbours[node]] or [middles[node]]
+                means.append(sum(places) / len(places))
+            spread = _spread(means, [widths[node] for node in row], gap)
+            middles.update(zip(row, spread, strict=True))
+    least = min((middles[node] - widths[node] / 2 for node in middles), default=0.0)
+    return {node: value - least for node, value in middles.items()}
+
+
+def _spread(places: Sequence[float], widths: Sequence[float], gap: float) -> list[float]:
+    """Move places as little as possible (least squares) until no two overlap.
+
+    Pool adjacent violators: what would overlap becomes a block around its common mean.
+    """
+    offsets = [0.0]
+    for before, after in pairwise(widths):
+        offsets.append(offsets[-1] + (before + after) / 2 + gap)
+    blocks: list[tuple[float, int]] = []
+    for place, offset in zip(places, offsets, strict=True):
+        total, count = place - offset, 1
+        while blocks and blocks[-1][0] / blocks[-1][1] >= total / count:
+            total_before, count_before = blocks.pop()
+            total, count = total + total_before, count + count_before
+        blocks.append((total, count))
+    starts = [total / count for total, count in blocks for _ in range(count)]
+    return [start + offset for start, offset in zip(starts, offsets, strict=True)]
+
+
+def text_width(text: str) -> float:
+    """Return the width of 12 pixels bold, as browsers without our fonts draw it (DejaVu Sans)."""
+    return sum(11.9 if char in "MWmw@%" else 8.8 if char.isupper() else 7.6 for char in text)
 
 
 def label_of(node: DiagramNode) -> tuple[str, ...]:
     """Return the lines of a label, wrapped between words or parts of a name, and cut."""
-    found: list[str] = []
-    for line in node.lines:
-        found += _wrapped(" ".join(line.split()))
-    return tuple(found)
-
-
-def _wrapped(text: str) -> list[str]:
-    if len(text) <= _LONGEST:
-        return [text]
-    cut = max(text.rfind(mark, 0, _LONGEST) for mark in " _-./")
-    if cut < _LONGEST // 2:
-        cut = _LONGEST - 1
-    first, rest = text[: cut + 1].rstrip(), text[cut + 1 :].lstrip()
-    return [first, rest if len(rest) <= _LONGEST else f"{rest[: _LONGEST - 1]}…"]
+    lines: list[str] = []
+    for text in (" ".join(line.split()) for line in node.lines):
+        if len(text) <= _LONGEST:
+            lines.append(text)
+            continue
+        cut = max(text.rfind(mark, 0, _LONGEST) for mark in " _-./")
+        if cut < _LONGEST // 2:
+            cut = _LONGEST - 1
+        first, rest = text[: cut + 1].rstrip(), text[cut + 1 :].lstrip()
+        lines += [first, rest if len(rest) <= _LONGEST else f"{rest[: _LONGEST - 1]}…"]
+    return tuple(lines)
 
 
 def _size(node: DiagramNode, label: Sequence[str]) -> tuple[float, float]:
@@ -203,43 +339,30 @@ def _size(node: DiagramNode, label: Sequence[str]) -> tuple[float, float]:
     return widest * stretch + 2 * _PADDING_X, height
 
 
-def _levels(heights: Sequence[float], *, upward: bool) -> tuple[list[float], float]:
-    """Return the middle of each row and the height of all; the first row is at the foot if up."""
-    total = sum(heights) + _GAP_Y * max(len(heights) - 1, 0)
-    found, edge = [], 0.0
-    for height in heights:
-        middle = edge + height / 2
-        found.append(total - middle if upward else middle)
-        edge += height + _GAP_Y
-    return found, total
+def _route(edge: DiagramEdge, points: Sequence[Point], side: int) -> Route:
+    """Return a line with its label; opposite ones are parallel, labels outside."""
+    shifted = tuple((x + side * _APART, y) for x, y in points)
+    (x, y), (u, v) = shifted[len(shifted) // 2 - 1 :][:2]
+    outside = side * (text_width(edge.label) / 2 + 4)
+    return Route(edge, shifted, ((x + u) / 2 + outside, (y + v) / 2))
 
 
-def _bends(
-    middles: Sequence[tuple[float, float]], half: Mapping[float, float]
-) -> list[tuple[float, float]]:
-    """Return two points for each bend, so that a line passes its row upright between the boxes."""
-    return [(x, y + side * half[y]) for x, y in middles for side in (-1, 1)]
-
-
-def _points(
-    start: Box, end: Box, between: Sequence[tuple[float, float]]
-) -> tuple[tuple[float, float], ...]:
+def _points(start: Box, end: Box, bends: Sequence[Point]) -> Sequence[Point]:
     """Return where a line leaves its source, bends, and meets its target."""
     if start is end:
         side = start.x + start.width / 2
         return ((side, start.y - 6), (side + 22, start.y), (side, start.y + 6))
     upward = start.y > end.y
-    between = sorted(between, key=lambda point: -point[1] if upward else point[1])
-    after = between[0] if between else (end.x, end.y)
-    before = between[-1] if between else (start.x, start.y)
-    return (_border(start, after), *between, _border(end, before))
+    bends = sorted(bends, key=lambda point: -point[1] if upward else point[1])
+    after = bends[0] if bends else (end.x, end.y)
+    before = bends[-1] if bends else (start.x, start.y)
+    return (_border(start, after), *bends, _border(end, before))
 
 
-def _border(box: Box, towards: tuple[float, float]) -> tuple[float, float]:
+def _border(box: Box, towards: Point) -> Point:
     """Return the point of a box's upper or lower side where a line meets it, near its middle."""
-    down = towards[1] > box.y
     reach = box.width / 4
     x = min(max(towards[0], box.x - reach), box.x + reach)
     if box.node.shape in ("ellipse", "and", "or", "not", "hexagon"):
         x = box.x
-    return x, box.y + (box.height / 2 if down else -box.height / 2)
+    return x, box.y + (box.height / 2 if towards[1] > box.y else -box.height / 2)

@@ -12,24 +12,19 @@ from eddi_scaffold.common.escaping import xml_text
 Value = bool | int | float | str | None
 """``None`` is unknown."""
 
+Span = tuple[float, float]
+"""From when to when."""
 Form = Literal["truth", "number", "text"]
 
 
 @dataclass(frozen=True)
 class Track:
-    """One value over time.
+    """One value over time."""
 
-    Attributes:
-        name: for people.
-        group: heading under which it is shown (``inputs``, ``outputs``).
-        times: seconds, ascending.
-        values: one per time.
-    """
-
-    name: str
-    group: str
-    times: tuple[float, ...]
-    values: tuple[Value, ...]
+    name: str  # for people
+    group: str  # heading under which it is shown (`inputs`, `outputs`)
+    times: tuple[float, ...]  # seconds, ascending
+    values: tuple[Value, ...]  # one per time
 
     @property
     def form(self) -> Form:
@@ -58,7 +53,7 @@ def tracks_of(group: str, samples: Iterable[tuple[float, Mapping[str, object]]])
     return [Track(name, group, tuple(times[name]), tuple(values[name])) for name in times]
 
 
-def shown_time(tracks: Iterable[Track]) -> tuple[float, float]:
+def shown_time(tracks: Iterable[Track]) -> Span:
     """Return from when to when tracks are shown: their last values can be seen as well."""
     times = [track.times for track in tracks if track.times]
     if not times:
@@ -72,14 +67,14 @@ def shown_time(tracks: Iterable[Track]) -> tuple[float, float]:
 
 def stretches(track: Track, end: float) -> list[tuple[float, float, Value]]:
     """Return (from, to, value) of each stretch of equal values; the last one ends at ``end``."""
-    found: list[tuple[float, float, Value]] = []
+    parts: list[tuple[float, float, Value]] = []
     for k, (t, value) in enumerate(zip(track.times, track.values, strict=True)):
         until = track.times[k + 1] if k + 1 < len(track.times) else end
-        if found and found[-1][2] == value and type(found[-1][2]) is type(value):
-            found[-1] = (found[-1][0], until, value)
+        if parts and parts[-1][2] == value and type(parts[-1][2]) is type(value):
+            parts[-1] = (parts[-1][0], until, value)
         else:
-            found.append((t, until, value))
-    return found
+            parts.append((t, until, value))
+    return parts
 
 
 def ticks(low: float, high: float) -> list[float]:
@@ -103,6 +98,11 @@ _STYLE = (
     ".title{font-size:15px;font-weight:bold}.group{font-weight:bold}"
     ".grid{stroke:#e4e7eb;stroke-width:1}.line{fill:none;stroke:#1f5f99;stroke-width:1.5}"
 )
+_HATCH = (
+    '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
+    'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
+    '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
+)
 _DECADES, _LEAST = 1e3, 1e-15
 """How far probabilities span before their axis is logarithmic, and the least of the highest."""
 _MAX_COLUMNS = 2000
@@ -116,7 +116,7 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
         title: one line above.
         tracks: from top to bottom; a heading is shown where the group changes.
     """
-    start, end = shown_time(tracks)
+    span = shown_time(tracks)
     body: list[str] = []
     y = _TOP
     group = None
@@ -126,55 +126,39 @@ def plot(title: str, tracks: Sequence[Track]) -> str:
             body.append(_text(12, y + 14, group, "group"))
             y += _HEADING
         height = _GRAPH if track.form == "number" else _BAND
-        body += _track(track, y, height, start, end)
+        body.append(_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28))
+        body += (_line if track.form == "number" else _bands)(track, y, height, span)
         y += height + _GAP
-    bottom = y
-    grid = list(_grid(start, end, bottom))
-    return _document(title, bottom + 56, [*grid, *body, *_legend(bottom + 40)])
-
-
-def _document(title: str, height: int, parts: Iterable[str]) -> str:
-    hatch = (
-        '<defs><pattern id="unknown" width="6" height="6" patternUnits="userSpaceOnUse" '
-        'patternTransform="rotate(45)"><rect width="6" height="6" fill="#fff4d6"/>'
-        '<rect width="2" height="6" fill="#e0a100"/></pattern></defs>'
-    )
-    root = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{_WIDTH}" height="{height}" '
-        f'viewBox="0 0 {_WIDTH} {height}" role="img" aria-label="{xml_text(title)}">'
-    )
-    lines = [
-        root,
-        f"<title>{xml_text(title)}</title>",
-        f"<style>{_STYLE}</style>{hatch}",
+    name, height = xml_text(title), y + 56
+    size = f'width="{_WIDTH}" height="{height}" viewBox="0 0 {_WIDTH} {height}"'
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" aria-label="{name}">',
+        f"<title>{name}</title>",
+        f"<style>{_STYLE}</style>{_HATCH}",
         f'<rect width="{_WIDTH}" height="{height}" fill="#ffffff"/>',
         _text(12, 24, title, "title"),
-        *parts,
+        *_grid(span, y),
+        *body,
+        *_legend(y + 40),
         "</svg>",
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join(parts) + "\n"
 
 
-def _track(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
-    parts = [_text(_LEFT - 10, y + height // 2 + 4, track.name, anchor="end", width=28)]
-    if track.form == "number":
-        return parts + _line(track, y, height, start, end)
-    for begin, until, value in stretches(track, end):
-        x, wide = _x(begin, start, end), max(_x(until, start, end) - _x(begin, start, end), 1.0)
+def _bands(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
+    for begin, until, value in stretches(track, span[1]):
+        x, wide = _x(begin, span), max(_x(until, span) - _x(begin, span), 1.0)
         truth = None if value is None else bool(value)
         colour = "#d6e4f5" if isinstance(value, str) else _COLOURS[truth]
-        shown = value if isinstance(value, str) else _WORDS[truth]
-        parts.append(
-            f'<rect x="{_number(x)}" y="{y}" width="{_number(wide)}" height="{height}" '
-            f'fill="{colour}"><title>{xml_text(shown)}: {begin:g} s to {until:g} s'
-            f"</title></rect>"
-        )
+        shown = xml_text(value if isinstance(value, str) else _WORDS[truth])
+        place = f'x="{_n(x)}" y="{y}" width="{_n(wide)}" height="{height}"'
+        title = f"<title>{shown}: {begin:g} s to {until:g} s</title>"
+        yield f'<rect {place} fill="{colour}">{title}</rect>'
         if isinstance(value, str) and wide > 7 * len(value):
-            parts.append(_text(x + 4, y + 13, value, "small"))
-    return parts
+            yield _text(x + 4, y + 13, value, "small")
 
 
-def _line(track: Track, y: int, height: int, start: float, end: float) -> list[str]:
+def _line(track: Track, y: int, height: int, span: Span) -> Iterable[str]:
     known = [v for v in track.values if isinstance(v, int | float) and math.isfinite(v)]
     low, high = (min(known), max(known)) if known else (0.0, 1.0)
     least = min((v for v in known if v > 0), default=high)
@@ -182,47 +166,43 @@ def _line(track: Track, y: int, height: int, start: float, end: float) -> list[s
     if decades:
         low = max(least, high * _LEAST)  # 0 is at the foot as well
     scale: Callable[[float], float] = math.log10 if decades else float
-    span = scale(high) - scale(low) or 1.0
+    difference = scale(high) - scale(low) or 1.0
+    right = _WIDTH - _RIGHT
 
-    def at(value: float) -> float:
-        share = (scale(min(max(value, low), high)) - scale(low)) / span
+    def level(value: float) -> float:
+        share = (scale(min(max(value, low), high)) - scale(low)) / difference
         return y + height - 4 - share * (height - 8)
 
-    frame = f'x="{_LEFT}" y="{y}" width="{_WIDTH - _LEFT - _RIGHT}" height="{height}"'
-    parts = [
-        f'<rect {frame} fill="none" stroke="#e4e7eb"/>',
-        _text(_WIDTH - _RIGHT + 6, y + 12, f"{high:.4g}", "small"),
-        _text(_WIDTH - _RIGHT + 6, y + height - 2, f"{low:.4g}", "small"),
-    ]
+    frame = f'x="{_LEFT}" y="{y}" width="{right - _LEFT}" height="{height}"'
+    yield f'<rect {frame} fill="none" stroke="#e4e7eb"/>'
+    yield _text(right + 6, y + 12, f"{high:.4g}", "small")
+    yield _text(right + 6, y + height - 2, f"{low:.4g}", "small")
     if decades:
-        parts.append(_text(_WIDTH - _RIGHT + 6, y + height // 2 + 4, "log", "small"))
-        levels = [at(10.0**k) for k in range(math.ceil(scale(low)), math.floor(scale(high)) + 1)]
-        parts += [_rule(_LEFT, level, _WIDTH - _RIGHT, level) for level in levels]
-    path: list[str] = []
-    pen_down = False
-    for begin, until, value in _thinned(stretches(track, end), start, end):
-        left, right = _number(_x(begin, start, end)), _number(_x(until, start, end))
+        yield _text(right + 6, y + height // 2 + 4, "log", "small")
+        for power in range(math.ceil(scale(low)), math.floor(scale(high)) + 1):
+            yield _rule(_LEFT, level(10.0**power), right, level(10.0**power))
+    path, move = "", "M"
+    for begin, until, value in _thinned(stretches(track, span[1]), span):
+        left, end = _n(_x(begin, span)), _n(_x(until, span))
         if value is None:
-            wide = _number(float(right) - float(left))
-            parts.append(
-                f'<rect x="{left}" y="{y}" width="{wide}" height="{height}" '
-                'fill="url(#unknown)" opacity="0.6"><title>unknown</title></rect>'
-            )
-            pen_down = False
-            continue
-        level = _number(at(float(value)))
-        path.append(f"{'L' if pen_down else 'M'}{left} {level}L{right} {level}")
-        pen_down = True
-    return [*parts, f'<path class="line" d="{"".join(path)}"/>'] if path else parts
+            place = f'x="{left}" y="{y}" width="{_n(float(end) - float(left))}" height="{height}"'
+            yield f'<rect {place} fill="url(#unknown)" opacity="0.6"><title>unknown</title></rect>'
+            move = "M"
+        else:
+            path += f"{move}{left} {_n(level(float(value)))}L{end} {_n(level(float(value)))}"
+            move = "L"
+    if path:
+        yield f'<path class="line" d="{path}"/>'
 
 
 def _thinned(
-    parts: Sequence[tuple[float, float, object]], start: float, end: float
+    parts: Sequence[tuple[float, float, object]], span: Span
 ) -> list[tuple[float, float, float | None]]:
     """Keep at most the lowest and the highest value of each column, and every unknown one."""
     values = [(a, b, v if isinstance(v, int | float) else None) for a, b, v in parts]
     if len(values) <= _MAX_COLUMNS:
         return values
+    start, end = span
     columns: dict[int, list[tuple[float, float, float | None]]] = {}
     for part in values:
         number = int((part[0] - start) / (end - start) * _MAX_COLUMNS / 2)
@@ -237,32 +217,32 @@ def _thinned(
     return [(a, until, v) for (a, _, v), until in zip(kept, ends, strict=True)]
 
 
-def _grid(start: float, end: float, bottom: int) -> Iterable[str]:
-    for t in ticks(start, end):
-        x = _number(_x(t, start, end))
-        yield _rule(float(x), _TOP - 6, float(x), bottom)
-        yield _text(float(x), bottom + 14, f"{t:g}", "small", anchor="middle")
+def _grid(span: Span, bottom: int) -> Iterable[str]:
+    for t in ticks(*span):
+        x = float(_n(_x(t, span)))
+        yield _rule(x, _TOP - 6, x, bottom)
+        yield _text(x, bottom + 14, f"{t:g}", "small", anchor="middle")
     yield _text(_WIDTH - _RIGHT + 18, bottom + 14, "s", "small")
 
 
 def _legend(y: int) -> Iterable[str]:
-    x = _LEFT
-    for value, word in _WORDS.items():
+    for number, (value, word) in enumerate(_WORDS.items()):
+        x = _LEFT + 140 * number
         yield f'<rect x="{x}" y="{y - 9}" width="14" height="10" fill="{_COLOURS[value]}"/>'
         yield _text(x + 20, y, word, "small")
-        x += 140
 
 
 def _rule(left: float, top: float, right: float, bottom: float) -> str:
-    ends = f'x1="{_number(left)}" y1="{_number(top)}" x2="{_number(right)}" y2="{_number(bottom)}"'
+    ends = f'x1="{_n(left)}" y1="{_n(top)}" x2="{_n(right)}" y2="{_n(bottom)}"'
     return f'<line class="grid" {ends}/>'
 
 
-def _x(t: float, start: float, end: float) -> float:
+def _x(t: float, span: Span) -> float:
+    start, end = span
     return _LEFT + (t - start) / (end - start) * (_WIDTH - _LEFT - _RIGHT)
 
 
-def _number(value: float) -> str:
+def _n(value: float) -> str:
     return f"{value:.2f}".rstrip("0").rstrip(".")
 
 
@@ -270,6 +250,6 @@ def _text(
     x: float, y: float, text: str, kind: str = "", *, anchor: str = "start", width: int = 200
 ) -> str:
     shown = text if len(text) <= width else f"{text[: width - 1]}…"
-    kind = f' class="{kind}"' if kind else ""
-    place = f'x="{_number(x)}" y="{_number(y)}"'
-    return f'<text {place}{kind} text-anchor="{anchor}">{xml_text(shown)}</text>'
+    style = f' class="{kind}"' if kind else ""
+    place = f'x="{_n(x)}" y="{_n(y)}"'
+    return f'<text {place}{style} text-anchor="{anchor}">{xml_text(shown)}</text>'

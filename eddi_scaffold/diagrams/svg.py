@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.diagrams.diagram import Diagram, DiagramNode, LegendEntry, Shape, Tone
+from eddi_scaffold.diagrams.diagram import Diagram, LegendEntry, Shape, Tone
 from eddi_scaffold.diagrams.layout import LINE, RULE, Box, Route, laid_out, text_width
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0
@@ -34,12 +34,11 @@ _ARROW = (
 def drawn(diagram: Diagram) -> str:
     """Return the SVG of a diagram."""
     layout = laid_out(diagram)
-    legend = _legend(diagram.legend, _TITLE + layout.height + _MARGIN)
-    title = text_width(diagram.title) * 15 / 12
-    keys = sum(_legend_width(entry) for entry in diagram.legend)
-    width = max(layout.width, title, keys) + 2 * _MARGIN
-    height = _TITLE + layout.height + _MARGIN + (_LEGEND if legend else 0.0)
-    shift = (width - layout.width) / 2
+    title_width = text_width(diagram.title) * 15 / 12
+    legend_width = sum(_legend_width(entry) for entry in diagram.legend)
+    width = max(layout.width, title_width, legend_width) + 2 * _MARGIN
+    legend_y = _TITLE + layout.height + _MARGIN
+    height = legend_y + (_LEGEND if diagram.legend else 0.0)
     name = xml_text(diagram.title)
     size = f'width="{_n(width)}" height="{_n(height)}" viewBox="0 0 {_n(width)} {_n(height)}"'
     parts = [
@@ -50,52 +49,44 @@ def drawn(diagram: Diagram) -> str:
         _ARROW,
         f'<rect width="{_n(width)}" height="{_n(height)}" fill="#ffffff"/>',
         f'<text class="title" x="{_n(_MARGIN)}" y="24">{name}</text>',
-        f'<g transform="translate({_n(shift)} {_n(_TITLE)})">',
-        *(_edge(line) for line in layout.lines),
+        f'<g transform="translate({_n((width - layout.width) / 2)} {_n(_TITLE)})">',
+        *(_edge(route) for route in layout.routes),
         *(part for box in layout.boxes for part in _node(box)),
         "</g>",
-        *legend,
+        *_legend(diagram.legend, legend_y),
         "</svg>",
     ]
     return "\n".join(parts) + "\n"
 
 
-def _edge(line: Route) -> str:
+def _edge(route: Route) -> str:
     """Return a curve through the points of a line; it leaves and arrives upright."""
-    first, *rest = line.points
-    path = [f"M{_n(first[0])} {_n(first[1])}"]
-    before = first
-    for point in rest:
-        half = (before[1] + point[1]) / 2
-        control = f"{_n(before[0])} {_n(half)} {_n(point[0])} {_n(half)}"
-        path.append(f"C{control} {_n(point[0])} {_n(point[1])}")
-        before = point
-    arrow = ' marker-end="url(#end)"' if line.edge.arrow else ""
-    drawn = f'<path class="edge" d="{"".join(path)}"{arrow}/>'
-    if not line.edge.label:
-        return drawn
-    x, y = line.label
-    text = xml_text(line.edge.label)
-    wide = text_width(line.edge.label)
-    plate = f'<rect x="{_n(x - wide / 2)}" y="{_n(y - 8)}" width="{_n(wide)}" height="15" '
+    (x, y), *others = route.points
+    path = f"M{_n(x)} {_n(y)}"
+    for u, v in others:
+        half = _n((y + v) / 2)
+        path += f"C{_n(x)} {half} {_n(u)} {half} {_n(u)} {_n(v)}"
+        x, y = u, v
+    arrow = ' marker-end="url(#end)"' if route.edge.arrow else ""
+    curve = f'<path class="edge" d="{path}"{arrow}/>'
+    if not route.edge.label:
+        return curve
+    x, y = route.label
+    width = text_width(route.edge.label)
+    plate = f'<rect x="{_n(x - width / 2)}" y="{_n(y - 8)}" width="{_n(width)}" height="15" '
     return (
-        f'{drawn}{plate}fill="#ffffff" opacity="0.85"/>'
-        f'<text class="small" x="{_n(x)}" y="{_n(y + 4)}">{text}</text>'
+        f'{curve}{plate}fill="#ffffff" opacity="0.85"/>'
+        f'<text class="small" x="{_n(x)}" y="{_n(y + 4)}">{xml_text(route.edge.label)}</text>'
     )
 
 
 def _node(box: Box) -> Iterable[str]:
     node = box.node
-    tip = node.tooltip or " ".join(node.lines)
-    yield f"<g><title>{xml_text(tip)}</title>"
+    yield f"<g><title>{xml_text(node.tooltip or ' '.join(node.lines))}</title>"
     yield _outline(node.shape, node.tone, box.x, box.y, box.width, box.height)
-    yield from _label(node, box)
-    yield "</g>"
-
-
-def _label(node: DiagramNode, box: Box) -> Iterable[str]:
     top = box.y - len(box.lines) * LINE / 2
-    if node.shape == "table" and len(box.lines) > 1:
+    has_rule = node.shape == "table" and len(box.lines) > 1
+    if has_rule:
         top -= RULE / 2
         y = _n(top + LINE + RULE / 2)
         left, right = _n(box.x - box.width / 2), _n(box.x + box.width / 2)
@@ -103,89 +94,53 @@ def _label(node: DiagramNode, box: Box) -> Iterable[str]:
         yield f'<path d="M{left} {y}H{right}" stroke="{colour}" stroke-width="1"/>'
     for number, line in enumerate(box.lines):
         style = ' class="head"' if number == 0 else ""
-        below = RULE if number and node.shape == "table" else 0.0
-        y = _n(top + number * LINE + 11.5 + below)
+        y = _n(top + number * LINE + 11.5 + (RULE if number and has_rule else 0.0))
         yield f'<text{style} x="{_n(box.x)}" y="{y}">{xml_text(line)}</text>'
+    yield "</g>"
 
 
-def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height: float) -> str:
-    fill, stroke = _TONES[tone]
-    path = _PATHS[shape](x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-    return f'<path d="{path}" fill="{fill}" stroke="{stroke}" stroke-width="1.4"/>'
-
-
-def _box(left: float, top: float, right: float, bottom: float) -> str:
-    return f"M{_n(left)} {_n(top)}H{_n(right)}V{_n(bottom)}H{_n(left)}z"
-
-
-def _rounded(left: float, top: float, right: float, bottom: float) -> str:
-    r = min(10.0, (bottom - top) / 2)
-    a = f"a{_n(r)} {_n(r)} 0 0 1"
-    return (
-        f"M{_n(left + r)} {_n(top)}H{_n(right - r)}{a} {_n(r)} {_n(r)}V{_n(bottom - r)}"
-        f"{a} {_n(-r)} {_n(r)}H{_n(left + r)}{a} {_n(-r)} {_n(-r)}V{_n(top + r)}"
-        f"{a} {_n(r)} {_n(-r)}z"
-    )
-
-
-def _ellipse(left: float, top: float, right: float, bottom: float) -> str:
-    rx, ry, y = (right - left) / 2, (bottom - top) / 2, (top + bottom) / 2
-    a = f"A{_n(rx)} {_n(ry)} 0 0 1"
-    return f"M{_n(left)} {_n(y)}{a} {_n(right)} {_n(y)}{a} {_n(left)} {_n(y)}z"
-
-
-def _hexagon(left: float, top: float, right: float, bottom: float) -> str:
-    y, cut = (top + bottom) / 2, (bottom - top) / 3
-    return (
-        f"M{_n(left)} {_n(y)}L{_n(left + cut)} {_n(top)}H{_n(right - cut)}L{_n(right)} {_n(y)}"
-        f"L{_n(right - cut)} {_n(bottom)}H{_n(left + cut)}z"
-    )
-
-
-def _and(left: float, top: float, right: float, bottom: float) -> str:
-    """Draw the gate of IEC 61025 with a flat foot and a round head."""
-    rx, shoulder = (right - left) / 2, top + (bottom - top) * 0.55
-    return (
-        f"M{_n(left)} {_n(bottom)}V{_n(shoulder)}A{_n(rx)} {_n(shoulder - top)} 0 0 1 {_n(right)} "
-        f"{_n(shoulder)}V{_n(bottom)}z"
-    )
-
-
-def _or(left: float, top: float, right: float, bottom: float) -> str:
-    """Draw the gate of IEC 61025 with a hollow foot and a pointed head."""
-    x, foot = (left + right) / 2, bottom - (bottom - top) * 0.22
-    side = top + (bottom - top) * 0.45
-    return (
-        f"M{_n(left)} {_n(bottom)}Q{_n(left)} {_n(side)} {_n(x)} {_n(top)}Q{_n(right)} {_n(side)} "
-        f"{_n(right)} {_n(bottom)}Q{_n(x)} {_n(foot)} {_n(left)} {_n(bottom)}z"
-    )
-
-
-def _not(left: float, top: float, right: float, bottom: float) -> str:
-    x = (left + right) / 2
-    return f"M{_n(left)} {_n(bottom)}L{_n(x)} {_n(top)}L{_n(right)} {_n(bottom)}z"
-
-
-_PATHS: dict[Shape, Callable[[float, float, float, float], str]] = {
-    "box": _box,
-    "table": _box,
-    "rounded": _rounded,
-    "ellipse": _ellipse,
-    "hexagon": _hexagon,
-    "and": _and,
-    "or": _or,
-    "not": _not,
+_BOX = "M{left} {top}H{right}V{bottom}H{left}z"
+_ARC = "a{r} {r} 0 0 1"
+_PATHS: dict[Shape, str] = {
+    "box": _BOX,
+    "table": _BOX,
+    "rounded": "M{left_r} {top}H{right_r}" + _ARC + " {r} {r}V{bottom_r}" + _ARC + " {minus_r} {r}"
+    "H{left_r}" + _ARC + " {minus_r} {minus_r}V{top_r}" + _ARC + " {r} {minus_r}z",
+    "ellipse": "M{left} {y}A{rx} {ry} 0 0 1 {right} {y}A{rx} {ry} 0 0 1 {left} {y}z",
+    "hexagon": "M{left} {y}L{left_cut} {top}H{right_cut}L{right} {y}L{right_cut} {bottom}"
+    "H{left_cut}z",
+    # The gates of IEC 61025: a flat foot and a round head; a hollow foot and a pointed head.
+    "and": "M{left} {bottom}V{shoulder}A{rx} {head} 0 0 1 {right} {shoulder}V{bottom}z",
+    "or": "M{left} {bottom}Q{left} {side} {x} {top}Q{right} {side} {right} {bottom}"
+    "Q{x} {foot} {left} {bottom}z",
+    "not": "M{left} {bottom}L{x} {top}L{right} {bottom}z",
 }
 
 
-def _legend(entries: Sequence[LegendEntry], y: float) -> list[str]:
-    parts, x = [], _MARGIN
+def _outline(shape: Shape, tone: Tone, x: float, y: float, width: float, height: float) -> str:
+    left, top, right, bottom = x - width / 2, y - height / 2, x + width / 2, y + height / 2
+    r, cut, head = min(10.0, (bottom - top) / 2), (bottom - top) / 3, (bottom - top) * 0.55
+    numbers = {
+        "left": left, "top": top, "right": right, "bottom": bottom,
+        "x": (left + right) / 2, "y": (top + bottom) / 2,
+        "rx": (right - left) / 2, "ry": (bottom - top) / 2, "r": r, "minus_r": -r,
+        "left_r": left + r, "right_r": right - r, "top_r": top + r, "bottom_r": bottom - r,
+        "left_cut": left + cut, "right_cut": right - cut,
+        "shoulder": top + head, "head": top + head - top,
+        "side": top + (bottom - top) * 0.45, "foot": bottom - (bottom - top) * 0.22,
+    }  # fmt: skip
+    path = _PATHS[shape].format_map({name: _n(value) for name, value in numbers.items()})
+    fill, stroke = _TONES[tone]
+    return f'<path d="{path}" fill="{fill}" stroke="{stroke}" stroke-width="1.4"/>'
+
+
+def _legend(entries: Sequence[LegendEntry], y: float) -> Iterable[str]:
+    x = _MARGIN
     for entry in entries:
-        parts.append(_outline(entry.shape, entry.tone, x + 11, y + 8, 22, 14))
+        yield _outline(entry.shape, entry.tone, x + 11, y + 8, 22, 14)
         text = xml_text(entry.text)
-        parts.append(f'<text class="small left" x="{_n(x + 28)}" y="{_n(y + 12)}">{text}</text>')
+        yield f'<text class="small left" x="{_n(x + 28)}" y="{_n(y + 12)}">{text}</text>'
         x += _legend_width(entry)
-    return parts
 
 
 def _legend_width(entry: LegendEntry) -> float:

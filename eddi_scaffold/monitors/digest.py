@@ -12,8 +12,6 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-import numpy as np
-
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 
@@ -35,9 +33,11 @@ def digest_of(*parts: object) -> str:
     return hashlib.sha256(_text(parts).encode()).hexdigest()
 
 
-def _text(value: object) -> str:
+def _text(value: Any) -> str:
     """Return a text that differs for values that differ; empty for what decides nothing."""
-    if isinstance(value, np.generic):
+    if hasattr(value, "dtype"):  # of numpy, which is not imported for it
+        if value.shape:
+            return f"array({value.shape}, {value.dtype.str}, {_text(value.tobytes())})"
         value = value.item()
     if isinstance(value, Enum):
         return f"{type(value).__name__}.{value.name}"
@@ -47,8 +47,6 @@ def _text(value: object) -> str:
         return repr(value)
     if isinstance(value, bytes):
         return f"bytes({hashlib.sha256(value).hexdigest()})"
-    if isinstance(value, np.ndarray):
-        return f"array({value.shape}, {value.dtype.str}, {_text(value.tobytes())})"
     if isinstance(value, Place | Source | Problem) or callable(value):
         return ""
     if is_dataclass(value) or hasattr(value, "_fields"):

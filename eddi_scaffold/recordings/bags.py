@@ -9,13 +9,12 @@ import itertools
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from functools import partial
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.files import NotRegularError, note_input, open_regular
-from eddi_scaffold.common.identifiers import full_topic, is_ros_name
+from eddi_scaffold.common.identifiers import attribute, full_topic, is_ros_name
 from eddi_scaffold.common.problems import (
     EddiError,
     Place,
@@ -24,34 +23,49 @@ from eddi_scaffold.common.problems import (
     most_similar,
     problem,
 )
-from eddi_scaffold.config.message_types import MessageFields, ros2_fields
-from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.config.field_paths import (
+    FieldPath,
+    FieldPathError,
+    parse_field,
+    path_text,
+    resolve,
+)
+from eddi_scaffold.config.message_types import TIMES, Fields, MessageFields, ros2_fields
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.binding import BoundMonitor, known_types
+from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits, known_types
+from eddi_scaffold.monitors.expression_names import head_of, path_behind
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
-from eddi_scaffold.recordings.bag_files import check_fields, tables
-from eddi_scaffold.recordings.csv_recording import Sample, Tape
-
-_absolute = partial(full_topic, namespace="", package="")
-"""A bag has no private names."""
+from eddi_scaffold.recordings.csv_recording import Recording, Sample
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
 _MOST_HINTS = 20
-"""Topics that near ones are looked for: to compare texts is slow."""
+"""Topics that similar ones are looked for: to compare texts is slow."""
+_SET_CLOCK_NS = 10**18
+"""Since 2001 the clock of a computer that has been set is beyond this."""
+_BACK_NS = 10**9
+"""Stamps of several publishers of a topic may be out of order by less."""
+_TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
+
+Listeners = Mapping[str, Sequence[tuple[BoundMonitor, SimulatorOutput]]]
+"""Full name of a topic -> who listens to it, and as what."""
 
 
-@dataclass(frozen=True)
-class _Wanted:
-    """A topic that a monitor listens to."""
+def topic_of(connection: Any) -> str:
+    """Return the full name of a topic: a bag has no private names."""
+    return full_topic(connection.topic, namespace="", package="")
 
-    monitor: BoundMonitor
-    source: SimulatorOutput
+
+def type_of(connection: Any) -> str:
+    """Return the type of the messages of a connection as ``package/Name``."""
+    return str(connection.msgtype).replace("/msg/", "/")
 
 
 def read_bag(
     path: Path, monitors: Sequence[BoundMonitor], own: Collection[str] = ()
-) -> tuple[Tape, list[Problem]]:
+) -> tuple[Recording, list[Problem]]:
     """Read the messages that monitors listen to.
 
     Times are nanoseconds since the first message of the bag, of any topic.
@@ -71,81 +85,40 @@ def read_bag(
             an input needs (I012).
     """
     place = Place(str(path))
-    wanted = _wanted(monitors)
-    outside = {topic: of for topic, of in wanted.items() if topic not in own}
-    with opened(path, monitors) as reader:
-        found = [
-            connection
-            for connection in reader.connections
-            if _absolute(connection.topic) in outside
-        ]
-        _refuse(_wrong_types(found, outside))
-        known = _tables(reader, found)
-        there = {_absolute(one.topic) for one in found}
-        _refuse(p for monitor in monitors for p in check_fields(monitor, known, there))
-        for one in found:
-            _name_times_as_rospy(reader.types(one).types)
-        start = _start(reader)
+    listeners: dict[str, list[tuple[BoundMonitor, SimulatorOutput]]] = {}
+    for monitor in monitors:
+        requirements = (r for binding in monitor.inputs for r in binding.requires)
+        for source in {requirement.id: requirement for requirement in requirements}.values():
+            listeners.setdefault(monitor.topic(source.topic), []).append((monitor, source))
+    outside = {topic: who for topic, who in listeners.items() if topic not in own}
+    with opened(path, monitors) as bag:
+        connections = [c for c in bag.connections if topic_of(c) in outside]
+        _refuse(_wrong_types(connections, outside))
+        types = _types_of(bag, connections)
+        there = {topic_of(connection) for connection in connections}
+        _refuse(p for monitor in monitors for p in _check_fields(monitor, types, there))
+        for connection in connections:
+            _name_times_as_rospy(bag.types(connection).types)
+        start = int(bag.start_time)
+        if start == 0 and bag.end_time > _SET_CLOCK_NS:  # from before a clock was set
+            start = next((t for _, t, _ in bag.messages(bag.connections) if t), 0)
         samples = tuple(
-            Sample(t - start, _absolute(one.topic), reader.deserialize(one, data))
-            for one, t, data in reader.messages(found)
+            Sample(t - start, topic_of(connection), bag.deserialize(connection, data))
+            for connection, t, data in bag.messages(connections)
             if t >= start
         )
-        strange = _strange_times(place, samples, is_cut=start != reader.start_time)
-        twice = {_absolute(connection.topic) for connection in reader.connections} & (
-            wanted.keys() - outside
-        )
-        end = max(0, reader.end_time - start - 1)  # rosbags ends behind the last message
-        tape = Tape(0, end, samples)
-        topics = {
-            _absolute(connection.topic): connection.msgtype.replace("/msg/", "/")
-            for connection in reader.connections
-            if connection.msgcount
-        }
-        return tape, [*_absent(place, topics, outside), *_computed(place, twice), *strange]
-
-
-_SET_CLOCK_NS = 10**18
-"""Since 2001 the clock of a computer that has been set is beyond this."""
-_BACK_NS = 10**9
-"""Stamps of several publishers of a topic may be out of order by less."""
-
-
-def _start(bag: Any) -> int:
-    """Return when a recording begins: not at a time stamp 0 from before a clock was set."""
-    if bag.start_time == 0 and bag.end_time > _SET_CLOCK_NS:
-        return next((t for _, t, _ in bag.messages(bag.connections) if t), 0)
-    return int(bag.start_time)
-
-
-def _strange_times(place: Place, samples: Sequence[Sample], *, is_cut: bool) -> Iterator[Problem]:
-    """Warn of a first message without a time, and of topics whose stamps jump back."""
-    if is_cut:
-        yield problem("I011.first_stamp", place)
-    latest: dict[str, int] = {}
-    back: dict[str, None] = {}
-    for sample in samples:
-        made = _stamp(sample.message)
-        if made:
-            if made < latest.get(sample.topic, made) - _BACK_NS:
-                back[sample.topic] = None
-            latest[sample.topic] = made
-    if back:
-        yield problem("I011.jump", place, topic=", ".join(back))
-
-
-def _stamp(message: Any) -> int:
-    """Return when a message says that it was made, 0 where it does not."""
-    stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
-    stamp = getattr(message, "clock", stamp)
-    return int(stamp.sec) * 10**9 + int(stamp.nanosec) if hasattr(stamp, "nanosec") else 0
-
-
-def _tables(bag: Any, connections: Iterable[Any]) -> MessageFields:
-    """Return message type -> its fields, of the definitions of some channels."""
-    return tables(
-        {k: v for connection in connections for k, v in bag.types(connection).fielddefs.items()}
-    )
+        topics = {topic_of(c): type_of(c) for c in bag.connections if c.msgcount}
+        warnings = list(_absent(place, topics, outside))
+        computed = {topic_of(c) for c in bag.connections} & (listeners.keys() - outside)
+        if computed:
+            warnings.append(problem("I003.published", place, topics=", ".join(sorted(computed))))
+        if start != bag.start_time:
+            warnings.append(problem("I011.first_stamp", place))
+        back = _jumping_back(samples)
+        if back:
+            warnings.append(problem("I011.jump", place, topic=", ".join(back)))
+        end = max(0, bag.end_time - start - 1)  # rosbags ends behind the last message
+        return Recording(0, end, samples), warnings
 
 
 @dataclass(frozen=True)
@@ -171,23 +144,18 @@ def read_contents(path: Path) -> Contents:
     """
     times: dict[str, list[int]] = {}
     topics: dict[str, str] = {}
-    with opened(path) as reader:
-        known = [
-            one
-            for one in reader.connections
-            if is_ros_name(_absolute(one.topic)) and _is_known(reader, one)
-        ]
-        for connection, t, _ in reader.messages(known):
-            topic, of = _absolute(connection.topic), connection.msgtype.replace("/msg/", "/")
+    with opened(path) as bag:
+        readable = [c for c in bag.connections if is_ros_name(topic_of(c)) and _is_readable(bag, c)]
+        for connection, t, _ in bag.messages(readable):
+            topic, type_ = topic_of(connection), type_of(connection)
             times.setdefault(topic, []).append(t)
-            if of.partition("/")[0] not in _NO_SENSORS:
-                topics[topic] = of
-        types = _tables(reader, known)
+            if type_.partition("/")[0] not in _NO_SENSORS:
+                topics[topic] = type_
+        types = _types_of(bag, readable)
     return Contents(topics, types, {topic: sorted(time) for topic, time in times.items()})
 
 
-def _is_known(bag: Any, connection: Any) -> bool:
-    """Return whether the messages of a channel can be read: one that cannot fills no input."""
+def _is_readable(bag: Any, connection: Any) -> bool:
     try:
         bag.types(connection)
     except Exception:  # noqa: BLE001 - a damaged definition makes rosbags raise anything
@@ -209,7 +177,14 @@ def opened(path: Path, monitors: Sequence[BoundMonitor] = ()) -> Iterator[Any]:
     except ImportError:
         raise EddiError(problem("I010.rosbags")) from None
     place = Place(str(path))
-    _refuse_special(path, place)
+    try:  # refuse what would let rosbags wait or read for ever; it reports all other faults
+        for file in path.iterdir() if path.is_dir() else [path]:
+            with open_regular(file) as stream:
+                note_input(stream.fileno())
+    except (NotRegularError, FileNotFoundError) as special:
+        raise EddiError(problem("I011.system", place, reason=special.strerror)) from None
+    except OSError:
+        pass
     advice: str | None = f"was the recording cut off? {_repair(path)} saves what is there"
     try:
         with closing(Bag(path, _own_messages(monitors))) as bag:
@@ -229,7 +204,7 @@ def _repair(path: Path) -> str:
     if path.suffix == ".bag":
         return f"`rosbag reindex {path}`"
     inside = path.glob("*.mcap") if path.is_dir() else [path]
-    file = next((one for one in inside if one.suffix == ".mcap"), None)
+    file = next((file for file in inside if file.suffix == ".mcap"), None)
     return f"`mcap recover {file} -o saved.mcap`" if file else f"`ros2 bag reindex {path}`"
 
 
@@ -243,94 +218,136 @@ def _own_messages(monitors: Sequence[BoundMonitor]) -> Mapping[str, str]:
     return texts
 
 
-def _wanted(monitors: Sequence[BoundMonitor]) -> Mapping[str, Sequence[_Wanted]]:
-    """Return full name of a topic -> who listens to it."""
-    found: dict[str, list[_Wanted]] = {}
-    for monitor in monitors:
-        sources = {
-            requirement.id: requirement
-            for binding in monitor.inputs
-            for requirement in binding.requires
-        }
-        for source in sources.values():
-            found.setdefault(monitor.topic(source.topic), []).append(_Wanted(monitor, source))
-    return found
+def _types_of(bag: Any, connections: Iterable[Any]) -> MessageFields:
+    """Return message type -> its fields, of the definitions of some channels."""
+    types: dict[str, Fields] = {}
+    for connection in connections:
+        for name, (_, fields) in bag.types(connection).fielddefs.items():
+            types[name.replace("/msg/", "/")] = {field: _type(*of) for field, of in fields}
+    return {**types, **TIMES}
 
 
-def _refuse_special(path: Path, place: Place) -> None:
-    """Refuse what would let rosbags wait or read for ever; it reports all other faults."""
-    try:
-        for one in path.iterdir() if path.is_dir() else [path]:
-            with open_regular(one) as stream:
-                note_input(stream.fileno())
-    except (NotRegularError, FileNotFoundError) as special:
-        raise EddiError(problem("I011.system", place, reason=special.strerror)) from None
-    except OSError:
-        pass
+def _type(node: Any, content: Any) -> str:
+    """Return a type in the words of ``.msg`` files."""
+    if node.name == "BASE":
+        return str(content[0])
+    if node.name == "NAME":
+        name = str(content).replace("/msg/", "/")
+        return _TIMES.get(name, name)
+    inner, size = content  # an array or a sequence
+    return f"{_type(*inner)}[{size if node.name == 'ARRAY' else ''}]"
 
 
 def _refuse(problems: Iterable[Problem]) -> None:
-    found = list(problems)
-    if has_errors(found):
-        raise EddiError(*found)
+    errors = list(problems)
+    if has_errors(errors):
+        raise EddiError(*errors)
+
+
+def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[Problem]:
+    for connection in connections:
+        type_ = type_of(connection)
+        for monitor, source in listeners[topic_of(connection)]:
+            if type_ != source.type and monitor.config is not None:
+                index = monitor.config.config.SimulatorOutputs.index(source)
+                place = monitor.config.place("SimulatorOutputs", index, "type")
+                fields = {"topic": source.topic, "type": type_, "declared": source.type}
+                yield problem("I012.type", place, **fields)
+
+
+def _check_fields(
+    monitor: BoundMonitor, types: MessageFields, there: Collection[str]
+) -> Iterator[Problem]:
+    """Report fields that the messages of a bag do not have, or not of that type (I012).
+
+    Args:
+        monitor: it has a configuration.
+        types: the messages of the bag.
+        there: full names of the topics in the bag: others cannot be checked.
+    """
+    assert monitor.config is not None
+    entries = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
+    for binding in monitor.inputs:
+        index = entries.get(binding.model.id)
+        if index is None:
+            continue
+        entry = monitor.config.config.EDDIInputs[index]
+        key = next((key for key in ("field", *EXPRESSION_KEYS) if getattr(entry, key)), "requires")
+        place = monitor.config.place("EDDIInputs", index, key)
+        for source, path, is_value in _fields_read(binding, entry):
+            if monitor.topic(source.topic) not in there:
+                continue
+            shown = f"{source.type} in the bag"
+            try:
+                type_ = resolve(path, source.type, types.get).type
+            except FieldPathError as failure:
+                yield problem("I012.value", place, hint=failure.hint, shown=shown, problem=failure)
+                continue
+            if is_value and type_ is not None and not fits(type_, binding.model.type):
+                message = f"{shown}: {path_text(path)!r} is a {type_}"
+                yield problem("I012.value_type", place, message=message, type=binding.model.type)
+
+
+def _fields_read(
+    binding: InputBinding, entry: InputEntry
+) -> Iterator[tuple[SimulatorOutput, FieldPath, bool]]:
+    """Yield message, path, and whether what is there is the value itself."""
+    if binding.reads is not None:
+        sources = {attribute(requirement.id): requirement for requirement in binding.requires}
+        for name in binding.reads:
+            if head_of(name) in sources:
+                yield sources[head_of(name)], path_behind(name), False
+        return
+    if not binding.is_given:
+        return
+    for argument, source in zip(binding.arguments, binding.requires, strict=False):
+        known = (binding.known_fields or {}).get(argument, ())
+        field = known[0] if entry.field is None and len(known) == 1 else entry.field
+        if field is not None:
+            yield source, parse_field(field), True
 
 
 def _name_times_as_rospy(types: Mapping[str, Any]) -> None:
-    """Let the parts of a time be called as a node knows them, beside what rosbags calls them."""
+    """Let the parts of a time be called as a node knows them, besides what rosbags calls them."""
     for name in ("Time", "Duration"):
-        of = types.get(f"builtin_interfaces/msg/{name}")
-        if of is not None:
-            of.secs, of.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
+        time = types.get(f"builtin_interfaces/msg/{name}")
+        if time is not None:
+            time.secs, time.nsecs = property(attrgetter("sec")), property(attrgetter("nanosec"))
 
 
-def _absent(
-    place: Place, topics: Mapping[str, str], wanted: Mapping[str, Sequence[_Wanted]]
-) -> list[Problem]:
-    """Warn of topics without a message (I004), with the near ones, of the same type if there are.
+def _jumping_back(samples: Sequence[Sample]) -> Iterable[str]:
+    """Return the topics whose stamps jump back."""
+    latest: dict[str, int] = {}
+    topics: dict[str, None] = {}
+    for sample in samples:
+        message = sample.message
+        stamp: Any = getattr(getattr(message, "header", message), "stamp", None)
+        stamp = getattr(message, "clock", stamp)
+        t = int(stamp.sec) * 10**9 + int(stamp.nanosec) if hasattr(stamp, "nanosec") else 0
+        if t:
+            if t < latest.get(sample.topic, t) - _BACK_NS:
+                topics[sample.topic] = None
+            latest[sample.topic] = t
+    return topics
+
+
+def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> Iterator[Problem]:
+    """Warn of topics without a message (I004), with similar ones, of the same type if there are.
 
     Args:
         place: of the bag.
         topics: full name -> type, of those with messages.
-        wanted: full name -> who listens.
+        listeners: to topics outside.
     """
-    lacking = {topic: of[0].source for topic, of in wanted.items() if topic not in topics}
+    lacking = {topic: who[0][1] for topic, who in listeners.items() if topic not in topics}
     if not lacking:
-        return [problem("I004.all_topics", place)]
+        yield problem("I004.all_topics", place)
+        return
     hints = []
     for topic, source in itertools.islice(lacking.items(), _MOST_HINTS):
-        alike = [name for name, of in topics.items() if of == source.type]
-        near = most_similar(topic, alike) or most_similar(topic, topics)
-        hints += [f"the bag has {near} ({topics[near]})"] if near else []
-    return [
-        problem(
-            "I004.no_message",
-            place,
-            hint=", ".join(dict.fromkeys(hints)) or None,
-            lacking=", ".join(one.topic for one in lacking.values()),
-        )
-    ]
-
-
-def _computed(place: Place, topics: Collection[str]) -> list[Problem]:
-    """Report which topics are not taken from the bag (I003)."""
-    if not topics:
-        return []
-    return [problem("I003.published", place, topics=", ".join(sorted(topics)))]
-
-
-def _wrong_types(
-    connections: Sequence[Any], wanted: Mapping[str, Sequence[_Wanted]]
-) -> Iterator[Problem]:
-    for connection in connections:
-        of = connection.msgtype.replace("/msg/", "/")
-        for one in wanted[_absolute(connection.topic)]:
-            source, config = one.source, one.monitor.config
-            if of != source.type and config is not None:
-                index = config.config.SimulatorOutputs.index(source)
-                place = config.place("SimulatorOutputs", index, "type")
-                yield problem("I012.type", place, topic=source.topic, type=of, declared=source.type)
-
-
-def written_by_hand(monitor: BoundMonitor) -> list[str]:
-    """Return the inputs whose values only code of a person gives: they stay unknown here."""
-    return [input_.model.id for input_ in monitor.inputs if input_.requires and not input_.is_given]
+        same_type = [name for name, type_ in topics.items() if type_ == source.type]
+        similar = most_similar(topic, same_type) or most_similar(topic, topics)
+        hints += [f"the bag has {similar} ({topics[similar]})"] if similar else []
+    hint = ", ".join(dict.fromkeys(hints)) or None
+    names = ", ".join(source.topic for source in lacking.values())
+    yield problem("I004.no_message", place, hint=hint, lacking=names)

@@ -31,11 +31,12 @@ if TYPE_CHECKING:
 TIME = "t"
 MAX_PROBLEMS = 10
 """Errors that are listed of one file; a wrong column would else be reported for every row."""
-MAX_TIME = 9e9
-"""Seconds, 285 years: a monitor counts nanoseconds in 64 bits."""
+MAX_TIME_S = 9e9
+"""285 years: a monitor counts nanoseconds in 64 bits."""
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
+_CELL = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 Others = Callable[[], Mapping[str, str]]
 _TIMES = ("time", "times", "timestamp", "stamp", "sec", "secs", "seconds", "t_s", "t [s]")
@@ -55,99 +56,83 @@ _EXPECTED: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a recording.
-
-    Attributes:
-        t: time in seconds.
-        samples: input id -> new sample; inputs without one are left out.
-        line: line in the file, counted from 1.
-    """
+    """One line of a CSV file: its time in seconds, and the new samples of inputs."""
 
     t: float
     samples: Mapping[str, JsonValue]
-    line: int
-
-    @property
-    def t_ns(self) -> int:
-        """The time in nanoseconds: of the decimal number in the file, not of its binary form."""
-        return round(Decimal(repr(self.t)).scaleb(9))
-
-
-@dataclass(frozen=True)
-class Recording:
-    """A recording that was read without errors.
-
-    Attributes:
-        inputs: ids of the inputs it has a column for, in the order of the columns.
-        rows: in the order of time.
-    """
-
-    inputs: tuple[str, ...]
-    rows: tuple[Row, ...]
 
 
 @dataclass(frozen=True)
 class Sample:
-    """One message of a recording.
+    """One message of a recording."""
 
-    Attributes:
-        t: nanoseconds.
-        topic: full name of a topic; of a CSV file, id of an input.
-    """
-
-    t: int
-    topic: str
+    t: int  # nanoseconds
+    topic: str  # full name of a topic; of a CSV file, id of an input
     message: Any
 
 
 @dataclass(frozen=True)
-class Tape:
-    """What was recorded; times are nanoseconds.
+class Recording:
+    """What was recorded; times are nanoseconds."""
 
-    Attributes:
-        start: where it begins.
-        end: where it ends.
-        samples: in the order of time.
-        rows: times at which something was written down, also if no sample came.
-    """
-
-    start: int
-    end: int
-    samples: tuple[Sample, ...]
-    rows: tuple[int, ...] = ()
+    start: int  # where it begins
+    end: int  # where it ends
+    samples: tuple[Sample, ...]  # in the order of time
+    rows: tuple[int, ...] = ()  # times at which something was written down, also if no sample came
 
 
-def tape_of(recording: Recording) -> Tape:
-    """Return the rows of a CSV file."""
-    rows = tuple(row.t_ns for row in recording.rows)
-    samples = tuple(
-        Sample(row.t_ns, name, value)
-        for row in recording.rows
+def recording_of(rows: Sequence[Row]) -> Recording:
+    """Return the rows of a CSV file as a recording."""
+    # Of the decimal number in the file, not of its binary form.
+    times = tuple(round(Decimal(repr(row.t)).scaleb(9)) for row in rows)
+    samples = (
+        Sample(t, name, value)
+        for t, row in zip(times, rows, strict=True)
         for name, value in row.samples.items()
     )
-    return Tape(rows[0], rows[-1], samples, rows)
+    return Recording(times[0], times[-1], tuple(samples), times)
 
 
-def read_tape(
+def read_recording(
     source: Source, types: Mapping[str, InputType], others: Others = dict
-) -> tuple[Tape, list[Problem]]:
-    """Read the values of inputs.
-
-    Args:
-        source: as for ``read_recording``.
-        types: as for ``read_recording``.
-        others: as for ``read_recording``.
+) -> tuple[Recording, list[Problem]]:
+    """Read the values of inputs; arguments are those of ``read_rows``.
 
     Returns:
         The recording, and warnings.
 
     Raises:
-        EddiError: a problem is an error (I001, I003).
+        EddiError: a problem is an error (I001, I003, I006).
     """
-    recording, problems = read_recording(source, types, others)
-    if recording is None:
+    rows, problems = read_rows(source, types, others)
+    if rows is None:
         raise EddiError(*problems)
-    return tape_of(recording), problems
+    return recording_of(rows), problems
+
+
+def read_rows(
+    source: Source, types: Mapping[str, InputType], others: Others = dict
+) -> tuple[Sequence[Row] | None, list[Problem]]:
+    """Read the rows of a recording.
+
+    Args:
+        source: the CSV file, UTF-8, comma-separated, cells quoted by ``"`` where needed.
+        types: input id -> type of its values; other columns than these and ``t`` are errors.
+        others: returns what to do with inputs that others than these monitors have, by id; it is
+            called where a column is not known.
+
+    Returns:
+        The rows in the order of time, ``None`` when a problem is an error; and all problems.
+    """
+    try:
+        text = source.text("I001")
+    except EddiError as refused:
+        return None, list(refused.problems)
+    reader = _Reader(source.name, types, others)
+    lines = [line.removesuffix("\r") for line in text.split("\n")]
+    rows = reader.read(lines)
+    problems = with_excerpts(reader.problems, "\n".join(lines))
+    return (None if has_errors(problems) else rows), problems
 
 
 @dataclass(frozen=True)
@@ -157,67 +142,33 @@ class _Cell:
     quoted: bool = False
 
 
-def read_recording(
-    source: Source, types: Mapping[str, InputType], others: Others = dict
-) -> tuple[Recording | None, list[Problem]]:
-    """Read a recording.
-
-    Args:
-        source: the CSV file, UTF-8, comma-separated, cells quoted by ``"`` where needed.
-        types: input id -> type of its values; other columns than these and ``t`` are errors.
-        others: returns what to do with inputs that others than these monitors have, by id; it is
-            called where a column is not known.
-
-    Returns:
-        The recording, ``None`` when a problem is an error, and all problems (I001).
-    """
-    try:
-        text = source.text("I001")
-    except EddiError as refused:
-        return None, list(refused.problems)
-    reader = _Reader(source.name, types, others)
-    lines = [line.removesuffix("\r") for line in text.split("\n")]
-    recording = reader.read(lines)
-    problems = with_excerpts(reader.problems, "\n".join(lines))
-    return (None if has_errors(problems) else recording), problems
-
-
 class _Reader:
     """Reads the lines of one file and collects what is wrong with them."""
 
     def __init__(self, file: str, types: Mapping[str, InputType], others: Others) -> None:
         self.problems: list[Problem] = []
-        self._file = file
-        self._types = types
-        self._others = others
+        self._file, self._types, self._others = file, types, others
         self._errors = 0
-        self._cut: int | None = None
+        self._cut: int | None = None  # line of the first error that is not listed
 
-    def read(self, lines: Sequence[str]) -> Recording:
+    def read(self, lines: Sequence[str]) -> list[Row]:
         filled = [(number, line) for number, line in enumerate(lines, 1) if line.strip()]
         if not filled:
             self._report("I001.empty", 1, 1)
-            return Recording((), ())
+            return []
         header, *rest = filled
         columns = self._columns(*header)
         rows: list[Row] = []
-        last = -math.inf
         for number, line in rest if TIME in columns else ():
-            row = self._row(number, line, columns, last)
+            row = self._row(number, line, columns, rows[-1].t if rows else -math.inf)
             if row is not None:
                 rows.append(row)
-                last = row.t
         if not rest and not self._errors:
             self._report("I001.no_rows", header[0], 1)
-        if self._errors > MAX_PROBLEMS:
-            self.problems.append(
-                problem(
-                    "I001.more", Place(self._file, self._cut), number=self._errors - MAX_PROBLEMS
-                )
-            )
-        time_at = columns.index(TIME) if TIME in columns else -1
-        inputs = tuple(name for k, name in enumerate(columns) if k != time_at)
-        return Recording(inputs, tuple(rows))
+        if self._cut is not None:
+            place, number = Place(self._file, self._cut), self._errors - MAX_PROBLEMS
+            self.problems.append(problem("I001.more", place, number=number))
+        return rows
 
     def _report(
         self, case: str, line: int, col: int, /, *, hint: str | None = None, **fields: object
@@ -233,108 +184,85 @@ class _Reader:
         """Return the names of the columns; the first ``t`` is the time, also if an input is t."""
         cells = self._cells(number, line)
         names = tuple(cell.text for cell in cells)
-        other = next((mark for mark in _OTHER_MARKS if mark in line), None)
-        if len(names) == 1 and other is not None:
-            self._report(
-                "I001.separator",
-                number,
-                line.index(other) + 1,
-                hint=_POINT,
-                actual=_OTHER_MARKS[other],
-            )
+        mark = next((mark for mark in _OTHER_MARKS if mark in line), "")
+        if len(names) == 1 and mark:
+            col, actual = line.index(mark) + 1, _OTHER_MARKS[mark]
+            self._report("I001.separator", number, col, hint=_POINT, actual=actual)
             return ()
-        times = (
-            one for one in cells if one.text.casefold() in _TIMES and one.text not in self._types
-        )
-        meant = None if TIME in names else next(times, None)
-        if TIME not in names:
-            at = meant.col if meant is not None else 1
-            hint = f"write t in place of {meant.text}" if meant is not None else None
-            self._report("I001.no_time", number, at, hint=hint)
-        time_at = names.index(TIME) if TIME in names else -1
+        if TIME in names:
+            time_cell = cells[names.index(TIME)]
+        else:
+            unknown = (cell for cell in cells if cell.text not in self._types)
+            named = next((cell for cell in unknown if cell.text.casefold() in _TIMES), None)
+            time_cell = named or _Cell("", 1)
+            hint = f"write t in place of {named.text}" if named is not None else None
+            self._report("I001.no_time", number, time_cell.col, hint=hint)
+        inputs = [cell for cell in cells if cell is not time_cell]
         seen: set[str] = set()
         others: Mapping[str, str] | None = None
-        for k, cell in enumerate(cells):
-            if k == time_at or cell is meant:
-                continue
-            if cell.text in seen or (cell.text == TIME and TIME not in self._types):
-                self._report("I001.duplicate_column", number, cell.col, column=cell.text)
-            elif cell.text not in self._types:
+        for name, col in ((cell.text, cell.col) for cell in inputs):
+            if name in seen or (name == TIME and TIME not in self._types):
+                self._report("I001.duplicate_column", number, col, column=name)
+            elif name not in self._types:
                 others = self._others() if others is None else others
-                hint = others.get(cell.text) or did_you_mean(cell.text, self._types)
+                hint = others.get(name) or did_you_mean(name, self._types)
                 hint = hint or f"columns are t and the inputs: {', '.join(self._types)}"
-                self._report("I003.unknown_column", number, cell.col, hint=hint, column=cell.text)
-            seen.add(cell.text)
-        for name in self._types:
-            if name not in seen:
-                self.problems.append(
-                    problem("I004.no_column", Place(self._file, number, 1), name=name)
-                )
+                self._report("I003.unknown_column", number, col, hint=hint, column=name)
+            seen.add(name)
+        self.problems += [
+            problem("I004.no_column", Place(self._file, number, 1), name=name)
+            for name in self._types
+            if name not in seen
+        ]
         return names
 
     def _row(self, number: int, line: str, columns: Sequence[str], last: float) -> Row | None:
-        before = self._errors
+        errors = self._errors
         cells = self._cells(number, line)
         if len(cells) != len(columns):
-            if self._errors == before:
+            if self._errors == errors:
                 hint = _POINT if len(cells) > len(columns) else None
-                self._report(
-                    "I001.cells", number, 1, hint=hint, actual=len(cells), expected=len(columns)
-                )
+                counts = {"actual": len(cells), "expected": len(columns)}
+                self._report("I001.cells", number, 1, hint=hint, **counts)
             return None
         time_at = columns.index(TIME)
         t = self._time(cells[time_at], number, last)
         samples = {
             name: self._value(cell, number, self._types[name])
-            for k, (name, cell) in enumerate(zip(columns, cells, strict=True))
-            if k != time_at and name in self._types and (cell.text or cell.quoted)
+            for index, (name, cell) in enumerate(zip(columns, cells, strict=True))
+            if index != time_at and name in self._types and (cell.text or cell.quoted)
         }
-        return Row(t, samples, number) if t is not None else None
+        return None if t is None else Row(t, samples)
 
     def _time(self, cell: _Cell, number: int, last: float) -> float | None:
         t = float(cell.text) if _NUMBER.fullmatch(cell.text) else math.nan
         if not math.isfinite(t):
             self._report("I001.time", number, cell.col, hint=_hint(cell), cell=cell.text)
-            return None
-        if abs(t) > MAX_TIME:
+        elif abs(t) > MAX_TIME_S:
             self._report("I001.time_range", number, cell.col, cell=cell.text)
-            return None
-        if t <= last:
+        elif t <= last:
             self._report("I001.time_order", number, cell.col, cell=cell.text, last=last)
-            return None
-        return t
+        else:
+            return t
+        return None
 
-    def _value(self, cell: _Cell, number: int, wanted: InputType) -> JsonValue:
-        value = _converted(cell.text, wanted)
+    def _value(self, cell: _Cell, number: int, type_: InputType) -> JsonValue:
+        value = _converted(cell.text, type_)
         if value is None:
-            self._report(
-                "I006.cell",
-                number,
-                cell.col,
-                hint=_hint(cell),
-                cell=cell.text,
-                expected=_EXPECTED[wanted],
-            )
+            fields = {"cell": cell.text, "expected": _EXPECTED[type_]}
+            self._report("I006.cell", number, cell.col, hint=_hint(cell), **fields)
         return value
 
     def _cells(self, number: int, line: str) -> list[_Cell]:
         """Split a line at its commas; columns count from 1."""
+        cells: list[_Cell] = []
+        position = 0
         if '"' not in line:
-            cells, start = [], 0
             for part in line.split(","):
-                cells.append(_plain(part, start))
-                start += len(part) + 1
+                cells.append(_plain(part, position))
+                position += len(part) + 1
             return cells
-        return self._quoted_cells(number, line)
-
-    def _quoted_cells(self, number: int, line: str) -> list[_Cell]:
-        cells, position = [], 0
-        pattern = re.compile(r'(?:\s*"((?:[^"]|"")*)"\s*|([^",]*))(,|$)')
-        while True:
-            match = pattern.match(line, position)
-            if match is None:
-                self._report("I001.quote", number, position + 1)
-                return []
+        while match := _CELL.match(line, position):
             quoted, plain, end = match.groups()
             if quoted is None:
                 cells.append(_plain(plain, position))
@@ -343,6 +271,8 @@ class _Reader:
             if not end:
                 return cells
             position = match.end()
+        self._report("I001.quote", number, position + 1)
+        return []
 
 
 def _plain(part: str, start: int) -> _Cell:
@@ -357,27 +287,26 @@ def _hint(cell: _Cell) -> str | None:
     return _POINT if "," in cell.text else None
 
 
-def _converted(text: str, wanted: InputType) -> JsonValue:
+def _converted(text: str, type_: InputType) -> JsonValue:
     """Return the value of a cell, ``None`` when it cannot be read; NaN counts as unknown."""
-    if wanted == "str":
+    if type_ == "str":
         return text
-    if wanted.endswith("[]") or wanted == "state":
-        return _several(text, wanted)
+    if type_.endswith("[]") or type_ == "state":
+        return _several(text, type_)
     if text.lower() == "nan":
         return math.nan
-    if wanted == "bool":
+    if type_ == "bool":
         return _TRUTH.get(text.lower())
-    if wanted == "int":
+    if type_ == "int":
         return int(text) if _WHOLE.fullmatch(text) else None
     return float(text) if _NUMBER.fullmatch(text) else None
 
 
-def _several(text: str, wanted: InputType) -> JsonValue:
+def _several(text: str, type_: InputType) -> JsonValue:
     """Return the list of a cell; the name of a state is a text that is not a list of numbers."""
-    if wanted == "bool[]" and text.lower() == "nan":
+    if type_ == "bool[]" and text.lower() == "nan":
         return math.nan
-    one: InputType = "bool" if wanted == "bool[]" else "float"
-    values = [_converted(part, one) for part in text.split()]
-    if wanted == "state" and (not values or None in values):
+    values = [_converted(part, "bool" if type_ == "bool[]" else "float") for part in text.split()]
+    if type_ == "state" and (not values or None in values):
         return text
     return None if None in values else values

@@ -9,7 +9,6 @@ import ast
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from eddi_runtime.history import EDDIInputBase
@@ -32,33 +31,21 @@ _HELPERS: Mapping[str, Callable[..., Any]] = {
 
 @dataclass(frozen=True)
 class Received:
-    """One message that a node was given.
+    """One message that a node was given."""
 
-    Attributes:
-        t: nanoseconds.
-        source: id of the simulator output.
-        latched: it came on subscription and can be of any age.
-    """
-
-    t: int
-    source: str
+    t: int  # nanoseconds
+    source: str  # id of the simulator output
     message: Any
-    latched: bool = False
+    latched: bool = False  # it came on subscription and can be of any age
 
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a node.
+    """One step of a node."""
 
-    Attributes:
-        t: time in seconds.
-        inputs: input id -> what the monitor read, None when unknown.
-        output: what it gave.
-    """
-
-    t: float
-    inputs: Mapping[str, Any]
-    output: Any
+    t: float  # time in seconds
+    inputs: Mapping[str, Any]  # input id -> what the monitor read, None when unknown
+    output: Any  # what it gave
 
 
 class GivenInput(EDDIInputBase):
@@ -68,20 +55,20 @@ class GivenInput(EDDIInputBase):
 
     def __init__(self, bindings: Sequence[InputBinding]) -> None:
         super().__init__()
-        self.__bound = [
-            (binding, self.__updater(binding), _process(self, binding)) for binding in bindings
-        ]
+        self.__bound = []
+        for binding in bindings:
+            update: Callable[..., None] = self.update
+            if binding.model.every_message:
+                update = self.update_each
+            elif binding.computed is not None:
+                update = self.update_expression
+            requires = [requirement.id for requirement in binding.requires]
+            self.__bound.append((binding.model.id, update, _process(self, binding), requires))
 
     def processing(self, simulator_outputs: Mapping[str, Any]) -> None:
         """Update every input with the messages that are there."""
-        for binding, update, process in self.__bound:
-            requires = [requirement.id for requirement in binding.requires]
-            update(binding.model.id, process, simulator_outputs, requires)
-
-    def __updater(self, binding: InputBinding) -> Callable[..., None]:
-        if binding.model.every_message:
-            return self.update_each
-        return self.update if binding.computed is None else self.update_expression
+        for id_, update, process, requires in self.__bound:
+            update(id_, process, simulator_outputs, requires)
 
 
 class ReplayedNode:
@@ -121,8 +108,12 @@ class ReplayedNode:
             self._latest[message.source] = message
             new[message.source].append(message.message)
         now = t if clock is None else clock
-        self._eddi_input.begin_step(self._ages(t), new, now)
-        self._eddi_input.processing({name: one.message for name, one in self._latest.items()})
+        ages = {
+            name: UNKNOWN_AGE if message.latched else (t - message.t) / SECOND
+            for name, message in self._latest.items()
+        }
+        self._eddi_input.begin_step(ages, new, now)
+        self._eddi_input.processing({name: last.message for name, last in self._latest.items()})
         self._eddi_input.end_step()
         for name, state in self._eddi_input.states.items():
             if state.state == "invalid" and getattr(state, "detail", ""):
@@ -134,20 +125,13 @@ class ReplayedNode:
         }
         return Step(t / SECOND, values, output)
 
-    def _ages(self, t: int) -> dict[str, float]:
-        return {
-            name: UNKNOWN_AGE if one.latched else (t - one.t) / SECOND
-            for name, one in self._latest.items()
-        }
-
 
 def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None]:
     """Return what ``process_<input>`` does in a package without hand-written lines."""
-    tree = _parsed(binding.expression) if binding.expression else None
-
     if binding.computed is not None:
         name = binding.model.id
         return lambda *_: setattr(target, binding.attribute, target.expression(name))
+    tree = ast.parse(binding.expression, mode="eval").body if binding.expression else None
 
     def process(*messages: Any) -> None:
         names = dict(zip(binding.arguments, messages, strict=True))
@@ -155,11 +139,6 @@ def _process(target: EDDIInputBase, binding: InputBinding) -> Callable[..., None
         setattr(target, binding.attribute, value)
 
     return process
-
-
-@cache
-def _parsed(expression: str) -> ast.expr:
-    return ast.parse(expression, mode="eval").body
 
 
 def _value(tree: ast.expr, names: Mapping[str, Any]) -> Any:

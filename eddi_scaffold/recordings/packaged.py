@@ -9,10 +9,10 @@ import importlib
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, redirect_stdout
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.plain_values import one_line
@@ -26,16 +26,13 @@ from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, fits
 from eddi_scaffold.monitors.compiling import CompiledModule
-from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
+from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.recordings.messages import Message, blank
 from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
-from eddi_scaffold.recordings.playing import Playback
-
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
+from eddi_scaffold.recordings.playing import Playback, Running
 
 _CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
 """A line of a traceback."""
@@ -43,26 +40,19 @@ _CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
 
 @dataclass(frozen=True)
 class Packaged:
-    """A package whose code has been loaded.
+    """A package whose code has been loaded."""
 
-    Attributes:
-        monitor: as far as the package remembers it.
-        by_hand: ids of the inputs that hand-written lines make of their messages.
-        new: makes an ``EDDIMonitor`` and an ``EDDIInput``.
-        folder: as it was named.
-    """
+    monitor: BoundMonitor  # as far as the package remembers it
+    by_hand: frozenset[str]  # ids of the inputs that hand-written lines make of their messages
+    new: Callable[[], tuple[Any, Any]]  # makes an `EDDIMonitor` and an `EDDIInput`
+    folder: Path  # as it was named
 
-    monitor: BoundMonitor
-    by_hand: frozenset[str]
-    new: Callable[[], tuple[Any, Any]]
-    folder: Path
-
-    def from_messages(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
+    def from_messages(self) -> Running:
         """Return its monitor, and a node that is given messages."""
         eddi_monitor, eddi_input = self.new()
-        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
+        return _running(eddi_monitor, eddi_input)
 
-    def from_values(self) -> tuple[RuntimeMonitor[Any], ReplayedNode]:
+    def from_values(self) -> Running:
         """Return its monitor, and a node whose inputs are given values.
 
         Hand-written lines get a message with the value where one has room for nothing else.
@@ -70,50 +60,16 @@ class Packaged:
         eddi_monitor, eddi_input = self.new()
         if not hasattr(eddi_input, "begin_step"):  # of the D7.2 tools: it takes messages alone
             eddi_input = EDDIInputBase()
-        updates = [
-            (input_.model, self._process(input_, eddi_input), [input_.model.id])
-            for input_ in self.monitor.inputs
-        ]
+        updates = [(b.model, self._process(b, eddi_input)) for b in self.monitor.inputs]
 
         def processing(values: Mapping[str, Any]) -> None:
-            for model, process, requires in updates:
+            for model, process in updates:
                 update = eddi_input.update_each if model.every_message else eddi_input.update
-                update(model.id, process, values, requires)
+                update(model.id, process, values, [model.id])
             eddi_input.processed(values)
 
         eddi_input.processing = processing
-        return eddi_monitor.monitor, _node(eddi_monitor, eddi_input)
-
-    def without_lines(self) -> list[Problem]:
-        """Warn of hand-written lines that a CSV file cannot reach (I001)."""
-        left = [
-            input_.model.id
-            for input_ in self.monitor.inputs
-            if input_.model.id in self.by_hand and _message_for(input_) is None
-        ]
-        if not left:
-            return []
-        message = f"a CSV file has no messages for the hand-written lines of {', '.join(left)}"
-        return [problem("I001.bodies", message=message)]
-
-    def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
-        """Warn of the first exception of each hand-written method when it was raised (I014)."""
-        said: set[str] = set()
-        for part, frame in play:
-            for name in sorted(part.node.raised.keys() - said):
-                said.add(name)
-                report(self._raised(name, *part.node.raised[name], frame.t))
-            yield part, frame
-
-    def _raised(self, name: str, reason: str, traceback: str, t: float) -> Problem:
-        called = [(Path(path), int(line)) for path, line in _CALL.findall(traceback)]
-        root = self.folder.resolve()
-        own = [(path, line) for path, line in called if path.is_relative_to(root)]
-        place = Place(str(self.folder))
-        if own:
-            path, line = own[-1]
-            place = Place(str(self.folder / path.relative_to(root)), line)
-        return problem("I014.raises", place, name=name, time=t, reason=reason)
+        return _running(eddi_monitor, eddi_input)
 
     def _process(self, binding: InputBinding, eddi_input: Any) -> Callable[[Any], None]:
         name = binding.attribute
@@ -122,6 +78,32 @@ class Packaged:
         if binding.model.id not in self.by_hand or message_for is None or process is None:
             return lambda value: setattr(eddi_input, name, value)
         return lambda value: process(message_for(value))
+
+    def out_of_reach(self) -> Iterator[Problem]:
+        """Warn of hand-written lines that a CSV file cannot reach (I001)."""
+        ids = [
+            binding.model.id
+            for binding in self.monitor.inputs
+            if binding.model.id in self.by_hand and _message_for(binding) is None
+        ]
+        if ids:
+            message = f"a CSV file has no messages for the hand-written lines of {', '.join(ids)}"
+            yield problem("I001.bodies", message=message)
+
+    def raising(self, play: Playback, report: Callable[[Problem], None]) -> Playback:
+        """Warn of the first exception of each hand-written method when it was raised (I014)."""
+        reported: set[str] = set()
+        root = self.folder.resolve()
+        for monitor, step in play:
+            for name in sorted(monitor.node.raised.keys() - reported):
+                reported.add(name)
+                reason, traceback = monitor.node.raised[name]
+                place = Place(str(self.folder))
+                for path, line in _CALL.findall(traceback):
+                    if Path(path).is_relative_to(root):  # the last one of its own
+                        place = Place(str(self.folder / Path(path).relative_to(root)), int(line))
+                report(problem("I014.raises", place, name=name, time=step.t, reason=reason))
+            yield monitor, step
 
 
 class _HandwrittenNode(ReplayedNode):
@@ -132,24 +114,25 @@ class _HandwrittenNode(ReplayedNode):
             return super().step(t, messages, clock)
 
 
-def _node(eddi_monitor: Any, eddi_input: Any) -> ReplayedNode:
-    return _HandwrittenNode(eddi_input, eddi_monitor.monitor, eddi_monitor.execute_step)
+def _running(eddi_monitor: Any, eddi_input: Any) -> Running:
+    node = _HandwrittenNode(eddi_input, eddi_monitor.monitor, eddi_monitor.execute_step)
+    return eddi_monitor.monitor, node
 
 
 def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
     """Return what makes the one message of a value, ``None`` where that cannot be done."""
     if len(binding.requires) != 1:
         return None
-    of = binding.requires[0].type
-    if not of:  # a plain package: the value itself
+    message_type = binding.requires[0].type
+    if not message_type:  # a plain package: the value itself
         return lambda value: value
-    fields = known_messages().get(of, {})
+    fields = known_messages().get(message_type, {})
     if len(fields) != 1:
         return None
     ((field, type_),) = fields.items()
     if not fits(python_type(type_), binding.model.type):
         return None
-    return lambda value: Message(**{**vars(blank(of)), field: value})
+    return lambda value: Message(**{**vars(blank(message_type)), field: value})
 
 
 def load(folder: Path) -> Packaged:
@@ -172,36 +155,32 @@ def load(folder: Path) -> Packaged:
     if not isinstance(name, str) or not is_package_name(name):
         raise EddiError(problem("I020.name", place, name=name))
     try:
-        new = _loaded(folder.resolve(), name)
+        new = _imported(folder.resolve(), name)
         new()
     except Exception as failure:  # noqa: BLE001 - whatever hand-written code raises
         raise EddiError(problem("I020.code", place, reason=one_line(failure))) from None
     return Packaged(monitor, by_hand, new, folder)
 
 
-def _loaded(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
+def _imported(folder: Path, name: str) -> Callable[[], tuple[Any, Any]]:
     """Import the package as its node or a program would, and leave no file behind."""
-    around = (one for one in (folder / "src", folder) if (one / name / "EDDIMonitor.py").is_file())
-    inside = next(around, None)  # else the folder is the Python package itself
-    package = folder.name if inside is None else name
-    with _importing(inside or folder.parent, package):
-        monitor_class = importlib.import_module(f"{package}.EDDIMonitor").EDDIMonitor
-        input_class = importlib.import_module(f"{package}.EDDIInput").EDDIInput
-    return lambda: (monitor_class(), input_class())
-
-
-@contextmanager
-def _importing(place: Path, package: str) -> Iterator[None]:
-    for loaded in [key for key in sys.modules if key.partition(".")[0] == package]:
+    for place in (folder / "src", folder):
+        if (place / name / "EDDIMonitor.py").is_file():
+            break
+    else:  # the folder is the Python package itself
+        place, name = folder.parent, folder.name
+    for loaded in [key for key in sys.modules if key.partition(".")[0] == name]:
         del sys.modules[loaded]
     before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     sys.path.insert(0, str(place))
     try:
         with redirect_stdout(sys.stderr):
-            yield
+            monitor_class = importlib.import_module(f"{name}.EDDIMonitor").EDDIMonitor
+            input_class = importlib.import_module(f"{name}.EDDIInput").EDDIInput
     finally:
         sys.path.remove(str(place))
         sys.dont_write_bytecode = before
+    return lambda: (monitor_class(), input_class())
 
 
 def _remembered(
@@ -213,31 +192,21 @@ def _remembered(
 ) -> BoundMonitor:
     """Return a monitor as its package remembers it: without the elements of its model."""
     types = {input_["attribute"]: input_["type"] for input_ in answers["inputs"]}
-    sources = (
-        {} if config is None else {entry.id: entry for entry in config.config.SimulatorOutputs}
-    )
-    place = Place(str(folder))
+    sources = {s.id: s for s in config.config.SimulatorOutputs} if config is not None else {}
+    inputs = []
+    for entry in facts.inputs:
+        own = SimulatorOutput.model_construct(id=entry.id, type="", topic="", max_age=None)
+        inputs.append(
+            InputBinding(
+                ModelInput(entry.id, types[entry.attribute], every_message=entry.every_message),
+                entry.attribute,
+                tuple(sources[name] for name in entry.requires) if sources else (own,),
+                expression=None if entry.id in by_hand else "",
+                max_age=entry.max_age,
+                reads=None if entry.id in by_hand else entry.reads,
+            )
+        )
     kind = kinds()[answers["kind"]]
-    model = Model(facts.id, Source(str(folder / ANSWERS_FILE), b""), place)
-    inputs = [
-        _binding(input_, types[input_.attribute], sources, by_hand) for input_ in facts.inputs
-    ]
+    model = Model(facts.id, Source(str(folder / ANSWERS_FILE), b""), Place(str(folder)))
     compiled = CompiledModule(answers["compiled"])
     return BoundMonitor(answers["package"], model, kind, config, tuple(inputs), compiled, facts)
-
-
-def _binding(
-    facts: InputFacts,
-    type_: Any,
-    sources: Mapping[str, SimulatorOutput],
-    by_hand: frozenset[str],
-) -> InputBinding:
-    own = SimulatorOutput.model_construct(id=facts.id, type="", topic="", max_age=None)
-    return InputBinding(
-        ModelInput(facts.id, type_, every_message=facts.every_message),
-        facts.attribute,
-        tuple(sources[name] for name in facts.requires) if sources else (own,),
-        expression=None if facts.id in by_hand else "",
-        max_age=facts.max_age,
-        reads=None if facts.id in by_hand else facts.reads,
-    )

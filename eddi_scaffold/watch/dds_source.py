@@ -34,8 +34,8 @@ from eddi_scaffold.watch.messages import (
     GATHER_S,
     MAX_MONITORS,
     Message,
-    heard,
     is_watched,
+    status_messages,
 )
 
 _PREFIX = "rt"
@@ -46,7 +46,7 @@ _GRACE_S = 2.0
 """Within which the graph tells the node of a writer, if it does."""
 _DEPTH = 10
 _PARTICIPANTS = 10_000
-"""Each says once of which nodes it is."""
+"""Each tells once of which nodes it is."""
 _BATCH = 100
 _MANY = 100_000
 _STAMP = 12
@@ -55,10 +55,15 @@ _REMEMBERED = 512
 _GID_BYTES = (24, 16)
 """Of an identity on the graph up to Humble, and of later releases."""
 _GUID_BYTES = 16
-_DISCOVERY = "ros_discovery_info"
 _DEFINITION = 24
 """Number of the policy that definitions are alike."""
 _ANY = ViewState.Any | InstanceState.Any | SampleState.Any
+_GONE = (
+    ViewState.Any
+    | SampleState.Any
+    | InstanceState.NotAliveDisposed
+    | InstanceState.NotAliveNoWriters
+)
 
 
 class DdsGraphs:
@@ -73,11 +78,8 @@ class DdsGraphs:
 
     def __init__(self, domains: Collection[int]) -> None:
         several = len(domains) > 1
-        self._domains = [
-            _Domain(domain, f"/domain{domain}" if several else "") for domain in domains
-        ]
-        self._came: SimpleQueue[tuple[float, Sequence[Message]]] = SimpleQueue()
-        self._trouble: tuple[str, ...] = ()
+        self._domains = [_Domain(id_, f"/domain{id_}" if several else "") for id_ in domains]
+        self._received: SimpleQueue[tuple[float, Sequence[Message]]] = SimpleQueue()
         self._notes: tuple[str, ...] = ()
         self._ended = False
         # A thread of its own: Ctrl-C while DDS calls back into Python would be an error of DDS.
@@ -85,31 +87,28 @@ class DdsGraphs:
         self._thread.start()
 
     def _run(self) -> None:
+        wait_s = _WAIT_S / len(self._domains)
         while not self._ended:
-            self._step()
-
-    def _step(self) -> None:
-        wait = _WAIT_S / len(self._domains)
-        try:
-            found = [message for domain in self._domains for message in domain.receive(wait)]
-            self._notes = tuple(note for domain in self._domains for note in domain.notes())
-        except Exception as failure:  # noqa: BLE001 - whatever a driver raises
-            self._trouble = (f"dds: {type(failure).__name__}: {failure}",)
-            time.sleep(_WAIT_S)
-            return
-        if found:
-            self._came.put((time.monotonic(), found))
+            try:
+                messages = [m for domain in self._domains for m in domain.receive(wait_s)]
+                self._notes = tuple(note for domain in self._domains for note in domain.notes())
+            except Exception as failure:  # noqa: BLE001 - whatever a driver raises
+                self._notes = (f"dds: {type(failure).__name__}: {failure}",)
+                time.sleep(_WAIT_S)
+                continue
+            if messages:
+                self._received.put((time.monotonic(), messages))
 
     def receive(self, seconds: float) -> tuple[float, Sequence[Message]]:
         """Wait for messages, and return what came."""
         try:
-            return self._came.get(timeout=seconds)
+            return self._received.get(timeout=seconds)
         except Empty:
             return time.monotonic(), ()
 
     def notes(self) -> Sequence[str]:
         """Return of whom nothing comes, and why."""
-        return [*self._trouble, *self._notes]
+        return self._notes
 
     def close(self) -> None:
         """Leave the domains."""
@@ -127,30 +126,23 @@ class _Domain:
             self._participant: Any = DomainParticipant(domain)
         except DDSException as failure:
             raise EddiError(problem("I010.domain", domain=domain, reason=failure)) from None
-        self._shown = prefix
-        self._known: Any = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
-        self._gone = ReadCondition(
-            self._known,
-            ViewState.Any
-            | SampleState.Any
-            | InstanceState.NotAliveDisposed
-            | InstanceState.NotAliveNoWriters,
-        )
+        self._prefix = prefix
+        self._writers: Any = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
+        self._gone = ReadCondition(self._writers, _GONE)
         self._classes = _classes()
         self._waiting = WaitSet(self._participant)
-        self._conditions: dict[str, tuple[str, Any]] = {}
-        self._told = [self._discovery(size) for size in _GID_BYTES]
+        self._conditions: dict[str, tuple[str, Any]] = {}  # topic -> its type, and when it has data
+        kept = reading({"durability": "transient_local", "reliability": "reliable"}, _PARTICIPANTS)
+        self._graphs = []  # what reads the names of nodes
+        for size in _GID_BYTES:
+            info = discovery_types(size).rmw_dds_common_ParticipantEntitiesInfo
+            topic = Topic(self._participant, "ros_discovery_info", info)
+            self._graphs.append(DataReader(self._participant, topic, kept))
         self._nodes: dict[bytes, str] = {}  # identity of a writer -> its node
         self._node_of: dict[int, str] = {}  # handle of a writer -> its node
         self._first: dict[int, float] = {}  # handle of a writer whose node is not known yet
         self._seen: set[str] = set()
         self._due = 0.0
-
-    def _discovery(self, size: int) -> Any:
-        """Return what reads the names of nodes, of releases whose identities have that size."""
-        info = discovery_types(size).rmw_dds_common_ParticipantEntitiesInfo
-        kept = reading({"durability": "transient_local", "reliability": "reliable"}, _PARTICIPANTS)
-        return DataReader(self._participant, Topic(self._participant, _DISCOVERY, info), kept)
 
     def receive(self, seconds: float) -> Iterator[Message]:
         if time.monotonic() >= self._due:
@@ -163,104 +155,99 @@ class _Domain:
             time.sleep(GATHER_S)
         now = time.monotonic()
         for topic, (type_, condition) in self._conditions.items():
-            if condition.triggered:
-                for sample in condition.reader.take(_BATCH):
-                    if sample.sample_info.valid_data:
-                        handle = sample.sample_info.publication_handle
-                        node = self._node(condition.reader, handle, now)
-                        if node is not None:
-                            yield Message(self._shown + topic, type_, sample, now, node)
+            for sample in condition.reader.take(_BATCH) if condition.triggered else ():
+                if sample.sample_info.valid_data:
+                    handle = sample.sample_info.publication_handle
+                    node = self._node(condition.reader, handle, now)
+                    if node is not None:
+                        yield Message(self._prefix + topic, type_, sample, now, node)
 
-    def _node(self, reader: Any, publication: int, now: float) -> str | None:
+    def _node(self, reader: Any, writer: int, now: float) -> str | None:
         """Return the name of the node that a writer is of.
 
         Returns:
             Empty where the graph does not tell; ``None`` while it may still do so: a message that
             is believed under no name would be of a monitor that then falls silent.
         """
-        if publication in self._node_of:
-            return self._node_of[publication]
-        endpoint = reader.get_matched_publication_data(publication)
+        if writer in self._node_of:
+            return self._node_of[writer]
+        endpoint = reader.get_matched_publication_data(writer)
         name = self._nodes.get(endpoint.key.bytes, "") if endpoint is not None else ""
-        if not name and now - self._first.setdefault(publication, now) < _GRACE_S:
+        if not name and now - self._first.setdefault(writer, now) < _GRACE_S:
             self._due = min(self._due, now + _SOON_S)
             return None
-        self._first.pop(publication, None)
+        self._first.pop(writer, None)
         if len(self._node_of) + len(self._first) > _MANY:  # who comes and goes for years
             self._node_of.clear()
             self._first.clear()
-        self._node_of[publication] = self._shown + name if name else ""
-        return self._node_of[publication]
+        self._node_of[writer] = self._prefix + name if name else ""
+        return self._node_of[writer]
 
     def _look(self) -> None:
         """Learn the names of nodes, and read every topic that a monitor publishes by now.
 
         A topic is read from the second look on, when the name of its node is known.
         """
-        for sample in (sample for one in self._told for sample in one.take(_MANY)):
-            if sample.sample_info.valid_data:  # of the other size, it cannot be read
-                self._learn(getattr(sample, "node_entities_info_seq", ()))
-        self._known.take(_MANY, self._gone)
-        seen = [(one.topic_name[len(_PREFIX) :], one.type_name) for one in self._known.read(_MANY)]
-        for topic, name in seen:
-            type_ = ros_type(name)
+        for graph in self._graphs:
+            for sample in graph.take(_MANY):
+                if sample.sample_info.valid_data:  # of the other size, it cannot be read
+                    self._learn(getattr(sample, "node_entities_info_seq", ()))
+        self._writers.take(_MANY, self._gone)
+        topics = {
+            writer.topic_name[len(_PREFIX) :]: ros_type(writer.type_name)
+            for writer in self._writers.read(_MANY)
+        }
+        for topic, type_ in topics.items():
             is_new = topic in self._seen and topic not in self._conditions
             if is_new and is_watched(topic, type_) and len(self._conditions) < 3 * MAX_MONITORS:
-                self._read(topic, type_)
-        self._seen = {topic for topic, _ in seen if topic.startswith("/")}
+                read = Topic(self._participant, _PREFIX + topic, self._classes[type_])
+                reader = DataReader(self._participant, read, reading({}, _DEPTH))
+                condition = ReadCondition(reader, _ANY)
+                self._waiting.attach(condition)
+                self._conditions[topic] = (type_, condition)
+        self._seen = {topic for topic in topics if topic.startswith("/")}
 
     def _learn(self, nodes: Iterable[Any]) -> None:
         for node in nodes:
             name = f"{node.node_namespace.rstrip('/')}/{node.node_name}"
-            gids = (bytes(one.data[:_GUID_BYTES]) for one in node.writer_gid_seq)
+            gids = (bytes(gid.data[:_GUID_BYTES]) for gid in node.writer_gid_seq)
             self._nodes.update(dict.fromkeys(gids, name))
             while len(self._nodes) > _MANY:  # who comes and goes for years
                 del self._nodes[next(iter(self._nodes))]
-
-    def _read(self, topic: str, type_: str) -> None:
-        cls = self._classes[type_]
-        of = Topic(self._participant, _PREFIX + topic, cls)
-        reader = DataReader(self._participant, of, reading({}, _DEPTH))
-        condition = ReadCondition(reader, _ANY)
-        self._waiting.attach(condition)
-        self._conditions[topic] = (type_, condition)
 
     def notes(self) -> Iterator[str]:
         for topic, (type_, condition) in self._conditions.items():
             status = condition.reader.get_requested_incompatible_qos_status()
             if status.total_count and status.last_policy_id == _DEFINITION:
-                yield f"{self._shown}{topic}: a publisher has another definition of {type_}"
+                yield f"{self._prefix}{topic}: a publisher has another definition of {type_}"
             elif status.total_count:
-                yield f"{self._shown}{topic}: a publisher offers another quality of service"
+                yield f"{self._prefix}{topic}: a publisher offers another quality of service"
 
     def close(self) -> None:
         for _, condition in self._conditions.values():
             self._waiting.detach(condition)
         self._conditions.clear()
-        del self._waiting
-        del self._gone
-        del self._known
-        del self._told
-        del self._participant
+        del self._waiting, self._gone, self._writers, self._graphs, self._participant
 
 
 def _classes() -> dict[str, Any]:
     """Return type -> class of cyclonedds, of all that is watched."""
     known = {name: ros2_fields(of) for name, of in ros2_messages({**known_messages()}).items()}
-    wanted = (*heard(), DIAGNOSTICS)
-    names = dict.fromkeys(part for one in wanted for part in with_parts(one, known))
+    watched = (*status_messages(), DIAGNOSTICS)
     texts = {
-        name: ", ".join(f"{of} {field}" for field, of in known[name].items()) for name in names
+        name: ", ".join(f"{type_} {field}" for field, type_ in known[name].items())
+        for top in watched
+        for name in with_parts(top, known)
     }
     made = vars(message_classes(texts))
-    found = {one: made[one.replace("/", "_")] for one in wanted}
-    for one, cls in found.items():
-        if next(iter(known[one].values()), "") == "std_msgs/Header":
-            _remember(cls)
-    return found
+    classes = {name: made[name.replace("/", "_")] for name in watched}
+    for name, cls in classes.items():
+        if next(iter(known[name].values()), "") == "std_msgs/Header":
+            _decode_changes_only(cls)
+    return classes
 
 
-def _remember(cls: Any) -> None:
+def _decode_changes_only(cls: Any) -> None:
     """Let messages that are equal behind their stamp be one object: only new ones are decoded."""
     decode = cls.deserialize
     last: OrderedDict[bytes, Any] = OrderedDict()
@@ -271,8 +258,7 @@ def _remember(cls: Any) -> None:
             if len(last) >= _REMEMBERED:
                 last.popitem(last=False)
             last[key] = decode(data, **more)
-        else:
-            last.move_to_end(key)
+        last.move_to_end(key)
         return last[key]
 
     cls.deserialize = classmethod(read)

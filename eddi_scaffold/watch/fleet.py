@@ -1,13 +1,13 @@
-"""What is known of a fleet now, of the messages that have come. No input, no output, no clock."""
+"""What is known of a fleet now, from the messages that came. No input, no output, no clock."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from statistics import median
 
-from eddi_scaffold.common.claims import State, StatusReading, Verdict
+from eddi_scaffold.common.claims import State, StatusReading
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,
     MAX_MONITORS,
@@ -16,15 +16,15 @@ from eddi_scaffold.watch.messages import (
     Message,
     NodeReport,
     base_topic,
-    heard,
     is_below,
     plain,
     reports_of,
     robot_of,
+    status_messages,
 )
 
-PATIENCE = 3.0
-"""Seconds without a message after which a verdict counts as unknown, at least."""
+PATIENCE_S = 3.0
+"""Without a message, after which a verdict counts as unknown, at least."""
 _MISSED = 3
 """As many usual periods without a message mean silence, where these are longer."""
 _GAPS = 5
@@ -35,52 +35,29 @@ _UNREADABLE = (AttributeError, TypeError, ValueError)
 
 @dataclass(frozen=True)
 class VerdictView:
-    """One guarantee, threshold or event.
-
-    Attributes:
-        id: as in the model.
-        state: now; silence makes it unknown.
-        reasons: why it is not active.
-        text: further facts.
-        since: seconds, when it came into this state.
-        seen: it was seen to change; else it may have been in this state for longer.
-    """
+    """One guarantee, threshold or event."""
 
     id: str
-    state: State
-    reasons: tuple[str, ...]
-    text: str
-    since: float
-    seen: bool
+    state: State  # now; silence makes it unknown
+    reasons: tuple[str, ...]  # why it is not active
+    text: str  # further facts
+    since: float  # seconds, when it came into this state
+    seen: bool  # it was seen to change; else it may have been in this state for longer
 
 
 @dataclass(frozen=True)
 class MonitorView:
-    """One monitor.
+    """One monitor."""
 
-    Attributes:
-        name: of its model, else of its node, else of its topic.
-        title: of its kind.
-        topic: of its result.
-        node: that publishes it, empty where that is not known.
-        digest: of its model, empty where it does not say.
-        verdicts: in the order of its messages.
-        accepted: what its configuration accepts in place of what is not known.
-        last: when its last message came.
-        silent: it sends nothing any more.
-        report: of its node, ``None`` where none came, or where it is silent.
-    """
-
-    name: str
-    title: str
-    topic: str
-    node: str
-    digest: str
-    verdicts: tuple[VerdictView, ...]
-    accepted: tuple[str, ...]
-    last: float
-    silent: bool
-    report: NodeReport | None
+    name: str  # of its model, else of its node, else of its topic
+    title: str  # of its kind
+    topic: str  # of its result
+    node: str  # that publishes it, empty where that is not known
+    verdicts: tuple[VerdictView, ...]  # in the order of its messages
+    accepted: tuple[str, ...]  # what its configuration accepts in place of what is not known
+    last: float  # when its last message came
+    silent: bool  # it sends nothing any more
+    report: NodeReport | None  # of its node, `None` where none came, or where it is silent
 
 
 @dataclass(frozen=True)
@@ -112,21 +89,13 @@ class Change:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The fleet at one time.
+    """The fleet at one time."""
 
-    Attributes:
-        t: seconds.
-        robots: sorted by name.
-        changes: the last ones, the newest first.
-        changed: how many there were in all.
-        notes: what else a person should know, as sentences.
-    """
-
-    t: float
-    robots: tuple[RobotView, ...]
-    changes: tuple[Change, ...]
-    changed: int
-    notes: tuple[str, ...]
+    t: float  # seconds
+    robots: tuple[RobotView, ...]  # sorted by name
+    changes: tuple[Change, ...]  # the last ones, the newest first
+    changed: int  # how many there were in all
+    notes: tuple[str, ...]  # what else a person should know, as sentences
 
 
 @dataclass
@@ -135,8 +104,8 @@ class _Stream:
 
     last: float
     begun: bool = False  # a message came that was not kept
-    said: StatusReading | None = None  # what the verdicts come from, unless it is silent
-    kept: StatusReading | None = None  # a message of unknown age, until the next one comes
+    reading: StatusReading | None = None  # what the verdicts come from, unless it is silent
+    kept: StatusReading | None = None  # of a message of unknown age, until the next one comes
     content: object = None  # of the last message
     usual: float = 0.0  # seconds between two messages
     gaps: deque[float] = field(default_factory=lambda: deque(maxlen=_GAPS))
@@ -144,16 +113,13 @@ class _Stream:
     accepted: tuple[str, ...] = ()
     silent: bool = False
 
-    def came(self, t: float) -> None:
+    def receive(self, message: Message) -> None:
         """Note that a message came that was not kept."""
         if self.begun:
-            self.gaps.append(max(0.0, t - self.last))
+            self.gaps.append(max(0.0, message.t - self.last))
             self.usual = median(self.gaps)
-        self.last, self.begun, self.silent, self.kept = t, True, False, None
-
-    def patience(self, least: float) -> float:
-        """Return the seconds without a message after which it is silent."""
-        return max(least, _MISSED * self.usual)
+        self.last, self.begun, self.silent, self.kept = message.t, True, False, None
+        self.content = message.content
 
 
 @dataclass
@@ -163,7 +129,6 @@ class _Monitor:
     topic: str
     node: str
     model: str = ""
-    digest: str = ""
     streams: dict[str, _Stream] = field(default_factory=dict)
     is_alone: bool = True  # the only one of its node: else the node has no name of it
 
@@ -173,94 +138,122 @@ class _Monitor:
         of_node = self.node.rpartition("/")[2] if self.is_alone else ""
         return self.model or of_node or of_topic
 
-    def again(self, message: Message) -> bool:
-        """Take a message that is the same as the last one: the same object; else return False."""
+    @property
+    def is_silent(self) -> bool:
+        return all(stream.silent for stream in self.streams.values())
+
+    @property
+    def last(self) -> float:
+        return max(stream.last for stream in self.streams.values())
+
+    def is_repeated_by(self, message: Message) -> bool:
+        """Take a message that is the same object as the last one; else return False."""
         stream = self.streams.get(message.topic)
         if stream is None or stream.content is not message.content or message.kept:
             return False
         if stream.silent or stream.kept is not None:
             return False
-        stream.came(message.t)
+        stream.receive(message)
         return True
 
-    def verdicts(self) -> Iterator[VerdictView]:
-        for _, stream in sorted(self.streams.items()):
-            yield from stream.verdicts.values()
+    def change(self, verdict: VerdictView, before: State | None, t: float) -> Change:
+        return Change(t, self.robot, self.name, verdict.id, verdict.state, before, verdict.reasons)
+
+    def view(self, report: NodeReport | None) -> MonitorView:
+        streams = [stream for _, stream in sorted(self.streams.items())]
+        return MonitorView(
+            self.name,
+            self.title,
+            self.topic,
+            self.node,
+            tuple(verdict for stream in streams for verdict in stream.verdicts.values()),
+            tuple(dict.fromkeys(text for stream in streams for text in stream.accepted)),
+            self.last,
+            self.is_silent,
+            None if self.is_silent else report,
+        )
 
 
 class FleetState:
-    """Takes messages in the order of their times, and says what is known.
+    """Takes messages in the order of their times, and tells what is known.
 
     Args:
-        robots: namespace -> name of those that are wanted; empty: all.
-        patience: seconds without a message after which a verdict counts as unknown; three usual
+        robots: namespace -> name of those that are requested; empty: all.
+        patience_s: seconds without a message after which a verdict counts as unknown; three usual
             periods of its topic where these are longer.
     """
 
-    def __init__(self, robots: Mapping[str, str] | None = None, patience: float = PATIENCE) -> None:
+    def __init__(
+        self, robots: Mapping[str, str] | None = None, patience_s: float = PATIENCE_S
+    ) -> None:
         self._robots = robots or {}
-        self._patience = patience
+        self._patience_s = patience_s
         self._monitors: dict[tuple[str, str], _Monitor] = {}
         self._reports: dict[str, dict[str, NodeReport]] = {}  # by node and model
         self._reporting = 0
         self._changes: deque[Change] = deque(maxlen=_CHANGES)
         self._notes: dict[str, None] = {}
-        self._changed = self._count = 0
-
-    @property
-    def has_monitors(self) -> bool:
-        """A monitor was heard of."""
-        return bool(self._monitors)
+        self._changed = self._verdicts = 0
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What else a person should know, as sentences."""
-        return tuple(self._notes)
+        return (*self._notes, *(() if self._monitors else ("no monitor has been heard of yet",)))
 
     def take(self, message: Message) -> list[Change]:
         """Take one message; return what changed by it."""
-        known = self._monitors.get((base_topic(message.topic), message.node))
-        if known is not None and known.again(message):
+        monitor = self._monitors.get((base_topic(message.topic), message.node))
+        if monitor is not None and monitor.is_repeated_by(message):
             return []
         try:
             if message.type == DIAGNOSTICS:
                 self._take_reports(message)
+            if message.type not in status_messages():
                 return []
-            of = heard().get(message.type)
-            if of is None:
-                return []
-            said = of.listen(message.content)
+            known = status_messages()[message.type]
+            reading = known.listen(message.content)
         except _UNREADABLE:
             self._note(f"{plain(message.topic)}: not a message {message.type} as known here")
             return []
-        monitor = self._monitor(message, of.title)
-        return [] if monitor is None else self._noted(self._heard(monitor, message, said))
+        monitor = monitor or self._new_monitor(message, known.title)
+        if monitor is None:
+            return []
+        stream = monitor.streams.setdefault(message.topic, _Stream(message.t))
+        if message.kept:  # it prolongs nothing
+            stream.kept = reading
+            return []
+        was_silent = stream.silent
+        stream.receive(message)
+        if reading.whole and reading == stream.reading:
+            return []
+        stream.reading = reading
+        monitor.model = plain(reading.model) or monitor.model
+        stream.accepted = tuple(plain(text) for text in reading.accepted[:MAX_REASONS])
+        changes = self._changes_by(monitor, stream, reading, message.t, is_back=was_silent)
+        return self._remember(list(changes))
 
     def look(self, now: float) -> list[Change]:
         """Notice what has been silent for too long; return what changed by it."""
-        found: list[Change] = []
+        changes: list[Change] = []
         for monitor in self._monitors.values():
             for stream in monitor.streams.values():
-                limit = stream.patience(self._patience)
+                limit = max(self._patience_s, _MISSED * stream.usual)
                 if not stream.silent and now - stream.last > limit:
-                    found += self._silence(monitor, stream, now, limit)
-        return self._noted(found)
+                    changes += self._silence(monitor, stream, now, limit)
+        return self._remember(changes)
 
     def snapshot(self, now: float) -> Snapshot:
         """Return what is known."""
         robots: dict[str, list[MonitorView]] = {}
         for monitor in self._monitors.values():
-            robots.setdefault(monitor.robot, []).append(self._view(monitor))
-        return Snapshot(
-            now,
-            tuple(
-                RobotView(name, tuple(sorted(found, key=lambda one: (one.name, one.topic))))
-                for name, found in sorted(robots.items())
-            ),
-            tuple(reversed(self._changes)),
-            self._changed,
-            self.notes,
+            view = monitor.view(self._report_of(monitor))
+            robots.setdefault(monitor.robot, []).append(view)
+        views = (
+            RobotView(name, tuple(sorted(monitors, key=lambda view: (view.name, view.topic))))
+            for name, monitors in sorted(robots.items())
         )
+        last = tuple(reversed(self._changes))
+        return Snapshot(now, tuple(views), last, self._changed, tuple(self._notes))
 
     def _take_reports(self, message: Message) -> None:
         for report in reports_of(message.content, message.t):
@@ -270,156 +263,104 @@ class FleetState:
                 self._reporting += 1
             self._reports.setdefault(report.node, {})[report.model] = report
 
-    def _monitor(self, message: Message, title: str) -> _Monitor | None:
-        """Return the monitor of a message; ``None``: of a robot that nobody asked for."""
+    def _new_monitor(self, message: Message, title: str) -> _Monitor | None:
+        """Return the monitor of a message; ``None``: of a robot that nobody requested."""
         topic = base_topic(message.topic)
-        key = (topic, message.node)
-        if key in self._monitors:
-            return self._monitors[key]
         robot = robot_of(message.topic, message.node, self._robots)
         if robot is None:
             return None
         if len(self._monitors) >= MAX_MONITORS and not self._forget():
             self._note(f"only the first {MAX_MONITORS} monitors are shown")
             return None
-        made = _Monitor(plain(robot), title, plain(topic), plain(message.node))
-        for other in self._monitors.values() if made.node else ():
-            if other.node == made.node:
-                made.is_alone = other.is_alone = False
-        self._monitors[key] = made
-        return made
+        monitor = _Monitor(plain(robot), title, plain(topic), plain(message.node))
+        for other in self._monitors.values() if monitor.node else ():
+            if other.node == monitor.node:
+                monitor.is_alone = other.is_alone = False
+        self._monitors[topic, message.node] = monitor
+        return monitor
 
     def _forget(self) -> bool:
         """Drop the monitor that has been silent for longest; return False when none is silent."""
-        silent = [
-            (max(stream.last for stream in monitor.streams.values()), key)
-            for key, monitor in self._monitors.items()
-            if monitor.streams and all(stream.silent for stream in monitor.streams.values())
-        ]
+        silent = [(m.last, key) for key, m in self._monitors.items() if m.is_silent]
         if not silent:
             return False
-        gone = self._monitors.pop(min(silent)[1])
-        self._count -= sum(len(stream.verdicts) for stream in gone.streams.values())
+        dropped = self._monitors.pop(min(silent)[1])
+        self._verdicts -= sum(len(stream.verdicts) for stream in dropped.streams.values())
         return True
 
-    def _heard(self, monitor: _Monitor, message: Message, said: StatusReading) -> Iterable[Change]:
-        stream = monitor.streams.get(message.topic)
-        if stream is None:
-            stream = monitor.streams[message.topic] = _Stream(message.t)
-        if message.kept:  # it prolongs nothing
-            stream.kept = said
-            return []
-        back = stream.silent
-        stream.came(message.t)
-        stream.content = message.content
-        if said.whole and said == stream.said:
-            return []
-        stream.said = said
-        monitor.model = plain(said.model) or monitor.model
-        monitor.digest = plain(said.digest) or monitor.digest
-        stream.accepted = tuple(plain(one) for one in said.accepted[:MAX_REASONS])
-        return list(self._told(monitor, stream, said, message.t, back=back))
-
-    def _told(
+    def _changes_by(
         self,
         monitor: _Monitor,
         stream: _Stream,
-        said: StatusReading,
+        reading: StatusReading,
         t: float,
         *,
-        back: bool = False,
+        is_back: bool = False,
     ) -> Iterator[Change]:
-        """Take what was said; every verdict is told of a monitor that is back after silence."""
-        told: dict[str, VerdictView] = {} if said.whole else stream.verdicts
-        for verdict in said.verdicts:
+        """Take a reading; every verdict of a monitor that is back after silence is a change."""
+        verdicts: dict[str, VerdictView] = {} if reading.whole else stream.verdicts
+        for verdict in reading.verdicts:
             id_ = plain(verdict.id)
             before = stream.verdicts.get(id_)
-            if before is None and self._count >= MAX_VERDICTS:
+            if before is None and self._verdicts >= MAX_VERDICTS:
                 self._note(f"only the first {MAX_VERDICTS} verdicts are shown")
                 continue
-            now = _next(before, id_, verdict, t)
-            self._count += id_ not in stream.verdicts
-            told[id_] = now
-            if before is None or before.state != now.state or back:
-                was = None if before is None else before.state
-                yield _change(monitor, now, was, t)
-        if said.whole:
-            self._count -= len(stream.verdicts.keys() - told.keys())
-            stream.verdicts = told
+            stays = before is not None and before.state == verdict.state
+            since = before.since if before is not None and stays else t
+            seen = before is not None and (before.seen or not stays)
+            reasons = tuple(plain(reason) for reason in verdict.reasons[:MAX_REASONS])
+            view = VerdictView(id_, verdict.state, reasons, plain(verdict.text), since, seen)
+            self._verdicts += id_ not in stream.verdicts
+            verdicts[id_] = view
+            if not stays or is_back:
+                yield monitor.change(view, None if before is None else before.state, t)
+        if reading.whole:
+            self._verdicts -= len(stream.verdicts.keys() - verdicts.keys())
+            stream.verdicts = verdicts
 
     def _silence(
         self, monitor: _Monitor, stream: _Stream, now: float, limit: float
     ) -> Iterator[Change]:
-        stream.silent, stream.said = True, None
+        stream.silent, stream.reading = True, None
         reason = f"no message for more than {limit:.3g} s"
         if stream.kept is not None:
-            said, stream.kept = stream.kept, None
-            monitor.model = monitor.model or plain(said.model)
+            kept, stream.kept = stream.kept, None
+            monitor.model = monitor.model or plain(kept.model)
             reason = f"its last message is of unknown age, {reason}"
-            unknown = tuple(
-                replace(verdict, state="unknown", reasons=()) for verdict in said.verdicts
-            )
-            told = replace(said, verdicts=unknown, whole=False)
-            for change in self._told(monitor, stream, told, now):
+            verdicts = tuple(replace(v, state="unknown", reasons=()) for v in kept.verdicts)
+            reading = replace(kept, verdicts=verdicts, whole=False)
+            for change in self._changes_by(monitor, stream, reading, now):
                 yield replace(change, reasons=(reason,))
-        for id_, verdict in stream.verdicts.items():
-            since = verdict.since if verdict.state == "unknown" else now
-            seen = verdict.seen if verdict.state == "unknown" else True
-            new = VerdictView(id_, "unknown", (reason,), verdict.text, since, seen)
-            stream.verdicts[id_] = new
-            if verdict.since != now or verdict.state != "unknown":  # else it was told just now
-                yield _change(monitor, new, verdict.state, now)
+        for id_, before in stream.verdicts.items():
+            view = replace(before, state="unknown", reasons=(reason,))
+            if before.state != "unknown":
+                view = replace(view, since=now, seen=True)
+            stream.verdicts[id_] = view
+            if before.since != now or before.state != "unknown":  # else it was told just now
+                yield monitor.change(view, before.state, now)
 
-    def _view(self, one: _Monitor) -> MonitorView:
-        accepted = dict.fromkeys(a for stream in one.streams.values() for a in stream.accepted)
-        silent = all(stream.silent for stream in one.streams.values())
-        return MonitorView(
-            one.name,
-            one.title,
-            one.topic,
-            one.node,
-            one.digest,
-            tuple(one.verdicts()),
-            tuple(accepted),
-            max(stream.last for stream in one.streams.values()),
-            silent,
-            None if silent else self._report_of(one),
-        )
-
-    def _report_of(self, one: _Monitor) -> NodeReport | None:
+    def _report_of(self, monitor: _Monitor) -> NodeReport | None:
         """Return the report of a monitor's node: by its name, else by its model on that robot."""
-        of_node = self._reports.get(one.node)
+        of_node = self._reports.get(monitor.node)
         if of_node is not None:  # one process may run several
-            is_only = one.is_alone and len(of_node) == 1
-            return of_node.get(one.name, *of_node.values()) if is_only else of_node.get(one.name)
-        spaces = {space for space, name in self._robots.items() if name == one.robot} or {one.robot}
+            is_only = monitor.is_alone and len(of_node) == 1
+            return of_node.get(monitor.name, *(of_node.values() if is_only else ()))
+        spaces = [space for space, name in self._robots.items() if name == monitor.robot]
+        models = (monitor.model, monitor.node.rpartition("/")[2] or monitor.model)
         fitting = [
             report
-            for of_node in self._reports.values()
+            for node, of_node in self._reports.items()
+            if any(is_below(node, space) for space in spaces or [monitor.robot])
             for report in of_node.values()
-            if report.model in (one.model, one.node.rpartition("/")[2] or one.model)
-            and any(is_below(report.node, space) for space in spaces)
+            if report.model in models
         ]
         return fitting[0] if len(fitting) == 1 else None
 
-    def _noted(self, changes: Iterable[Change]) -> list[Change]:
-        found = list(changes)
-        self._changes.extend(found)
-        self._changed += len(found)
-        return found
+    def _remember(self, changes: list[Change]) -> list[Change]:
+        self._changes.extend(changes)
+        self._changed += len(changes)
+        return changes
 
     def _note(self, text: str) -> None:
         if len(self._notes) < MAX_REASONS:
             self._notes[text] = None
-
-
-def _next(before: VerdictView | None, id_: str, one: Verdict, t: float) -> VerdictView:
-    same = before is not None and before.state == one.state
-    since = before.since if before is not None and same else t
-    seen = before is not None and (before.seen or not same)
-    reasons = tuple(plain(reason) for reason in one.reasons[:MAX_REASONS])
-    return VerdictView(id_, one.state, reasons, plain(one.text), since, seen)
-
-
-def _change(monitor: _Monitor, one: VerdictView, before: State | None, t: float) -> Change:
-    return Change(t, monitor.robot, monitor.name, one.id, one.state, before, one.reasons)

@@ -1,4 +1,4 @@
-"""The messages that are watched, and what they say of a node."""
+"""The messages that are watched, and what they tell of a robot and of a node."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from eddi_scaffold.common.claims import Listen
 from eddi_scaffold.common.escaping import one_line
@@ -19,27 +19,24 @@ DIAGNOSTICS_TOPIC = "/diagnostics"
 GATHER_S = 0.03
 """Seconds in which messages are gathered once one has come: to wake up for each costs more than to
 read it."""
+# Whoever sends, and whatever: what is kept is limited.
+MAX_TEXT = 300
+MAX_VERDICTS = 10_000  # of all robots together
+MAX_MONITORS = 2_000
+MAX_INPUTS = 500  # of one monitor
+MAX_REASONS = 20  # of one verdict
 
 
 @dataclass(frozen=True)
 class Message:
-    """One message as it was received.
+    """One message as it was received."""
 
-    Attributes:
-        topic: its full name.
-        type: ``package/Name``.
-        content: its fields as attributes, under the names of the ``.msg`` file.
-        t: seconds on the clock of the receiver.
-        node: full name of the node that published it, empty where that is not known.
-        kept: the publisher had kept it for who comes later: it may be of any age.
-    """
-
-    topic: str
-    type: str
-    content: Any
-    t: float
-    node: str = ""
-    kept: bool = False
+    topic: str  # its full name
+    type: str  # `package/Name`
+    content: Any  # its fields as attributes, under the names of the `.msg` file
+    t: float  # seconds on the clock of the receiver
+    node: str = ""  # full name of the node that published it, empty where that is not known
+    kept: bool = False  # the publisher had kept it for who comes later: it may be of any age
 
 
 class Source(Protocol):
@@ -59,21 +56,15 @@ class Source(Protocol):
         """End it."""
 
 
-@dataclass(frozen=True)
-class KnownMessage:
-    """How messages of one type are understood.
+class KnownMessage(NamedTuple):
+    """How messages of one type are understood."""
 
-    Attributes:
-        title: of the kind of monitor.
-        listen: what a message says.
-    """
-
-    title: str
+    title: str  # of the kind of monitor
     listen: Listen
 
 
 @cache
-def heard() -> Mapping[str, KnownMessage]:
+def status_messages() -> Mapping[str, KnownMessage]:
     """Return type of message -> how it is understood, for every kind."""
     return {
         f"{MESSAGE_PACKAGE}/{name}": KnownMessage(kind.title, listen)
@@ -84,27 +75,13 @@ def heard() -> Mapping[str, KnownMessage]:
 
 def is_watched(topic: str, type_: str) -> bool:
     """Return whether messages of a topic are read."""
-    return type_ in heard() or (type_ == DIAGNOSTICS and topic == DIAGNOSTICS_TOPIC)
-
-
-BESIDE = ("status", "evidence")
-"""Last parts of the topics beside that of a result."""
+    return type_ in status_messages() or (type_ == DIAGNOSTICS and topic == DIAGNOSTICS_TOPIC)
 
 
 def base_topic(topic: str) -> str:
-    """Return the topic of the result, of one that is beside it."""
+    """Return the topic of the result, of one that is a companion of it."""
     head, _, last = topic.rpartition("/")
-    return head if last in BESIDE and head else topic
-
-
-def namespace_of(topic: str, node: str) -> str:
-    """Return the namespace of a robot: that of the node, else what is before a monitor's topic.
-
-    Topics of a monitor are named as in ``cart/guarantees``, so that all before them is the robot's.
-    """
-    if node:
-        return node.rpartition("/")[0] or "/"
-    return "/".join(base_topic(topic).split("/")[:-2]) or "/"
+    return head if last in ("status", "evidence") and head else topic
 
 
 def is_below(name: str, namespace: str) -> bool:
@@ -112,44 +89,35 @@ def is_below(name: str, namespace: str) -> bool:
     return namespace == "/" or f"{name}/".startswith(f"{namespace}/")
 
 
-def wanted_robots(words: Sequence[str]) -> dict[str, str]:
+def requested_robots(values: Sequence[str]) -> dict[str, str]:
     """Return namespace -> name of each ``NAME`` or ``NAME=/namespace``.
 
     Raises:
-        EddiError: a word is neither (G008).
+        EddiError: a value is neither (G008).
     """
-    found: dict[str, str] = {}
-    for word in words:
-        name, equals, namespace = word.partition("=")
+    robots: dict[str, str] = {}
+    for value in values:
+        name, equals, namespace = value.partition("=")
         namespace = (namespace if equals else f"/{name.strip('/')}").rstrip("/") or "/"
         if not name or not namespace.startswith("/"):
-            raise EddiError(problem("G008.robot", value=word))
-        found[namespace] = name if equals else namespace
-    return found
+            raise EddiError(problem("G008.robot", value=value))
+        robots[namespace] = name if equals else namespace
+    return robots
 
 
-def robot_of(topic: str, node: str, wanted: Mapping[str, str]) -> str | None:
-    """Return the name of the robot; ``None`` where others are wanted.
+def robot_of(topic: str, node: str, requested: Mapping[str, str]) -> str | None:
+    """Return the name of the robot that a message is of; ``None`` where others are requested.
 
     Args:
-        topic: of a message.
+        topic: of the message.
         node: that published it, empty where that is not known.
-        wanted: namespace -> name; empty: every robot, by its namespace.
+        requested: namespace -> name; empty: every robot, by the namespace of the node, else by
+            what is before the topic of a monitor, as in ``cart/guarantees``.
     """
-    if not wanted:
-        return namespace_of(topic, node)
-    fitting = [one for one in wanted if is_below(topic, one) or (node and is_below(node, one))]
-    return wanted[max(fitting, key=len)] if fitting else None
-
-
-MAX_TEXT = 300
-MAX_VERDICTS = 10_000
-"""Of all robots together."""
-MAX_MONITORS = 2_000
-MAX_INPUTS = 500
-"""Of one monitor."""
-MAX_REASONS = 20
-"""Of one verdict."""
+    if requested:
+        fitting = [n for n in requested if is_below(topic, n) or (node and is_below(node, n))]
+        return requested[max(fitting, key=len)] if fitting else None
+    return (node.rpartition("/")[0] if node else base_topic(topic).rsplit("/", 2)[0]) or "/"
 
 
 def plain(text: object) -> str:
@@ -162,24 +130,15 @@ _AGE = ".age_s"
 _OURS = "runtime_version"
 """A value that the status of no other node has."""
 _INACTIVE = "inactive: "
-_STANDINGS = ("guarantee", "threshold", "event", "in_scope")
+_CLAIMS = ("guarantee", "threshold", "event", "in_scope")
 
 
-@dataclass(frozen=True)
-class InputReport:
-    """One input of a monitor.
-
-    Attributes:
-        id: as in the model.
-        state: in a word: ok, waiting, latched, missing, stale or invalid.
-        age: of its oldest message in seconds, ``None``: not known, or there is none.
-        reason: why it is not ok.
-    """
+class InputReport(NamedTuple):
+    """One input of a monitor."""
 
     id: str
-    state: str
-    age: float | None
-    reason: str
+    state: str  # in a word: ok, waiting, latched, missing, stale or invalid
+    age: float | None  # seconds of its oldest message, if there is one and it is known
 
 
 @dataclass(frozen=True)
@@ -191,7 +150,6 @@ class NodeReport:
         node: its full name.
         model: id of its model.
         message: what is wrong, or that all is in order.
-        inputs: in the order of the model.
         reasons: guarantee, threshold or event that is inactive -> why, in words.
         steps: so far.
         overruns: steps that were left out so far.
@@ -220,40 +178,30 @@ def reports_of(array: Any, t: float) -> Iterator[NodeReport]:
         if _OURS not in values:
             continue
         inputs = [key.removesuffix(_AGE) for key in values if key.endswith(_AGE)]
+        reasons = {}
+        for key, text in values.items():  # `guarantee.ID`, or `in_scope` by itself
+            what, _, id_ = key.partition(".")
+            if text.startswith(_INACTIVE) and what in _CLAIMS:
+                reasons[plain(id_ or what)] = plain(text.removeprefix(_INACTIVE))
         yield NodeReport(
-            t=t,
+            t,
             node=plain(status.hardware_id),
             model=plain(str(status.name).rpartition(": ")[2]),
             message=plain(status.message),
-            inputs=tuple(_input(name, values) for name in inputs[:MAX_INPUTS]),
-            reasons=dict(_reasons(values)),
-            steps=int(_number(values.get("steps"))),
-            overruns=int(_number(values.get("overruns"))),
-            longest_step=_number(values.get("longest_step_ms")) / 1e3,
+            inputs=tuple(
+                InputReport(plain(id_), plain(values.get(id_, "")), _number(values[id_ + _AGE]))
+                for id_ in inputs[:MAX_INPUTS]
+            ),
+            reasons=reasons,
+            steps=int(_number(values.get("steps")) or 0),
+            overruns=int(_number(values.get("overruns")) or 0),
+            longest_step=(_number(values.get("longest_step_ms")) or 0.0) / 1e3,
         )
 
 
-def _input(name: str, values: Mapping[str, str]) -> InputReport:
-    age = _number(values[f"{name}{_AGE}"], math.nan)
-    return InputReport(
-        plain(name),
-        plain(values.get(name, "")),
-        None if math.isnan(age) else age,
-        plain(values.get(f"{name}.reason", "")),
-    )
-
-
-def _reasons(values: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield id and words of what is inactive: ``guarantee.ID``, or ``in_scope`` by itself."""
-    for key, text in values.items():
-        what, _, id_ = key.partition(".")
-        if text.startswith(_INACTIVE) and what in _STANDINGS:
-            yield plain(id_ or what), plain(text.removeprefix(_INACTIVE))
-
-
-def _number(text: str | None, otherwise: float = 0.0) -> float:
+def _number(text: str | None) -> float | None:
     try:
-        found = float(text or "")
+        number = float(text or "")
     except ValueError:
-        return otherwise
-    return found if math.isfinite(found) else otherwise
+        return None
+    return number if math.isfinite(number) else None

@@ -6,14 +6,15 @@ import json
 import re
 import threading
 import time
+from dataclasses import dataclass
 from http import HTTPStatus
-from importlib.resources import files
 from typing import Any
 
 from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
-from eddi_scaffold.watch.page import Pictures, render, verdict_graph
-from eddi_scaffold.watch.page_feed import Feed, Sent
+from eddi_scaffold.watch.fleet import Snapshot
+from eddi_scaffold.watch.metrics import CONTENT_TYPE, metrics_text
+from eddi_scaffold.watch.page import Pictures, View, render, static, verdict_graph
 
 STREAMS = 16
 """At once; the other connections are for pages."""
@@ -29,6 +30,48 @@ _POLICY = (
     "default-src 'none'; style-src 'self'; script-src 'self'; img-src 'self'; "
     "connect-src 'self'; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A snapshot and its view; how many there were before; when, on the monotonic clock."""
+
+    snapshot: Snapshot
+    view: View
+    number: int
+    at: float
+
+
+class Feed:
+    """Holds the newest view, for all who look at it.
+
+    Attributes:
+        shown: it.
+        closed: there will be no more.
+    """
+
+    def __init__(self, snapshot: Snapshot, view: View) -> None:
+        self._news = threading.Condition()
+        self.shown = Shown(snapshot, view, 0, time.monotonic())
+        self.closed = False
+
+    def show(self, snapshot: Snapshot, view: View) -> None:
+        """Replace what is shown, and wake who waits for it."""
+        with self._news:
+            self.shown = Shown(snapshot, view, self.shown.number + 1, time.monotonic())
+            self._news.notify_all()
+
+    def after(self, number: int, seconds: float) -> Shown:
+        """Return the newest, and wait for it as long as it is not newer than a number."""
+        with self._news:
+            self._news.wait_for(lambda: self.closed or self.shown.number > number, seconds)
+            return self.shown
+
+    def close(self) -> None:
+        """Let everybody who waits go."""
+        with self._news:
+            self.closed = True
+            self._news.notify_all()
 
 
 def open_server(
@@ -51,20 +94,13 @@ def open_server(
     Raises:
         EddiError: the port is taken (E024).
     """
-    streams = threading.Semaphore(min(STREAMS, connections // 2))
-    parts: dict[str, Any] = {
-        "feed": feed,
-        "streams": streams,
-        "models": models or {},
-        "pictures": {},
-    }
+    parts: dict[str, Any] = {"feed": feed, "models": models or {}, "pictures": {}}
+    parts["streams"] = threading.Semaphore(min(STREAMS, connections // 2))
     parts["seconds"] = seconds
     return local_server.open_server(port, _Handler, parts, connections=connections)
 
 
 class _Handler(Handler):
-    """Answers one connection."""
-
     feed: Feed
     streams: threading.Semaphore
     models: Pictures
@@ -72,64 +108,48 @@ class _Handler(Handler):
     policy = _POLICY
 
     def get(self) -> None:
-        """Answer with the page, a part of it, or its events."""
-        path = self.path.partition("?")[0]
-        found = _GRAPH.fullmatch(path)
+        """Answer with the page, a part of it, its events, or numbers."""
+        path, shown = self.path.partition("?")[0], self.feed.shown
         if path == "/":
-            self.send(HTTPStatus.OK, HTML, render(self.feed.shown.view).encode())
+            self.send(HTTPStatus.OK, HTML, render(shown.view).encode())
         elif path == "/events":
             self._stream()
-        elif found:
-            self._graph(int(found[1]))
-        elif path == "/metrics":
-            self._metrics()
         elif path in _FILES:
-            data = files(__package__).joinpath("page", path[1:]).read_bytes()
-            self.send(HTTPStatus.OK, _FILES[path], data)
+            self.send(HTTPStatus.OK, _FILES[path], static(path[1:]))
+        elif path == "/metrics":
+            if time.monotonic() - shown.at > _OLD_S:
+                raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "the view is not new any more")
+            self.send(HTTPStatus.OK, CONTENT_TYPE, metrics_text(shown.snapshot).encode())
+        elif match := _GRAPH.fullmatch(path):
+            self._graph(shown, int(match[1]))
         else:
             super().get()
 
-    def _graph(self, number: int) -> None:
-        shown = self.feed.shown
+    def _graph(self, shown: Shown, number: int) -> None:
         if number >= len(shown.view.groups):
             raise Refused(HTTPStatus.NOT_FOUND, "there is no such robot")
         version = shown.view.groups[number].graph
         if version not in self.pictures:
             if len(self.pictures) >= _PICTURES:
                 self.pictures.clear()
-            self.pictures[version] = verdict_graph(
-                shown.snapshot.robots[number], self.models
-            ).encode()
+            graph = verdict_graph(shown.snapshot.robots[number], self.models)
+            self.pictures[version] = graph.encode()
         more = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"}
         self.send(HTTPStatus.OK, "image/svg+xml", self.pictures[version], more)
-
-    def _metrics(self) -> None:
-        try:
-            from eddi_scaffold.watch.metrics import CONTENT_TYPE, exposed  # noqa: PLC0415
-        except ImportError:
-            text = "metrics need prometheus-client: pipx inject eddi-scaffold prometheus-client"
-            raise Refused(HTTPStatus.NOT_IMPLEMENTED, text) from None
-        shown = self.feed.shown
-        if time.monotonic() - shown.at > _OLD_S:
-            raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "the view is not new any more")
-        self.send(HTTPStatus.OK, CONTENT_TYPE, exposed(shown.snapshot))
 
     def _stream(self) -> None:
         if not self.streams.acquire(blocking=False):
             raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "too many pages are open")
         try:
             self.begin(HTTPStatus.OK, "text/event-stream", {})
-            self._write_events(time.monotonic() + _STREAM_S)
+            end, number, sent = time.monotonic() + _STREAM_S, -1, None
+            while time.monotonic() < end and not self.feed.closed:
+                shown = self.feed.after(number, _ALIVE_S)
+                text = ": nothing new\n\n"
+                if shown.number > number:
+                    text = f"data: {json.dumps(shown.view.news(sent))}\n\n"
+                    number, sent = shown.number, shown.view
+                self.more_time()
+                self.wfile.write(text.encode())
         finally:
             self.streams.release()
-
-    def _write_events(self, end: float) -> None:
-        number, sent = -1, Sent()
-        while time.monotonic() < end and not self.feed.closed:
-            shown = self.feed.after(number, _ALIVE_S)
-            text = ": nothing new\n\n"
-            if shown.number > number:
-                number = shown.number
-                text = f"data: {json.dumps(sent.news(shown.view))}\n\n"
-            self.more_time()
-            self.wfile.write(text.encode())

@@ -127,11 +127,3 @@ def test_the_marks_count_for_a_model_that_a_configuration_names(tmp_path: Path) 
     generate = ("generate", "-w", ".", "-c", config.name, "--dry-run")
     assert run(*generate, cwd=tmp_path).status == 2
     assert run(*generate, *mark, cwd=tmp_path).status == 0
-
-
-def test_a_damaged_model_is_not_told_as_a_missing_one(tmp_path: Path) -> None:
-    example(tmp_path)
-    (tmp_path / MODEL).write_text("<eddi")
-    result = run("check", MODEL, "consert_a_config.yml", cwd=tmp_path)
-    assert result.status == 1
-    assert re.findall(r"\[([A-Z]\d+)\]", result.err) == ["X001"]

@@ -84,10 +84,6 @@ def test_help_lists_the_commands_by_when_they_are_needed(tmp_path: Path) -> None
     assert "eddi-scaffold example two-conserts demo" in " ".join(result.out.split())
 
 
-def test_version(tmp_path: Path) -> None:
-    assert run("--version", cwd=tmp_path) == Result(0, f"eddi-scaffold {__version__}\n", "")
-
-
 def test_nothing_to_do_is_wrong_usage_with_help(tmp_path: Path) -> None:
     result = run(cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
@@ -132,35 +128,6 @@ def test_an_example_links_only_to_what_is_written_with_it() -> None:
             assert (readme.parent / link).is_file(), readme
 
 
-def test_the_example_is_sound(folder: Path) -> None:
-    result = run("check", MODEL, CONFIG, "consert_b_config.yml", cwd=folder)
-    assert (result.status, result.out) == (0, "")
-    assert result.err.startswith(f"no problems in {MODEL}, {CONFIG}, consert_b_config.yml")
-
-
-def test_show_is_a_tree_under_the_name_of_each_model(folder: Path) -> None:
-    result = run("show", MODEL, "--name", "consertb", cwd=folder)
-    assert result == Result(
-        0,
-        "ConSert ConSertB\n"
-        "  guarantee System_A_G0_c2: IsTrue2\n"
-        "    evidence RtE_A_E0: SensorHealthy\n"
-        "  provides ServiceB (ServiceBType): System_A_G0_c2\n",
-        "",
-    )
-
-
-def test_show_json(folder: Path) -> None:
-    found = json.loads(run("show", MODEL, "--json", cwd=folder).out)
-    assert {"models", "elements", "references"} <= set(found)
-    assert [model["name"] for model in found["models"]] == ["ConSertA", "ConSertB"]
-    assert list(found["models"][0]) == ["kind", "name", "path", "line", "counts"]
-    assert found["references"]["unresolved"] == 0
-    one = json.loads(run("show", MODEL, "--json", "--name", "ConSertB", cwd=folder).out)
-    assert [model["name"] for model in one["models"]] == ["ConSertB"]
-    assert one["elements"] == found["elements"]
-
-
 def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> None:
     text = (folder / MODEL).read_text()
     broken = text.replace('target="//@odeProductPackages.0/@conSerts.1/@guarantees.0"', "", 1)
@@ -170,16 +137,6 @@ def test_show_says_with_its_status_that_a_model_is_not_whole(folder: Path) -> No
     assert "ConSert ConSertA" in result.out
     assert "error" in result.err
     assert run("show", MODEL, "--json", cwd=folder).status == 1
-
-
-def test_check_json_is_one_object(folder: Path) -> None:
-    (folder / CONFIG).write_text((folder / CONFIG).read_text().replace("/rte/e0a", "rte e0a"))
-    result = run("check", MODEL, CONFIG, "--json", cwd=folder)
-    assert (result.status, result.err) == (1, "")
-    problems = json.loads(result.out)["problems"]
-    (problem,) = (problem for problem in problems if problem["level"] == "error")
-    assert list(problem) == ["level", "code", "message", "hint", "file", "line", "col"]
-    assert (problem["code"], problem["file"], problem["line"]) == ("K003", CONFIG, 12)
 
 
 @pytest.mark.parametrize(
@@ -207,23 +164,6 @@ def test_json_is_ascii_so_that_every_terminal_can_hold_it(folder: Path) -> None:
         "check", "nöthere.xml", "--json", cwd=folder, env={"PYTHONIOENCODING": "ascii"}
     )
     assert json.loads(result.out)["problems"][0]["file"] == "nöthere.xml"
-
-
-def test_compose(folder: Path) -> None:
-    good = run("compose", MODEL, "--json", cwd=folder)
-    assert (good.status, json.loads(good.out)["composable"]) == (0, True)
-    assert run("export", MODEL, "-o", ".", cwd=folder).out == "ConSertA.yml\nConSertB.yml\n"
-    bad = run("compose", "ConSertA.yml", "--json", cwd=folder)
-    found = json.loads(bad.out)
-    assert (bad.status, found["composable"], found["unmatched_demands"]) == (1, False, ["RtE_A_D0"])
-    assert found["reasons"]
-    assert run("compose", "ConSertA.yml", "other=ConSertB.yml", cwd=folder).status == 0
-
-
-def test_export_keeps_to_the_named_model(folder: Path) -> None:
-    assert run("export", MODEL, "-o", "one", "--name", "ConSertB", cwd=folder).status == 0
-    assert list(files_below(folder / "one")) == ["ConSertB.yml"]
-    assert run("check", "one/ConSertB.yml", cwd=folder).status == 0
 
 
 def test_export_does_not_write_one_model_over_another(folder: Path) -> None:
@@ -263,17 +203,6 @@ def test_answers_take_the_model_that_a_configuration_names(folder: Path) -> None
 # packages
 
 
-def test_a_configuration_without_its_option(folder: Path) -> None:
-    for command in (["generate"], ["answers", "-m", MODEL, "-o", "out"]):
-        assert "a configuration is -c FILE" in run(*command, CONFIG, cwd=folder).err
-
-
-def test_the_folder_above_the_one_in_which_one_works(folder: Path) -> None:
-    (folder / "src").mkdir()
-    result = run("generate", "-w", ".", "-c", CONFIG, "-m", MODEL, cwd=folder / "src")
-    assert "name the folder above: -w ..\n" in result.err
-
-
 def test_an_active_virtual_environment_is_left_before_ros_is_started(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -300,15 +229,6 @@ def test_generate_says_what_was_written_and_what_to_do(folder: Path) -> None:
     again = run(*command, cwd=folder)
     assert again.status == 0
     assert "nothing to change" in again.err
-    assert files_below(folder) == before
-
-
-def test_a_dry_run_prints_a_difference_and_writes_nothing(folder: Path) -> None:
-    before = files_below(folder)
-    result = run(*PLAIN, "--dry-run", cwd=folder)
-    assert result.status == 0
-    assert result.out.startswith("--- /dev/null\n+++ b/consertb/")
-    assert "files would change below out" in result.err
     assert files_below(folder) == before
 
 
@@ -374,12 +294,6 @@ def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:
     assert "bool(RtE_A_E0)" in "".join(
         data.decode() for name, data in files_below(package).items() if "kept" in name
     )
-
-
-def test_upgrade_of_nothing_new(package: Path, folder: Path) -> None:
-    result = run("upgrade", "out/consertb/", cwd=folder)
-    assert (result.status, result.out) == (0, "")
-    assert "nothing to change below out" in result.err
 
 
 # global options
@@ -574,32 +488,6 @@ def test_a_folder_is_checked_file_by_file(tmp_path: Path) -> None:
     assert found.err.startswith("broken.yml:2:1: error")
     assert "\nnot checked: README.md, docker-compose.yml, package.xml, recording" in found.err
     assert "in broken.yml, consert_a_config.yml, consert_b_config.yml, two_conserts" in found.err
-
-
-def test_upgrade_finds_the_model_that_a_newer_configuration_names(tmp_path: Path) -> None:
-    for file in (ROOT / "examples/safeml").glob("*.*"):
-        shutil.copy(file, tmp_path / file.name)
-    generate = ("generate", "--platform", "plain", "-o", "pl", "-c", "perception_config.yml")
-    assert run(*generate, cwd=tmp_path).status == 0
-    config = tmp_path / "perception_config.yml"
-    text = config.read_text("utf-8")
-    config.write_text(text.replace("field: data", "field: data\n    max_age: 7.5"))
-    assert run("upgrade", "-w", "pl", "-c", config.name, cwd=tmp_path).status == 0
-    assert '"max_age": 7.5' in (tmp_path / "pl/camera_scope/model.json").read_text("utf-8")
-    assert run(*generate, cwd=tmp_path).err.startswith("nothing to change below pl\n")
-
-
-def test_show_has_what_a_configuration_adds() -> None:
-    """Bins and thresholds; and a time as one would write it."""
-    robot = ROOT / "examples" / "warehouse-robot"
-    lines = run("show", "localisation_config.yml", cwd=robot).out.splitlines()
-    assert "    from matched: Poor | 0.7 | Good" in lines
-    assert "  evidence PoseIsGood: P(Lost = Yes) <= 0.1 for 1 s, gone above 0.15" in lines
-    examples = robot.parent
-    words = ("show", "pedestrian/pedestrian.xml", "-c", "pedestrian/eddi_config.yml")
-    assert "  from vehicleSpeed: NotDriving | 0.05 | " in run(*words, cwd=examples).out
-    words = ("show", "drone/drone.xml", "-c", "drone/reliability_config.yml")
-    assert "\n  horizon 30 min\n" in run(*words, "--name", "MissionLoss", cwd=examples).out
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.catalogue import find
-from tests.cli.command import Result, run
+from tests.cli.command import run
 
 
 @pytest.mark.parametrize("code", ["D004", "d004"])
@@ -56,10 +56,3 @@ def test_an_unknown_code_names_the_nearest(code: str, hint: str, tmp_path: Path)
     result = run("explain", code, cwd=tmp_path)
     assert (result.status, result.out) == (2, "")
     assert f"error: there is no code {code!r} [G008]\n  hint: {hint}" in result.err
-
-
-def test_nothing_but_a_code(tmp_path: Path) -> None:
-    assert run("explain", cwd=tmp_path).status == 2
-    assert run("explain", "K007", "-q", cwd=tmp_path) == Result(
-        0, run("explain", "K007", cwd=tmp_path).out, ""
-    )

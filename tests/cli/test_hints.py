@@ -59,12 +59,6 @@ def test_a_configuration_is_not_taken_for_its_own_model(cart: Path) -> None:
     assert "did you mean" not in refused.err
 
 
-def test_in_place_of_a_configuration_its_model_is_named(cart: Path) -> None:
-    for command in (("connect", "cart_config.yml"), ("compose", "cart_config.yml")):
-        refused = run(*command, cwd=cart)
-        assert (refused.status, "name its model: cart.yml" in refused.err) == (2, True), command
-
-
 def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
     without = MODEL.replace("percent", '""')
     (cart / "cart.yml").write_text(without)
@@ -99,15 +93,6 @@ def test_a_type_of_another_language_is_named(cart: Path) -> None:
     assert "'double' is no type of ROS messages; write float64[3] [K003]" in refused.err
     (cart / "typed.yml").write_text(f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: float64}}}}\n")
     assert run("check", "typed.yml", cwd=cart).status == 0
-
-
-def test_of_a_folder_of_packages_one_runs(cart: Path) -> None:
-    (cart / "drive.csv").write_text("t,Charge\n0.0,0.8\n")
-    place = ("--platform", "plain", "-o", "out", "-c", "cart_config.yml")
-    assert run("generate", *place, cwd=cart).status == 0
-    refused = run("run", "out", "--inputs", "drive.csv", cwd=cart)
-    assert (refused.status, "name it: out/cart\n" in refused.err) == (2, True), refused.err
-    assert run("run", "out/cart", "--inputs", "drive.csv", cwd=cart).status == 0
 
 
 def test_one_configuration_named_twice_is_one_monitor(cart: Path) -> None:

@@ -42,16 +42,6 @@ def test_several_models_need_a_folder_or_a_name(folder: Path) -> None:
     assert "System_A_G0_c2" in words_of((folder / "ConSertB.svg").read_text("utf-8"))
 
 
-def test_a_recording_is_plotted_beside_what_is_printed(folder: Path) -> None:
-    words = ("run", MODEL, "-c", "consert_a_config.yml", "--inputs", "recording.csv")
-    plain = run(*words, cwd=folder)
-    plotted = run(*words, "--plot", "p.svg", cwd=folder)
-    assert (plotted.status, plotted.out) == (0, plain.out)
-    svg = (folder / "p.svg").read_text("utf-8")
-    assert {"RtE_A_E0", "System_A_G1"} <= words_of(svg)
-    assert "ConSert ConSertA" in svg
-
-
 def test_a_configuration_is_as_good_as_the_model_that_it_names(tmp_path: Path) -> None:
     robot = ROOT / "examples" / "warehouse-robot"
     for command in ("diagram", "export"):

@@ -36,20 +36,6 @@ def codes(text: str) -> list[str]:
     return re.findall(r"\[([A-Z]\d+)\]", text)
 
 
-def test_a_system_is_shown_as_a_tree(robot: Path) -> None:
-    shown = run("show", SYSTEM, cwd=robot)
-    assert (shown.status, shown.err) == (0, "")
-    assert shown.out.splitlines()[:3] == [
-        "system rover (indent dialect)",
-        "  component battery_monitor in /power from rover_battery.battery_monitor",
-        "    publishes  charge = battery_node::charge",
-    ]
-    document = json.loads(run("show", SYSTEM, "--json", cwd=robot).out)
-    assert [one["name"] for one in document["components"]] == [
-        "battery_monitor", "front_laser", "base"
-    ]  # fmt: skip
-
-
 def test_a_model_is_shown_with_what_was_not_read(robot: Path) -> None:
     shown = run("show", "nodes/rover_msgs.ros", cwd=robot)
     assert shown.out.splitlines() == [
@@ -126,17 +112,6 @@ def test_a_monitor_is_generated_with_the_topics_of_the_system(robot: Path) -> No
     ]  # fmt: skip
 
 
-def test_an_upgrade_keeps_the_message_types_of_the_robots_models(robot: Path) -> None:
-    (robot / "ws/src").mkdir(parents=True)
-    generate = ("generate", "-w", "ws", "-m", MODEL, "-c", CONFIG)
-    assert run(*generate, "--models", NODES, cwd=robot).status == 0
-    inputs = robot / "ws/src/eddi_monitor/rover/src/rover/EDDIInput.py"
-    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
-    edit(robot / CONFIG, "max_age: 5\n", "max_age: 6\n")
-    assert run("upgrade", "-w", "ws", "-m", MODEL, "-c", CONFIG, cwd=robot).status == 0
-    assert "self.Charge = charge.level" in inputs.read_text("utf-8")
-
-
 def test_message_types_of_the_robots_models_stay_known(robot: Path) -> None:
     """Whatever command comes next, and without the models."""
     (robot / "ws/src").mkdir(parents=True)
@@ -187,27 +162,6 @@ def test_every_command_takes_the_models_of_the_robot(robot: Path) -> None:
         done = run(*words, *models, cwd=robot)
         assert (done.status, codes(done.err)) == (0, []), words
     assert "self.Charge = charge.level" in (robot / "a.yml").read_text("utf-8")
-
-
-def test_a_topic_that_ros_does_not_allow_is_left_out_beside_a_configuration(robot: Path) -> None:
-    bad = '        "a~b":\n          type: std_msgs/msg/Bool\n'
-    edit(robot / LASER, "        scan:", f"{bad}        scan:")
-    checked = run("check", MODEL, CONFIG, "--system", SYSTEM, "--models", NODES, cwd=robot)
-    assert (checked.status, codes(checked.err)) == (0, ["M015"])
-
-
-def test_what_does_not_resolve_in_the_system_is_told_with_what_it_refuses(robot: Path) -> None:
-    shutil.copy(ROOT / "examples" / "robot-models" / CONFIG, robot / CONFIG)
-    edit(robot / SYSTEM, '"laser_driver.laser"', '"lost.laser"')
-    models = ("--system", SYSTEM, "--models", NODES)
-    for words, status in (
-        (("check", MODEL, CONFIG), 1),
-        (("answers", "-m", MODEL, "-c", CONFIG, "-o", "a.yml"), 2),
-        (("run", MODEL, "-c", CONFIG, "-i", "inputs.csv"), 2),
-    ):
-        refused = run(*words, *models, cwd=robot)
-        assert refused.status == status
-        assert {"K007", "M007"} <= set(codes(refused.err)), words
 
 
 def test_a_configuration_that_is_saved_while_its_block_is_made_stays(

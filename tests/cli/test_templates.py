@@ -73,14 +73,6 @@ def test_what_git_refuses_is_t004(tmp_path: Path) -> None:
     assert "not a git repository" in str(failure.value)
 
 
-def test_a_damaged_bundle_is_t004(tmp_path: Path) -> None:
-    (tmp_path / "templates.bundle").write_bytes(b"bundle")
-    with pytest.raises(EddiError) as failure, unpacked(tmp_path / "templates.bundle", "v9"):
-        pass
-    assert code_of(failure) == "T004"
-    assert "templates.bundle" in str(failure.value)
-
-
 def test_what_copier_refuses_is_t004(tmp_path: Path) -> None:
     source = tmp_path / "template"
     source.mkdir()

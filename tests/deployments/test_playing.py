@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.recordings.csv_recording import Sample, Tape
-from eddi_scaffold.recordings.parts import of_messages
-from eddi_scaffold.recordings.playing import StepRule, play
+from eddi_scaffold.recordings.csv_recording import Recording, Sample
+from eddi_scaffold.recordings.playing import StepRule, of_messages, play
 from tests.data_files import data_file
 from tests.deployments.cases import Case, deployment_of, read_case
 from tests.deployments.test_oracle import NAMES
@@ -36,15 +35,15 @@ def test_the_same_is_claimed(name: str, tmp_path: Path) -> None:
     if not is_played(case):
         return
     deployment = deployment_of(case)
-    rhythms = [StepRule(one.every * MS, on_change=False) for one in deployment.members]
-    parts = of_messages([one.monitor for one in deployment.members], rhythms)
+    rules = [StepRule(one.every * MS, on_change=False) for one in deployment.members]
+    parts = of_messages([one.monitor for one in deployment.members], rules)
     members = {one.monitor.config.config.Model.id: one for one in deployment.members}
     ordered = [members[part.name or next(iter(members))] for part in parts]
     world = dict(World(replace(deployment, members=tuple(ordered))).run())
     samples = sorted(deployment.history.samples, key=lambda one: one.t)
     heard = tuple(Sample(one.t * MS, one.topic, one.message) for one in samples)
     claims: dict[int, dict[str, bool]] = {}
-    for part, frame in play(parts, Tape(0, deployment.history.until * MS, heard)):
+    for part, frame in play(parts, Recording(0, deployment.history.until * MS, heard)):
         member = members[part.name or next(iter(members))]
         publisher = member.publisher
         told = publisher.messages(part.running, frame.output, set(deployment.subscribers))

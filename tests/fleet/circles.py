@@ -17,7 +17,7 @@ from eddi_scaffold.common.identifiers import full_topic
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.recordings.node import GivenInput
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from runtime_lib.tests.node.message_package import converter, package
 
 MESSAGE_CLASSES = package("eddi_messages", {**MESSAGES, **BETWEEN_ROBOTS})

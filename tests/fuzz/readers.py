@@ -44,9 +44,16 @@ from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.recordings.bags import read_bag
-from eddi_scaffold.recordings.csv_recording import read_tape
-from eddi_scaffold.recordings.parts import columns, compiled, of_messages, of_values, rhythm
-from eddi_scaffold.recordings.playing import ROWS, play
+from eddi_scaffold.recordings.csv_recording import read_recording
+from eddi_scaffold.recordings.playing import (
+    ROWS,
+    columns,
+    compiled,
+    of_messages,
+    of_values,
+    play,
+    step_rule,
+)
 from eddi_scaffold.recordings.results import changes, steps
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
@@ -416,8 +423,8 @@ def _recordings(folder: Path) -> Made:
 
     def attempt(sample: Sample) -> Steps:
         with contextlib.suppress(EddiError):
-            tape, _ = read_tape(Source("damaged.csv", sample.data), columns([monitor]))
-            for one in (rhythm(monitor), ROWS):
+            tape, _ = read_recording(Source("damaged.csv", sample.data), columns([monitor]))
+            for one in (step_rule(monitor), ROWS):
                 list(changes(itertools.islice(play(of_values([monitor], [one]), tape), 100)))
         yield
 

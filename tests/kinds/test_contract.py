@@ -24,7 +24,7 @@ from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.recordings.messages import Publications
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from tests.checkouts import HERE
 from tests.cli.command import run
 from tests.kinds.examples import EXAMPLES

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
-from tests.cli.command import ROOT, example, run
+from tests.cli.command import example, run
 from tests.diagnosed import assert_reported
 
 rosbags = pytest.importorskip("rosbags", reason="the extra `bags` is not installed")
@@ -138,31 +138,6 @@ def test_a_folder_with_a_pipe_is_no_bag(folder: Path) -> None:
     assert (result.status, "I011" in result.err) == (2, True)
 
 
-def test_on_change_also_one_step_per_message_and_when_an_age_ends(folder: Path) -> None:
-    config = folder / "consert_a_config.yml"
-    config.write_text(
-        config.read_text().replace("frequency: 10", "frequency: 2\n  mode: on_change")
-    )
-    written(
-        folder / "a.bag",
-        [healthy(0, False), healthy(0.25, True), demand(0.25, True), demand(1.0, False)],
-    )
-    node = [(0.0, "00"), (0.25, "11"), (0.75, "11"), (0.750000001, "10"), (1.0, "10")]
-    assert verdicts(folder) == node
-    assert verdicts(folder, "--steps", "rows") == [(0.0, "00"), (0.25, "11"), (1.0, "10")]
-
-
-def test_a_topic_without_messages_is_said(folder: Path) -> None:
-    written(folder / "a.bag", [healthy(0, True), healthy(0.2, True)])
-    result = run(
-        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag", "--csv"),
-        cwd=folder,
-    )
-    assert result.status == 0
-    assert_reported("I004", result.err)
-    assert result.out.splitlines()[-1] == "0.2,true,false"
-
-
 def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0, True)])
     config = folder / "consert_a_config.yml"
@@ -277,11 +252,6 @@ def test_the_definitions_of_the_bag_are_the_ones_that_count(
     assert place in result.err
 
 
-def test_the_definitions_of_the_bag_are_told(tmp_path: Path) -> None:
-    text = "requires: [battery], field: charged"
-    assert_reported("I012", battery(tmp_path, "voltage: float32, charged: bool", text).err)
-
-
 @pytest.mark.parametrize(
     "text", ["requires: [battery], field: charging", 'expression: "battery.volts < 12"']
 )
@@ -374,45 +344,6 @@ def test_each_steps_at_its_own_rhythm_and_at_once_for_what_another_says(folder: 
         (0.0, "B"), (0.0, "A"), (0.5, "B"), (0.5, "A"), (1.0, "B"), (1.0, "A"), (1.2, "A"),
         (1.5, "B"),
     ]  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("words", "code"),
-    [
-        ((*BOTH, "--inputs", "recording.csv"), "G000"),
-        ((*BOTH, "--bag", "a.bag", "--csv"), "G000"),
-        (("two_conserts.xml", "--bag", "a.bag"), "G005"),
-    ],
-)
-def test_what_several_monitors_cannot_do(folder: Path, words: Sequence[str], code: str) -> None:
-    written(folder / "a.bag", [healthy(0, True), evidence_b(0, True)])
-    result = run("run", *words, cwd=folder)
-    assert (result.status, result.out) == (2, "")
-    assert f"[{code}]" in result.err
-
-
-def test_an_event_on_the_motor_is_the_evidence_of_a_consert(tmp_path: Path) -> None:
-    for file in (ROOT / "examples" / "motor-watch").glob("*.*"):
-        (tmp_path / file.name).write_bytes(file.read_bytes())
-    rows: list[Message] = []
-    for k in range(60):
-        rows.append((k / 10, "/motor/temperature", "std_msgs/msg/Float32", {"data": 40.0}))
-        rows.append((k / 10, "/motor/current", "std_msgs/msg/Float32", {"data": 2.0}))
-    rows.append((7.0, "/elsewhere", "std_msgs/msg/Bool", {"data": True}))  # the bag goes on
-    written(tmp_path / "a.bag", rows)
-    words = ("drive.yml", "-c", "drive_config.yml", "-c", "motor_config.yml")
-    result = run("run", *words, "--bag", "a.bag", "--json", cwd=tmp_path)
-    assert result.status == 0, result.err
-    steps = [json.loads(line) for line in result.out.splitlines()]
-    fit = {s["t"]: s["outputs"][0]["active"] for s in steps if s["monitor"] == "motor_watch"}
-    full = {
-        s["t"]: next(o["active"] for o in s["outputs"] if o["id"] == "FullSpeed")
-        for s in steps
-        if s["monitor"] == "drive"
-    }
-    assert full == fit
-    assert fit[5.0]
-    assert not fit[6.5]  # the motor is silent
 
 
 def test_a_bag_gives_the_age_limits_of_a_draft(folder: Path) -> None:

@@ -16,10 +16,9 @@ import yaml
 from eddi_scaffold.common.claims import State
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.csv_recording import Sample, Tape
+from eddi_scaffold.recordings.csv_recording import Recording, Sample
 from eddi_scaffold.recordings.messages import Publications, blank
-from eddi_scaffold.recordings.parts import of_messages, rhythm
-from eddi_scaffold.recordings.playing import PlayedMonitor, play
+from eddi_scaffold.recordings.playing import PlayedMonitor, of_messages, play, step_rule
 from tests.recordings.full_form import full_form
 
 ORACLE = Path(__file__).parents[1] / "data" / "oracles" / "users" / "chains.yml"
@@ -34,7 +33,7 @@ def test_values(name: str, tmp_path: Path) -> None:
         written = full_form(text) if text.startswith("evidence:") else text
         (tmp_path / file).write_text(written, encoding="utf-8")
     monitors, _ = monitors_of(None, [tmp_path / one for one in case["configurations"]])
-    parts = of_messages(monitors, [rhythm(one) for one in monitors])
+    parts = of_messages(monitors, [step_rule(one) for one in monitors])
     by_name = {one.id: one for one in monitors}
     values: dict[tuple[int, str], Mapping[str, str]] = {}
     for part, frame in play(parts, _tape(case["samples"], monitors)):
@@ -44,7 +43,7 @@ def test_values(name: str, tmp_path: Path) -> None:
     assert {key: values[key[:2]][key[2]] for key in wanted} == wanted
 
 
-def _tape(samples: str, monitors: list[BoundMonitor]) -> Tape:
+def _tape(samples: str, monitors: list[BoundMonitor]) -> Recording:
     types = {
         monitor.topic(source.topic): source.type
         for monitor in monitors
@@ -60,7 +59,7 @@ def _tape(samples: str, monitors: list[BoundMonitor]) -> Tape:
                 message = blank(types[topic])
                 message.data = _value(types[topic], cell)
                 found.append(Sample(t, topic, message))
-    return Tape(times[0], times[-1], tuple(found), tuple(times))
+    return Recording(times[0], times[-1], tuple(found), tuple(times))
 
 
 def _value(message_type: str, cell: str) -> Any:

@@ -35,20 +35,6 @@ def test_a_channel_that_nothing_names_spoils_nothing(bag: str) -> None:
     assert (found.status, found.out, found.err) == (0, VERDICTS, "")
 
 
-@pytest.mark.parametrize("bag", CHANNELS)
-def test_it_can_be_connected_too(bag: str, tmp_path: Path) -> None:
-    shutil.copy(UNUSED / "lidar.events", tmp_path)
-    found = run("connect", "lidar.events", "--bag", str(UNUSED / bag), "--dry-run", cwd=tmp_path)
-    assert "/lidar/nearest" in found.out, found.err
-    assert "I011" not in found.err
-
-
-@pytest.mark.parametrize("bag", CHANNELS)
-def test_it_can_be_watched_too(bag: str) -> None:
-    found = run("watch", "--bag", bag, cwd=UNUSED)
-    assert "no monitor's verdicts are in the bag" in found.err
-
-
 def test_no_channel_of_a_bag_without_a_wanted_topic_is_read(tmp_path: Path) -> None:
     for name in ("lidar.events", "lidar_config.yml"):
         shutil.copy(UNUSED / name, tmp_path)

@@ -150,10 +150,3 @@ def test_code_that_cannot_be_loaded(
     assert (result.status, result.out) == (2, "")
     assert "[I020]" in result.err
     assert words in result.err
-
-
-def test_what_is_no_package_of_a_monitor_or_has_more_beside_it(folder: Path, package: Path) -> None:
-    other = run("run", package.parent / "eddi_messages", "--inputs", "recording.csv", cwd=folder)
-    assert_reported("I020", other.err)
-    more = run("run", package, "-c", "consert_a_config.yml", "--inputs", "r.csv", cwd=folder)
-    assert "a package has its model and its configuration, and runs alone [G000]" in more.err

@@ -83,5 +83,5 @@ def test_a_long_recording_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(results.time, "monotonic", lambda: next(clock))
     frames = [(None, Step(float(t), {}, [])) for t in range(5)]
     said: list[str] = []
-    assert list(results.watched(iter(frames), said.append)) == frames  # type: ignore[arg-type]
+    assert list(results.with_progress(iter(frames), said.append)) == frames  # type: ignore[arg-type]
     assert said == [f"{t} s of the recording are played" for t in (1, 3)]

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.recordings.playing import ROWS, StepRule, Steps, rhythm_of
+from eddi_scaffold.recordings.playing import ROWS, StepRule, Steps
 
 SECOND = 1_000_000_000
 
 
-def times(rhythm, rows, limits=None, start=0, end=None):
+def times(rule, rows, limits=None, start=0, end=None):
     """Return the times of the steps on rows of (t, source), in nanoseconds."""
     waiting = list(rows)
-    steps = Steps(rhythm, limits or {}, start, rows[-1][0] if end is None else end)
+    steps = Steps(rule, limits or {}, start, rows[-1][0] if end is None else end)
     found = []
     while True:
         due = [t for t in (steps.due(), waiting[0][0] if waiting else None) if t is not None]
@@ -30,7 +30,11 @@ def times(rhythm, rows, limits=None, start=0, end=None):
 
 
 def test_a_rate_is_a_grid_from_the_start_that_does_not_drift() -> None:
-    found = times(rhythm_of(3, "rate"), [(7, "a"), (SECOND, "a"), (2 * SECOND + 7, "a")], start=7)
+    found = times(
+        StepRule(SECOND / 3, on_change=False),
+        [(7, "a"), (SECOND, "a"), (2 * SECOND + 7, "a")],
+        start=7,
+    )
     assert found == [7, 333333340, 666666674, SECOND + 7, 1333333340, 1666666674, 2 * SECOND + 7]
 
 
@@ -42,8 +46,8 @@ def test_what_came_between_two_steps_at_the_end_is_still_seen() -> None:
 
 
 def test_on_change_steps_at_rows_by_period_and_when_an_age_ends() -> None:
-    rhythm = StepRule(100, on_change=True)
-    assert times(rhythm, [(0, "a"), (30, "a"), (250, "a")]) == [0, 30, 130, 230, 250]
+    rule = StepRule(100, on_change=True)
+    assert times(rule, [(0, "a"), (30, "a"), (250, "a")]) == [0, 30, 130, 230, 250]
     slow = StepRule(1000, on_change=True)
     rows = [(0, "a"), (10, "b"), (30, "a"), (250, "b")]
     assert times(slow, rows, {"a": [40], "b": [200, 500]}) == [0, 10, 30, 71, 211, 250]
@@ -61,7 +65,9 @@ def test_rows_alone_are_steps_where_that_is_asked_for() -> None:
 @pytest.mark.parametrize("mode", ["rate", "on_change"])
 def test_nothing_comes_for_long(mode: str) -> None:
     """The outage is seen in both modes: there are steps in the gap."""
-    found = times(rhythm_of(1, mode), [(0, "a"), (10 * SECOND, "a")], {"a": [2 * SECOND]})
+    found = times(
+        StepRule(SECOND, mode == "on_change"), [(0, "a"), (10 * SECOND, "a")], {"a": [2 * SECOND]}
+    )
     assert any(2 * SECOND < t <= 3 * SECOND for t in found)
 
 
@@ -69,4 +75,11 @@ def test_nothing_comes_for_long(mode: str) -> None:
 def test_the_grid_is_exact_also_where_a_float_is_not(mode: str) -> None:
     start = 1_700_000_000_070_000_001
     wanted = [start + k * 100_000_000 for k in range(30)]
-    assert times(rhythm_of(10, mode), [(start, "a"), (wanted[-1], "a")], start=start) == wanted
+    assert (
+        times(
+            StepRule(SECOND / 10, mode == "on_change"),
+            [(start, "a"), (wanted[-1], "a")],
+            start=start,
+        )
+        == wanted
+    )

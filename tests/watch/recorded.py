@@ -13,8 +13,7 @@ from eddi_scaffold.kinds import kinds
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from eddi_scaffold.recordings.bags import read_bag
-from eddi_scaffold.recordings.parts import of_messages, published, rhythm
-from eddi_scaffold.recordings.playing import play
+from eddi_scaffold.recordings.playing import of_messages, play, published, step_rule
 from tests.cli.command import ROOT
 
 ROBOT = ROOT / "examples" / "warehouse-robot"
@@ -40,7 +39,7 @@ def warehouse() -> tuple[Published, ...]:
 
 def _warehouse() -> Iterator[Published]:
     monitors, _ = monitors_of(None, sorted(ROBOT.glob("*_config.yml")))
-    parts = of_messages(monitors, [rhythm(one) for one in monitors])
+    parts = of_messages(monitors, [step_rule(one) for one in monitors])
     tape, _ = read_bag(ROBOT / "shift.bag", monitors, published(monitors))
     for part, frame in play(parts, tape):
         assert part.publisher is not None

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.watch import fleet, messages
 from eddi_scaffold.watch.fleet import Change, FleetState, MonitorView
-from eddi_scaffold.watch.messages import Message, heard, wanted_robots
+from eddi_scaffold.watch.messages import Message, requested_robots, status_messages
 from tests.watch.recorded import warehouse
 
 CONSERT = "eddi_messages/ConSertStatus"
@@ -52,7 +52,7 @@ def test_states_reasons_and_since_when() -> None:
     a, b = only(state).verdicts
     assert (a.state, a.reasons, a.since, a.seen) == ("not active", ("needs_A",), 3.0, True)
     assert (b.state, b.since, b.seen) == ("unknown", 1.0, False)
-    assert (only(state).name, only(state).title, only(state).digest) == ("Cart", "ConSert", "ab")
+    assert (only(state).name, only(state).title) == ("Cart", "ConSert")
 
 
 def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
@@ -60,12 +60,12 @@ def test_a_reason_is_in_the_words_of_the_diagnostics() -> None:
 
     for verdict, reasons in ((FALSE, events._REASONS[:1]), (TRUE, ())):
         event = SimpleNamespace(id="e", verdict=verdict, active=verdict == TRUE, accepted=[])
-        ((said,), *_) = vars(heard()["eddi_messages/EventOutput"].listen(event)).values()
+        ((said,), *_) = vars(status_messages()["eddi_messages/EventOutput"].listen(event)).values()
         assert said.reasons == reasons
 
 
 def test_silence_makes_every_verdict_unknown_and_the_next_message_known_again() -> None:
-    state = FleetState(patience=3.0)
+    state = FleetState(patience_s=3.0)
     for k in range(10):
         state.take(message(k / 10, status(A=TRUE, B=UNKNOWN)))
     assert state.look(3.9) == []
@@ -83,7 +83,7 @@ def test_silence_makes_every_verdict_unknown_and_the_next_message_known_again() 
 
 
 def test_a_slow_monitor_is_not_silent_between_its_messages() -> None:
-    state = FleetState(patience=3.0)
+    state = FleetState(patience_s=3.0)
     for t in (0.0, 10.0, 20.0):
         state.take(message(t, status(A=TRUE)))
     assert state.look(30.0) == []
@@ -91,14 +91,14 @@ def test_a_slow_monitor_is_not_silent_between_its_messages() -> None:
 
 
 def test_one_long_pause_does_not_make_the_view_patient() -> None:
-    state = FleetState(patience=3.0)
+    state = FleetState(patience_s=3.0)
     for t in (0.0, 0.1, 0.2, 0.3, 600.0, 600.1):
         state.take(message(t, status(A=TRUE)))
     assert len(state.look(604.0)) == 1
 
 
 def test_a_kept_message_is_believed_only_when_another_one_follows() -> None:
-    state = FleetState(patience=3.0)
+    state = FleetState(patience_s=3.0)
     assert state.take(message(0.0, status(A=TRUE), kept=True)) == []
     assert brief(state.look(3.5)) == [("A", "unknown", None)]
     assert "unknown age" in only(state).verdicts[0].reasons[0]
@@ -117,7 +117,7 @@ def test_robots_are_told_apart_by_node_namespace_or_topic() -> None:
 
 
 def test_only_the_robots_that_are_asked_for() -> None:
-    state = FleetState(wanted_robots(["r1", "arm=/cell/arm"]))
+    state = FleetState(requested_robots(["r1", "arm=/cell/arm"]))
     for robot in ("/r1", "/r10", "/cell/arm", "/cell"):
         state.take(message(0.0, status(A=TRUE), robot))
     assert [one.name for one in state.snapshot(0.0).robots] == ["/r1", "arm"]
@@ -140,7 +140,7 @@ def test_what_a_monitor_says_no_more_is_gone() -> None:
 
 def test_who_is_silent_for_longest_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fleet, "MAX_MONITORS", 3)
-    state = FleetState(patience=3.0)
+    state = FleetState(patience_s=3.0)
     for k in range(10):
         state.look(10.0 * k)
         state.take(message(10.0 * k, status(A=TRUE), f"/r{k}"))
@@ -180,7 +180,7 @@ def test_memory_is_limited_whatever_comes(monkeypatch: pytest.MonkeyPatch) -> No
 def test_nothing_is_active_unless_a_message_said_so_in_time(
     steps: list[tuple[float, bool, int, bool]],
 ) -> None:
-    state, t, fresh, said = FleetState(patience=3.0), 0.0, -1e9, FALSE
+    state, t, fresh, said = FleetState(patience_s=3.0), 0.0, -1e9, FALSE
     gaps: list[float] = []
     for gap, comes, verdict, kept in steps:
         t += gap
@@ -216,7 +216,7 @@ def test_every_kind_says_what_it_publishes() -> None:
         "Reliability": {"valid": "active", "LastsTheShift": "active"},
         "ConSert": {"FullSpeed": "active", "WalkingPace": "active", "StandStill": "active"},
     }
-    assert {one.type for one in warehouse()} >= heard().keys()
+    assert {one.type for one in warehouse()} >= status_messages().keys()
 
 
 def test_monitors_of_one_process_have_names_and_reports_of_their_own() -> None:

@@ -10,9 +10,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.metrics import MAX_REASONS, families
+from eddi_scaffold.watch.metrics import MAX_REASONS, samples_of
 from tests.cli.command import ROOT
 from tests.watch.served import Fleet, diagnostics, serving
 from tests.watch.test_watch_page import ask
@@ -34,7 +35,7 @@ def fleet() -> Fleet:
 
 
 def samples(fleet: Fleet) -> dict[str, dict[tuple[str, ...], float]]:
-    return {one.name: one.samples for one in families(fleet.feed.shown.snapshot)}
+    return samples_of(fleet.feed.shown.snapshot)
 
 
 def test_states_reasons_steps_and_ages(fleet: Fleet) -> None:
@@ -46,14 +47,14 @@ def test_states_reasons_steps_and_ages(fleet: Fleet) -> None:
     assert (*full, "PathClear") in found["eddi_guarantee_reason"]
     lidar = ("/robot1", "lidar")
     assert found["eddi_monitor_longest_step_seconds"] == {lidar: 0.0075}
-    assert found["eddi_monitor_steps"] == {lidar: 125}
+    assert found["eddi_monitor_steps_total"] == {lidar: 125}
     assert found["eddi_input_age_seconds"] == pytest.approx({(*lidar, "nearest"): 0.9})
     assert found["eddi_input_state"] == {(*lidar, "nearest", "stale"): 1.0}
     fleet.play(20.0, robots=("/robot2",))
     found = samples(fleet)
     assert found["eddi_monitor_silent"][lidar] == 1.0
     assert (*full, "silent") in found["eddi_guarantee_reason"]
-    assert lidar not in found["eddi_monitor_steps"]  # nobody knows
+    assert lidar not in found["eddi_monitor_steps_total"]  # nobody knows
 
 
 def test_reasons_are_few() -> None:
@@ -79,9 +80,6 @@ def test_of_two_monitors_of_one_name_the_worse_counts() -> None:
 
 
 def test_it_is_openmetrics(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("prometheus_client", reason="the extra `metrics` is not installed")
-    from prometheus_client.openmetrics.parser import text_string_to_metric_families
-
     attack = '"} 1\n# EOF\nevil{x="'
     rows = [SimpleNamespace(id=attack, verdict=2, missing=[])]
     content = SimpleNamespace(model_id=attack, model_digest="", guarantees=rows, accepted=[])
@@ -92,27 +90,19 @@ def test_it_is_openmetrics(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> Non
         assert status == 200
         assert headers["Content-Type"].startswith("application/openmetrics-text; version=1.0.0")
         parsed: Any = {one.name: one for one in text_string_to_metric_families(text)}
-        assert parsed.keys() == samples(fleet).keys()
+        assert parsed.keys() == {name.removesuffix("_total") for name in samples(fleet)}
+        states = parsed["eddi_guarantee_state"].samples
+        assert attack.replace("\n", " ") in {one.labels["guarantee"] for one in states}
         assert ask(port, "/metrics", Host="prometheus.example:80")[0] == 403
         monkeypatch.setattr("eddi_scaffold.watch.page_server._OLD_S", -1.0)
         assert ask(port, "/metrics")[0] == 503
-
-
-def test_without_the_library_the_page_says_so(
-    fleet: Fleet, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "eddi_scaffold.watch.metrics", None)
-    with serving(fleet) as port:
-        status, _, text = ask(port, "/metrics")
-        assert (status, "prometheus-client" in text) == (501, True)
 
 
 def test_alerts_and_dashboard_ask_for_what_there_is(fleet: Fleet) -> None:
     text = (FOLDER / "dashboard.json").read_text("utf-8")
     assert json.loads(text)["panels"]
     text += (FOLDER / "alerts.yml").read_text("utf-8")
-    counters = {one.name for one in families(fleet.feed.shown.snapshot) if one.type == "counter"}
-    there = {f"{name}_total" if name in counters else name for name in samples(fleet)}
+    there = set(samples(fleet))
     asked = set(re.findall(r"\beddi_[a-z_]+", text))
     assert asked <= there
     readme = (FOLDER / "README.md").read_text("utf-8")

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import ROOT, run
+from tests.diagnosed import assert_reported
 from tests.watch.recorded import ROBOT, bag_of_two
 from tests.watch.test_watch_page import ask
 
@@ -89,3 +90,12 @@ def test_a_model_that_cannot_be_read_is_told_before_anything_is_served(
 ) -> None:
     result = run("watch", "--bag", bag, "nothing.xml", cwd=tmp_path)
     assert (result.status, "nothing.xml" in result.err) == (2, True)
+
+
+def test_without_rospy_it_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", "")
+    monkeypatch.setattr("eddi_scaffold.watch.ros1.SYSTEM_PYTHON", sys.executable)
+    result = run("watch", "--text", cwd=tmp_path)
+    assert (result.status, result.err.count("source ROS")) == (2, 1)
+    assert_reported("I010", result.err)

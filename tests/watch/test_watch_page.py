@@ -157,7 +157,7 @@ def test_reasons_are_told_with_topics_where_the_node_reports_them() -> None:
     fleet.take(diagnostics(13.0, "/robot1/lidar", **values))
     fleet.take(diagnostics(13.0, "/robot1/warehouse", **values))
     fleet.show()
-    rows = {(row.monitor, row.name): row.why for row in fleet.feed.shown.view.groups[0].rows}
+    rows = {(row.monitor, row.name): row.parts[1] for row in fleet.feed.shown.view.groups[0].rows}
     assert rows["lidar", "PathClear"] == late
     assert rows["warehouse", "FullSpeed"] == "PathClear"
     assert rows["warehouse", "StandStill"] == ""  # it is active by now

@@ -11,7 +11,7 @@ from eddi_runtime import Monitor as RunningMonitor
 
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from tests.deployments.pool.conserts import conserts, ring, unsound_conserts
 from tests.deployments.pool.events import events, unsound_events
 from tests.deployments.pool.networks import bare_network, networks

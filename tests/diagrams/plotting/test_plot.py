@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.diagrams.plot import Track, plot, stretches, ticks, tracks_of
+from eddi_scaffold.diagrams.plot import Track, plot, stretches, tracks_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -28,10 +28,6 @@ def test_a_value_holds_until_the_next_one() -> None:
         (2.0, 3.0, None),
         (3.0, 4.0, False),
     ]
-
-
-def test_true_is_not_one() -> None:
-    assert stretches(track(True, 1), 2.0) == [(0.0, 1.0, True), (1.0, 2.0, 1)]
 
 
 def test_truth_values_are_bands_that_say_what_they_are() -> None:
@@ -86,17 +82,6 @@ def test_what_is_true_may_be_bad_and_is_not_green() -> None:
     assert blue > green > red
 
 
-def test_a_long_recording_keeps_its_peak() -> None:
-    values = [0.0] * 50_000
-    values[31_234] = 9.0
-    svg = plot("long", [track(*values)])
-    assert ">9<" in svg
-    assert len(svg) < 200_000
-    (line,) = ET.fromstring(svg).iter(f"{SVG}path")
-    levels = {step.split(" ")[1] for step in line.attrib["d"].replace("M", "L").split("L")[1:]}
-    assert len(levels) == 2
-
-
 def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:
     values: list[object] = [k % 7 / 10 for k in range(50_000)]
     values[31_234], values[31_236], values[40_000] = 9.0, -9.0, None
@@ -111,12 +96,6 @@ def test_a_long_noise_keeps_its_peaks_and_what_is_unknown() -> None:
     assert {levels.count(min(levels)), levels.count(max(levels))} == {2}  # a step has two ends
     places = [float(step.split(" ")[0]) for step in steps]
     assert places == sorted(places)
-
-
-def test_ticks_are_round() -> None:
-    assert ticks(0.0, 0.8) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]
-    assert ticks(-3.0, 97.0) == [0.0, 20.0, 40.0, 60.0, 80.0]
-    assert ticks(5.0, 5.0) == [5.0]
 
 
 VALUES = st.lists(st.none() | st.booleans() | st.floats() | st.text(max_size=5), max_size=8)

@@ -11,7 +11,7 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"

@@ -14,7 +14,7 @@ from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
 from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from tests.cli.command import run
 from tests.kinds.reliability.monitors import models_of, read_text
 from tests.rows import played

@@ -11,7 +11,7 @@ from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 
 LONG_NAMES = {
     "ks": "KolmogorovSmirnovDistance",

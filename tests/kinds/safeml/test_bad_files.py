@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from tests.fuzz.mutations import mutations
 from tests.kinds.safeml.monitors import joined
 

@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
-from eddi_scaffold.recordings.parts import compiled
+from eddi_scaffold.recordings.playing import compiled
 from eddi_scaffold.recordings.results import changes, picture
 from tests.rows import played
 

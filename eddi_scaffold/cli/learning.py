@@ -1,4 +1,4 @@
-"""``eddi-scaffold example``: a worked example to start from."""
+"""``eddi-scaffold example`` and ``explain``: where to start, and what a problem means."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from eddi_scaffold.cli.options import Json
 
 
 def example(
@@ -38,3 +40,34 @@ def example(
     for file in sorted(files):
         console.data(str(target / file))
     console.say(f"next: read {target / 'README.md'}")
+
+
+def explain(
+    code: Annotated[str, typer.Argument(help="Code of a problem, such as K007.")],
+    *,
+    json: Json = False,
+) -> None:
+    """Say what a problem means, and what to do.
+
+    Example: eddi-scaffold explain K007
+    """
+    from textwrap import fill
+
+    from eddi_scaffold.cli.console import console
+    from eddi_scaffold.common import catalogue
+    from eddi_scaffold.common.problems import EddiError, problem
+
+    diagnostic = catalogue.find(code)
+    if diagnostic is None:
+        similar = catalogue.similar(code)
+        hint = f"did you mean {' or '.join(similar)}?" if similar else "a code is like K007"
+        raise EddiError(problem("G008.code", hint=hint, code=code))
+    if json:
+        console.json(diagnostic.as_json())
+        return
+    if diagnostic.code != code.upper():
+        console.data(f"{code.upper()} is {diagnostic.code} now\n")
+    console.data(f"{diagnostic.code}: {diagnostic.title} ({', '.join(diagnostic.levels)})")
+    for text in (diagnostic.why, f"What to do: {diagnostic.fix}"):
+        console.data(f"\n{fill(text, 96, break_long_words=False, break_on_hyphens=False)}")
+    console.data("\n".join(["\nPrinted as:", "", *diagnostic.shown()]))

@@ -1,0 +1,285 @@
+"""The view as a page on this machine: texts, graph and pictures of a snapshot as HTML."""
+
+from __future__ import annotations
+
+import zlib
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from eddi_scaffold.common.claims import State
+from eddi_scaffold.common.escaping import xml_text
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.config.deployment_file import is_fleet
+from eddi_scaffold.deployments.sites import sites_of
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
+from eddi_scaffold.kinds import Model, kinds
+from eddi_scaffold.monitors.loading import checked_models, is_config
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.watch.fleet import MonitorView, RobotView, Snapshot, VerdictView
+from eddi_scaffold.watch.following import Clock
+
+SHOWN_CHANGES = 50
+
+
+@dataclass(frozen=True)
+class Row:
+    """One verdict: its place in the page, of which monitor, and what may change of it."""
+
+    id: str
+    monitor: str
+    kind: str
+    name: str
+    parts: tuple[str, str, str]  # state, why or further facts, since when
+
+
+@dataclass(frozen=True)
+class Group:
+    """One robot."""
+
+    number: int  # its place
+    name: str
+    summary: str  # how many verdicts are in which state
+    rows: tuple[Row, ...]
+    facts: tuple[str, ...]  # lines about its monitors: what is accepted, what nodes report
+    graph: int  # another number when its graph is another one
+
+    @property
+    def id(self) -> str:
+        """Of its section in the page."""
+        return f"r{self.number}"
+
+
+@dataclass(frozen=True)
+class View:
+    """The page."""
+
+    time: str  # of the snapshot
+    shape: int  # another number when robots, monitors or verdicts came or went
+    groups: tuple[Group, ...]
+    changes: tuple[tuple[int, str], ...]  # number and line of the last changes, the newest first
+    notes: tuple[str, ...]  # what else a person should know
+
+    def news(self, previous: View | None) -> dict[str, Any]:
+        """Return for the script of the page what an earlier view has not, or has otherwise."""
+        groups = {} if previous is None else {group.id: group for group in previous.groups}
+        rows = {row for group in groups.values() for row in group.rows}
+        change = previous.changes[0][0] if previous is not None and previous.changes else 0
+        return {
+            "time": self.time,
+            "shape": self.shape,
+            "rows": {r.id: r.parts for group in self.groups for r in group.rows if r not in rows},
+            "groups": [
+                {"id": g.id, "number": g.number, "summary": g.summary}
+                | {"facts": g.facts, "graph": g.graph}
+                for g in self.groups
+                if groups.get(g.id) != g
+            ],
+            "changes": [entry for entry in self.changes if entry[0] > change],
+            "notes": self.notes,
+        }
+
+
+def view_of(snapshot: Snapshot, clock: Clock, notes: Sequence[str] = ()) -> View:
+    """Return what the page shows of a snapshot.
+
+    Args:
+        snapshot: of the fleet.
+        clock: writes times.
+        notes: of the source.
+    """
+    groups = tuple(_group(number, robot, clock) for number, robot in enumerate(snapshot.robots))
+    names = [(group.name, [(r.monitor, r.kind, r.name) for r in group.rows]) for group in groups]
+    changes = []
+    for index, change in enumerate(snapshot.changes[:SHOWN_CHANGES]):
+        why = f" ({', '.join(change.reasons)})" if change.reasons else ""
+        what = f"{change.robot} {change.monitor} {change.id} is {change.state}{why}"
+        changes.append((snapshot.changed - index, f"{clock(change.t).strip()} {what}"))
+    time = clock(snapshot.t).strip()
+    return View(time, _number(names), groups, tuple(changes), (*notes, *snapshot.notes))
+
+
+def _group(number: int, robot: RobotView, clock: Clock) -> Group:
+    rows, facts, graph = [], [], []
+    for index, monitor in enumerate(robot.monitors):
+        for place, verdict in enumerate(monitor.verdicts):
+            row_id, since = f"v{number}-{index}-{place}", clock(verdict.since).strip()
+            parts = (verdict.state, _why(monitor, verdict), since if verdict.seen else f"≤ {since}")
+            rows.append(Row(row_id, monitor.name, monitor.title, verdict.id, parts))
+            graph.append((monitor.name, monitor.silent, verdict.id, verdict.state, verdict.reasons))
+        facts += [f"{monitor.name} accepts {text}" for text in monitor.accepted]
+        if monitor.report is not None:
+            facts.append(f"{monitor.name}: {monitor.report.message}")
+    counts = Counter(row.parts[0] for row in rows)
+    summary = ", ".join(f"{counts[state]} {state}" for state in MARKS)
+    key = _number([robot.name, graph])
+    return Group(number, robot.name, summary, tuple(rows), tuple(facts), key)
+
+
+def _why(monitor: MonitorView, verdict: VerdictView) -> str:
+    reasons = ", ".join(verdict.reasons)
+    if verdict.state != "active" and monitor.report is not None:
+        reasons = monitor.report.reasons.get(verdict.id, reasons)  # the same, with topics and ages
+    return "; ".join(part for part in (reasons, verdict.text) if part)
+
+
+def _number(value: object) -> int:
+    return zlib.crc32(repr(value).encode())
+
+
+MARKS = {"active": "●", "not active": "✕", "unknown": "?"}
+"""A state is told by its words and a mark, its colour only adds to them."""
+
+
+def render(view: View) -> str:
+    """Return the whole page."""
+    parts = {
+        "shape": view.shape,
+        "time": xml_text(view.time),
+        "notes": "".join(f"<li>{xml_text(note)}</li>" for note in view.notes),
+        "empty": "" if view.groups else '<p id="empty">No monitor has been heard of yet.</p>\n',
+        "groups": "".join(map(_group_html, view.groups)),
+        "changes": "".join(
+            f'<li data-number="{number}">{xml_text(text)}</li>' for number, text in view.changes
+        ),
+    }
+    return static("page.html").decode().format_map(parts)
+
+
+def static(name: str) -> bytes:
+    """Return a file that belongs to the page."""
+    return files(__package__).joinpath("static", name).read_bytes()
+
+
+def _group_html(group: Group) -> str:
+    name = xml_text(group.name)
+    return f"""<section aria-labelledby="{group.id}">
+<h2 id="{group.id}">{name}</h2>
+<p id="{group.id}-summary">{xml_text(group.summary)}</p>
+<details id="{group.id}-graph" open><summary>Graph</summary>
+<img alt="Graph of the guarantees of {name}; the table says the same in words" \
+src="/graph/{group.number}.svg?{group.graph}">
+</details>
+<table>
+<caption class="aside">Guarantees of {name}</caption>
+<thead><tr><th scope="col">Monitor</th><th scope="col">Guarantee</th><th scope="col">State</th>\
+<th scope="col">Why</th><th scope="col">Since</th></tr></thead>
+<tbody>
+{"".join(map(_row_html, group.rows))}</tbody>
+</table>
+<details><summary>Monitors</summary><ul id="{group.id}-facts">\
+{"".join(f"<li>{xml_text(fact)}</li>" for fact in group.facts)}</ul></details>
+</section>
+"""
+
+
+def _row_html(row: Row) -> str:
+    state, why, since = map(xml_text, row.parts)
+    return (
+        f'<tr id="{row.id}" data-state="{state}"><td>{xml_text(row.monitor)} '
+        f'<span class="kind">{xml_text(row.kind)}</span></td>'
+        f'<th scope="row">{xml_text(row.name)}</th>'
+        f'<td><span class="state"><span aria-hidden="true">{MARKS[row.parts[0]]}</span> '
+        f"<span>{state}</span></span></td><td>{why}</td><td>{since}</td></tr>\n"
+    )
+
+
+Pictures = Mapping[tuple[str, str], Diagram]
+"""Title of the kind, name of the model -> its picture."""
+
+
+def pictures_of(paths: Iterable[Path]) -> Pictures:
+    """Return the pictures of the models in some files.
+
+    Args:
+        paths: models, configurations that name theirs, or deployment files.
+
+    Raises:
+        EddiError: a file cannot be read, or has errors.
+    """
+    pictures = {}
+    for model in (model for path in paths for model in _models(path)):
+        picture = model.diagram()
+        if picture is not None:
+            pictures[kinds()[model.kind].title, model.name] = picture
+    return pictures
+
+
+def _models(path: Path) -> Sequence[Model]:
+    source = read_source(path)
+    if is_fleet(source):
+        sites, _ = sites_of(source, checked_models)
+        return [monitor.model for site in sites for monitor in site.monitors]
+    if is_config(source):
+        monitors, _ = monitors_of(None, [path])
+        return [monitor.model for monitor in monitors]
+    return checked_models(path, ()).models
+
+
+TONES: dict[State, Tone] = {"active": "output", "not active": "refused", "unknown": "warning"}
+_LEGEND = (
+    LegendEntry("monitor", "box", "neutral"),
+    *(LegendEntry(state, "rounded", tone) for state, tone in TONES.items()),
+    LegendEntry("what it lacks", "ellipse", "refused"),
+)
+Part = DiagramNode | DiagramEdge
+
+
+def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
+    """Return the SVG of a robot's verdicts.
+
+    Args:
+        robot: what is known of it.
+        pictures: of the models that are known here; of others, only what monitors say is drawn.
+    """
+    nodes, edges = [], []
+    for number, monitor in enumerate(robot.monitors):
+        for part in _parts(f"m{number}", monitor, pictures.get((monitor.title, monitor.name))):
+            if isinstance(part, DiagramNode):
+                nodes.append(part)
+            else:
+                edges.append(part)
+    text = "below a monitor its guarantees, below these what they rest on, or lack"
+    return drawn(Diagram(robot.name, tuple(nodes), tuple(edges), "up", _LEGEND, text))
+
+
+def _parts(key: str, monitor: MonitorView, picture: Diagram | None) -> Iterator[Part]:
+    lines = (monitor.name, "silent" if monitor.silent else monitor.title)
+    yield DiagramNode(key, lines, "box", "neutral")
+    states = {verdict.id: verdict.state for verdict in monitor.verdicts}
+    for id_ in states:
+        yield DiagramEdge(f"{key} {id_}", key, arrow=False)
+    lacking: dict[str, list[str]] = {}
+    for verdict in monitor.verdicts if not monitor.silent else ():
+        for reason in verdict.reasons:
+            lacking.setdefault(reason, []).append(f"{key} {verdict.id}")
+    if picture is not None and states.keys() <= {node.id for node in picture.nodes}:
+        yield from _of_model(key, states, lacking, picture)
+        return
+    for id_, state in states.items():  # no picture, or one of another version
+        yield DiagramNode(f"{key} {id_}", (id_, state), "rounded", TONES[state])
+    for reason, users in lacking.items():
+        lacks = f"{key} lacks {reason}"
+        yield DiagramNode(lacks, (reason, "lacks"), "ellipse", "refused")
+        for user in users:
+            yield DiagramEdge(lacks, user)
+
+
+def _of_model(
+    key: str, states: Mapping[str, State], lacking: Iterable[str], picture: Diagram
+) -> Iterator[Part]:
+    """Yield the picture of the model, with what the monitor says."""
+    for node in picture.nodes:
+        head, *rest = node.lines
+        node_here = replace(node, id=f"{key} {node.id}")
+        if node.id in states:
+            state = states[node.id]
+            node_here = replace(node_here, lines=(head, state, *rest), tone=TONES[state])
+        elif node.id in lacking:
+            node_here = replace(node_here, lines=(head, "lacks", *rest), tone="refused")
+        yield node_here
+    for edge in picture.edges:
+        yield replace(edge, source=f"{key} {edge.source}", target=f"{key} {edge.target}")
