@@ -221,11 +221,11 @@ def _from_csv(
 
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import problem
-    from eddi_scaffold.monitors.survey import inputs_beside
+    from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.csv_recording import read_recording
     from eddi_scaffold.recordings.playing import columns, more_than_all
 
-    others = partial(inputs_beside, configs)
+    others = partial(inputs_of_others, configs)
     recording, problems = read_recording(read_source(path), columns(monitors), others)
     problems += more_than_all(monitors, recording, str(path))
     if any(monitor.config is None for monitor in monitors):

@@ -21,7 +21,8 @@ from eddi_scaffold.common.escaping import (
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
-from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
 ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
@@ -41,6 +42,9 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
     source = monitor.model.source
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
     identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
+    called = " ".join(binding.expression or "" for binding in monitor.inputs)
+    readme = [one_line(line) for line in monitor.model.readme()]
+    readme += ["", one_line(monitor.cross_check)] if monitor.cross_check else []
     return {
         "template": template,
         **identity,
@@ -50,8 +54,18 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
         "model_file": markdown_code(source.file_name),
         "model_sha256": source.sha256,
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
-        "runtime_names": _runtime_names(monitor.inputs),
-        **_kind_answers(monitor),
+        "runtime_names": ["EDDIInputBase", *(name for name in ACCESS if f"{name}(" in called)],
+        "modules": [_module_answers(module) for module in monitor.model.editable_modules()],
+        "aliases": [
+            {
+                "name": alias.name,
+                "module": alias.module,
+                "names": list(alias.names),
+                "monitor_names": list(alias.monitor_names),
+            }
+            for alias in monitor.kind.aliases
+        ],
+        "readme": ["", *readme] if readme else [],
         "default_guarantees": list(monitor.default_guarantees),
         "config_json": monitor.config.as_json() if monitor.config else "",
         "compiled": monitor.compiled.text,
@@ -60,27 +74,6 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
             for name, data in monitor.compiled.tables.items()
         },
         "facts_json": monitor.facts.to_json(),
-    }
-
-
-def _kind_answers(monitor: BoundMonitor) -> dict[str, JsonValue]:
-    """Return what only some kinds have."""
-    model, kind = monitor.model, monitor.kind
-    readme = [one_line(line) for line in model.readme()]
-    if monitor.cross_check:
-        readme += ["", one_line(monitor.cross_check)]
-    return {
-        "modules": [_module_answers(module) for module in model.editable_modules()],
-        "aliases": [
-            {
-                "name": alias.name,
-                "module": alias.module,
-                "names": list(alias.names),
-                "monitor_names": list(alias.monitor_names),
-            }
-            for alias in kind.aliases
-        ],
-        "readme": ["", *readme] if readme else [],
     }
 
 
@@ -113,13 +106,6 @@ def _method_answers(method: EditableMethod) -> dict[str, JsonValue]:
     }
 
 
-def _runtime_names(inputs: Sequence[InputBinding]) -> list[str]:
-    """Return what EDDIInput.py imports from the runtime."""
-    text = " ".join(binding.expression or "" for binding in inputs)
-    called = (name for name in ACCESS if f"{name}(" in text)
-    return ["EDDIInputBase", *called]
-
-
 def identity_answers(package: str, description: str, config: Config | None) -> dict[str, str]:
     """Return the answers for every package.xml."""
     section = config.Package if config else None
@@ -140,12 +126,16 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
     item = binding.model
     region = f"process_{binding.attribute}"
     was = [f"process_{attribute(binding.renamed_from)}"] if binding.renamed_from else []
-    uses = Digests(uses=_signature(binding))
+    # What the body may use: a change asks for a look at a hand-written one.
+    pairs = zip(binding.arguments, binding.requires, strict=True)
+    types = [f"{name}: {source.type}" for name, source in pairs]
+    uses = Digests(uses=_hash([binding.attribute, item.type, binding.unit, *types]))
+    is_computed, every = binding.computed is not None, item.every_message
     return {
         "id": python_literal(item.id),
         "title": markdown_code(item.id),
         "attribute": binding.attribute,
-        "updater": _updater(binding),
+        "updater": "update_expression" if is_computed else "update_each" if every else "update",
         "type": markdown_text(f"{item.type} in {binding.unit}") if binding.unit else item.type,
         "default": python_literal(binding.default),
         "arguments": list(binding.arguments),
@@ -159,13 +149,6 @@ def _input_answers(binding: InputBinding) -> dict[str, JsonValue]:
         "covered": markdown_text(item.covered) if item.covered else "-",
         "age_text": "never" if binding.max_age in {None, "none"} else f"{binding.max_age} s",
     }
-
-
-def _updater(binding: InputBinding) -> str:
-    """Return the method of the runtime that calls ``process_<input>``."""
-    if binding.computed is not None:
-        return "update_expression"
-    return "update_each" if binding.model.every_message else "update"
 
 
 def _comments(binding: InputBinding) -> list[str]:
@@ -198,16 +181,6 @@ def _body(binding: InputBinding) -> list[str]:
         f"# TODO: set self.{binding.attribute} from {arguments}{hint}; None means unknown",
         f"self.{binding.attribute} = None",
     ]
-
-
-def _signature(binding: InputBinding) -> str:
-    """Hash what the body may use: a changed one asks for a look at a hand-written body."""
-    uses: list[str | None] = [binding.attribute, binding.model.type, binding.unit]
-    uses += [
-        f"{name}: {source.type}"
-        for name, source in zip(binding.arguments, binding.requires, strict=True)
-    ]
-    return _hash(uses)
 
 
 def _hash(uses: Sequence[str | None]) -> str:

@@ -74,6 +74,8 @@ def compile_monitor(
     except NotRunning as refused:  # what will run it has the last word
         raise EddiError(problem("K028.refused", place, reason=refused.reason)) from None
     of_model = model.acceptances(inputs, frequency)
+    hold_s = max((acceptance.seconds or 0.0 for acceptance in of_model), default=0.0)
+    result = Claim("", frozenset(input_.id for input_ in inputs), hold_s)
     timeouts = model.input_timeouts()
     facts = MonitorFacts(
         kind.name,
@@ -83,7 +85,7 @@ def compile_monitor(
         source.sha256,
         tuple(_input_facts(input_, timeouts.get(input_.id)) for input_ in inputs),
         path,
-        tuple(model.claims(inputs, frequency)) or (_result(inputs, of_model),),
+        tuple(model.claims(inputs, frequency)) or (result,),  # one that names no claims has one
         (*of_model, *accepted),
         tuple(model.elements()),
         dict(model.links) or None,
@@ -91,27 +93,20 @@ def compile_monitor(
     return module, facts
 
 
-def _result(inputs: Sequence[BoundInput], accepted: Sequence[Acceptance]) -> Claim:
-    """Return the whole result, of a monitor that names no claims."""
-    hold_s = max((one.seconds or 0.0 for one in accepted), default=0.0)
-    return Claim("", frozenset(input_.id for input_ in inputs), hold_s)
-
-
-def _input_facts(one: BoundInput, timeout_s: float | None) -> InputFacts:
+def _input_facts(input_: BoundInput, timeout_s: float | None) -> InputFacts:
     limits = [] if timeout_s is None else [timeout_s]
-    forms = [part["form"] for part in one.expression["parts"]] if one.expression else []
-    for form in forms:
-        timeouts = [variable.get("timeout") for variable in form["variables"]]
+    for part in input_.expression["parts"] if input_.expression else ():
+        timeouts = [variable.get("timeout") for variable in part["form"]["variables"]]
         if timeouts and None not in timeouts:
             limits.append(max(timeouts) / 1e9)
     return InputFacts(
-        one.id,
-        one.attribute,
-        one.requires,
-        one.max_age,
+        input_.id,
+        input_.attribute,
+        input_.requires,
+        input_.max_age,
         min(limits, default=None),
-        one.every_message,
-        names_read(one.expression),
+        input_.every_message,
+        names_read(input_.expression),
     )
 
 
@@ -119,5 +114,5 @@ def names_read(expression: Mapping[str, Any] | None) -> tuple[str, ...] | None:
     """Return the names of fields and inputs that an expression reads; ``None`` for none."""
     if expression is None:
         return None
-    variables = (of for part in expression["parts"] for of in part["form"]["variables"])
-    return tuple(dict.fromkeys(name for of in variables for name in inputs_of(of)))
+    rows = (row for part in expression["parts"] for row in part["form"]["variables"])
+    return tuple(dict.fromkeys(name for row in rows for name in inputs_of(row)))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
-from eddi_scaffold.common.identifiers import full_topic, package_name
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
-from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
-from eddi_scaffold.monitors.publications import check_path
+from eddi_scaffold.monitors.input_binding import InputBinding
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, check_path
 
 _LONG = 100.0
 """Seconds of a limit that are more likely meant as milliseconds."""
@@ -29,43 +29,31 @@ def check_limits(config: ConfigFile) -> Iterable[Problem]:
 
 def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K020)."""
-    providers = {given: monitor for monitor in monitors for given in _given(monitor)}
-    for monitor in monitors:
-        if monitor.config is not None:
-            for binding in monitor.inputs:
-                yield from _unknown_ids(monitor.config, binding, providers)
+    configured = [(one, one.config) for one in monitors if one.config is not None]
+    providers = {
+        published: monitor
+        for monitor, config in configured
+        for output in config.config.EDDIOutputs
+        for published in _published(monitor, monitor.topic(output.topic))
+    }
+    for monitor, config in configured:
+        entries = {entry.id: (k, entry) for k, entry in enumerate(config.config.EDDIInputs)}
+        for binding in monitor.inputs:
+            for source in binding.requires if binding.model.id in entries else ():
+                provider = providers.get((monitor.topic(source.topic), source.type))
+                if provider is None or provider is monitor:
+                    continue
+                index, entry = entries[binding.model.id]
+                for key, text, path in _paths(entry, binding, source):
+                    place = config.place("EDDIInputs", index, key)
+                    yield from check_path(text, path, provider, place)
 
 
-def _unknown_ids(
-    config: ConfigFile, binding: InputBinding, providers: Mapping[tuple[str, str], BoundMonitor]
-) -> Iterable[Problem]:
-    for index, item in enumerate(config.config.EDDIInputs):
-        if item.id != binding.model.id:
-            continue
-        for source in binding.requires:
-            provider = providers.get((_full(config, source.topic), source.type))
-            if provider is None or provider.config is config:
-                continue
-            for key, text, path in _paths(item, binding, source):
-                place = config.place("EDDIInputs", index, key)
-                yield from check_path(text, path, provider, place)
-
-
-def _given(monitor: BoundMonitor) -> Iterable[tuple[str, str]]:
-    """Yield topic and type of the messages that a monitor publishes."""
-    kind, beside = monitor.kind, monitor.model.companion_messages()
-    config = monitor.config
-    for output in config.config.EDDIOutputs if config is not None else ():
-        assert config is not None
-        topic = _full(config, output.topic)
-        yield topic, f"eddi_messages/{kind.output_message}"
-        for name, message in beside.items():
-            yield f"{topic}/{name}", f"eddi_messages/{message}"
-
-
-def _full(config: ConfigFile, topic: str) -> str:
-    """Return the full name of a topic: a relative one and an absolute one may be the same."""
-    return full_topic(topic, "", package_name(config.config.Model.id))
+def _published(monitor: BoundMonitor, topic: str) -> Iterable[tuple[str, str]]:
+    """Yield topic and type of the messages of one output."""
+    yield topic, f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
+    for name, message in monitor.model.companion_messages().items():
+        yield f"{topic}/{name}", f"{MESSAGE_PACKAGE}/{message}"
 
 
 def _paths(
@@ -74,11 +62,8 @@ def _paths(
     """Yield the paths of an input into one message: key of the entry, text, steps."""
     if item.field is not None:
         try:
-            yield (
-                "field",
-                item.field,
-                [field_paths.plain_step(s) for s in field_paths.parse_field(item.field)],
-            )
+            steps = [field_paths.plain_step(step) for step in field_paths.parse_field(item.field)]
+            yield "field", item.field, steps
         except field_paths.FieldPathError:  # no path, which is reported elsewhere
             return
     key = next((key for key in EXPRESSION_KEYS if getattr(item, key) is not None), "id")

@@ -75,17 +75,10 @@ class ExpressionNames:
         found = self._resolve(name, source, locate, at)
         documented = found and documented_at(found.path, source.type, self._fields_of)
         if documented and unit is not None and units.contradict(documented.units, unit.name):
-            words = " or ".join(units.word(one) for one in documented.units)
-            self.problems.append(
-                problem(
-                    "E009.variable",
-                    locate(at),
-                    name=name,
-                    actual=" or ".join(documented.units),
-                    unit=unit.name,
-                    words=words,
-                )
-            )
+            actual = " or ".join(documented.units)
+            words = " or ".join(map(units.word, documented.units))
+            fields = {"name": name, "actual": actual, "unit": unit.name, "words": words}
+            self.problems.append(problem("E009.variable", locate(at), **fields))
 
     def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
         """Return what a name is by the types of the messages, ``None`` after an error."""
@@ -100,23 +93,19 @@ class ExpressionNames:
         timeout = _nanoseconds(self._entry.max_age, source.limit)
         of = "float" if found.type in ("time", "duration") else found.type
         if of is not None and of not in _TYPES:
+            hint = f"its elements: MIN({name}[*])"
+            if not of.endswith("]"):  # a message
+                known_fields = ", ".join(f"{name}.{field}" for field in self._fields_of(of) or ())
+                hint = f"there are: {known_fields}" if known_fields else ""
+            place = locate(at)
             self.problems.append(
-                problem(
-                    "K020.no_number", locate(at), hint=self._inside(name, of), name=name, type=of
-                )
+                problem("K020.no_number", place, hint=hint or None, name=name, type=of)
             )
             return None
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
         variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
         return self._documented(variable, found.path, source)
-
-    def _inside(self, name: str, of: str) -> str | None:
-        """Return the hint at what can be read of a list or a message."""
-        if of.endswith("]"):
-            return f"its elements: MIN({name}[*])"
-        known = [f"{name}.{field}" for field in self._fields_of(of) or ()]
-        return f"there are: {', '.join(known)}" if known else None
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
         """Check what is read without a name in the text: the angles of a scan."""
@@ -143,7 +132,9 @@ class ExpressionNames:
         if head not in self._sources and not (head in self._inputs and head == name):
             names = [*self._sources, *self._inputs]
             fields = [
-                f"{of}.{name}" for of, source in self._sources.items() if self._has(source, head)
+                f"{source_name}.{name}"
+                for source_name, source in self._sources.items()
+                if head in (self._fields_of(source.type) or {})
             ]
             hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
             hint = hint or f"there are: {', '.join(names) or 'none'}"
@@ -153,26 +144,21 @@ class ExpressionNames:
                 self.problems.append(problem("E008.no_source", locate(at), hint=hint, source=head))
         return self._sources.get(head)
 
-    def _has(self, source: SimulatorOutput, field: str) -> bool:
-        return field in (self._fields_of(source.type) or {})
-
     def _resolve(
         self, name: str, source: SimulatorOutput, locate: Locate, at: int
     ) -> ResolvedPath | None:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
-            path = path_behind(name)
-            found = resolve(path, source.type, self._fields_of)
+            resolved = resolve(path_behind(name), source.type, self._fields_of)
         except FieldPathError as failure:
-            self.problems.append(
-                problem("K020.path", locate(at), hint=failure.hint, reason=failure)
-            )
+            place, hint = locate(at), failure.hint
+            self.problems.append(problem("K020.path", place, hint=hint, reason=failure))
             return None
-        known = check(found.path, source.type)
+        known = check(resolved.path, source.type)
         if known and name not in self._resolved:
             self._check(name, known)
-        self._resolved[name] = found
-        return found
+        self._resolved[name] = resolved
+        return resolved
 
     def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
         """Add what the documentation of the message states about a number."""
@@ -186,9 +172,8 @@ class ExpressionNames:
             if not is_list_path(variable.name):
                 self._check(variable.name, ["within", *map(_steps, documented.limits)])
         if documented.unless is not None:
-            self._check(
-                variable.name, ["unless", _steps(documented.unless[0]), documented.unless[1]]
-            )
+            field, value = documented.unless
+            self._check(variable.name, ["unless", _steps(field), value])
         unit = documented.units[0] if len(documented.units) == 1 else None
         return replace(
             variable,

@@ -10,7 +10,7 @@ from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_erro
 from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import Variable
-from eddi_scaffold.conditions.tokens import Locate, TextFindings, in_text
+from eddi_scaffold.conditions.syntax import File
 from eddi_scaffold.config.field_paths import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
@@ -41,11 +41,7 @@ class CheckedExpression:
 
 
 def bind_expression(
-    item: ModelInput,
-    index: int,
-    config: ConfigFile,
-    fields_of: FieldsOf,
-    types: Mapping[str, str],
+    item: ModelInput, index: int, config: ConfigFile, fields_of: FieldsOf, types: Mapping[str, str]
 ) -> tuple[CheckedExpression | None, list[Problem]]:
     """Check the expression of one entry of ``EDDIInputs``.
 
@@ -70,8 +66,7 @@ class _ExpressionBinder:
         fields_of: FieldsOf,
         types: Mapping[str, str],
     ) -> None:
-        self.item, self.index, self.config, self.fields_of = item, index, config, fields_of
-        self.types = types
+        self.item, self.index, self.config = item, index, config
         self.entry: InputEntry = config.config.EDDIInputs[index]
         self.problems: list[Problem] = []
         self.sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
@@ -109,7 +104,11 @@ class _ExpressionBinder:
         if self.names.problems:
             return None, [*self.problems, *self.names.problems]
         requires = self._requires(compiled)
-        document = {**compiled.document, "names": self._names(compiled)}
+        names: dict[str, JsonValue] = {  # first part of a name -> message or input, and its id
+            name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
+            for name in compiled.requires
+        }
+        document = {**compiled.document, "names": names}
         checks: dict[str, JsonValue] = {
             name: self.names.checks[name] for name in compiled.names if name in self.names.checks
         }
@@ -176,14 +175,9 @@ class _ExpressionBinder:
         """Use the polarity of an event, and report one of the input that differs."""
         if polarity is None:
             return
-        if self._has_polarity and self.entry.polarity != polarity:
-            self._report(
-                "K003.polarity",
-                "polarity",
-                name=name,
-                polarity=polarity,
-                actual=self.entry.polarity,
-            )
+        own = self.entry.polarity
+        if self._has_polarity and own != polarity:
+            self._report("K003.polarity", "polarity", name=name, polarity=polarity, actual=own)
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 
     def _locate(self, *path: str) -> Locate:
@@ -191,13 +185,10 @@ class _ExpressionBinder:
 
     def _variables(self, texts: Sequence[ExpressionText]) -> dict[str, Variable]:
         """Return what each name of the expressions is, by the types of the messages."""
-        declared = parse(
-            "\n".join(self.config.config.declarations), TextFindings("", lambda _: Place())
-        )
-        known = {constant.name for constant in declared.constants}
-        known |= {literal.name for enum in declared.enums for literal in enum.literals}
-        typed = {one.name: one.unit for one in declared.variables}
-        found: dict[str, Variable] = {}
+        text_of_all = "\n".join(self.config.config.declarations)
+        declared = parse(text_of_all, TextFindings("", lambda _: Place()))
+        known, typed = _constants(declared), {one.name: one.unit for one in declared.variables}
+        variables: dict[str, Variable] = {}
         for text in texts:
             findings = TextFindings(text.text, text.locate)
             file = parse(text.text, findings)
@@ -206,37 +197,34 @@ class _ExpressionBinder:
                 continue
             file = file if text.event is None else file.reduced_to(text.event)
             local = {event.name for event in file.events if not event.anonymous}
-            local |= {v.name for v in file.constants}
-            local |= {literal.name for enum in file.enums for literal in enum.literals}
-            local_typed = typed | {v.name: v.unit for v in file.variables}
+            local_typed = typed | {variable.name: variable.unit for variable in file.variables}
             nodes = [node for event in file.events for node in file.nodes_of(event)]
             names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
             for name, at in names.items():
                 if name in local_typed:
                     self.names.declared(name, local_typed[name], text.locate, at)
-                elif name not in {*known, *local, *found}:
+                elif name not in {*known, *local, *_constants(file), *variables}:
                     variable = self.names.variable(name, text.locate, at)
                     if variable is not None:
-                        found[name] = variable
-        return found
+                        variables[name] = variable
+        return variables
 
     def _requires(self, compiled: CompiledExpression) -> tuple[SimulatorOutput, ...]:
         used = [self.sources[name] for name in compiled.requires if name in self.sources]
+        for source in used:
+            if self.entry.requires and source.id not in self.entry.requires:
+                self._report("K003.unknown_name", "requires", name=source.id)
         given = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
-        for one in used:
-            if self.entry.requires and one.id not in self.entry.requires:
-                self._report("K003.unknown_name", "requires", name=one.id)
         listed = [given[name] for name in self.entry.requires if name in given]
         return tuple(dict.fromkeys([*listed, *used]))
-
-    def _names(self, compiled: CompiledExpression) -> dict[str, list[str]]:
-        """Return first word of a name -> whether it is a message or an input, and its id."""
-        return {
-            name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
-            for name in compiled.requires
-        }
 
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:
         place = self.config.place("EDDIInputs", self.index, key)
         fault = problem(case, place, hint=hint, **fields)
         self.problems.append(fault.about(f"input {self.entry.id!r}"))
+
+
+def _constants(file: File) -> set[str]:
+    """Return the names of constants, and of the literals of an ENUM."""
+    literals = {literal.name for enum in file.enums for literal in enum.literals}
+    return literals | {constant.name for constant in file.constants}

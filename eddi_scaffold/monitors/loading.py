@@ -23,7 +23,6 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
 from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.observers import observed
@@ -76,13 +75,14 @@ def named_like_mros(name: str) -> bool:
 
 def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadResult:
     """Read every model of every kind in one file, with all problems."""
+    place, name = Place(source.name), source.name.lower()
     for kind in kinds().values():
         if kind.recognises(source):
             return kind.model_class.read_file(source, default_guarantees)
     with source.open() as stream:
         head = stream.read(_HEAD)
     if len(head) < _HEAD and not head.strip():
-        return ReadResult((), (problem("F003.empty", Place(source.name)),))
+        return ReadResult((), (problem("F003.empty", place),))
     if is_xml(source):
         return _read_eddi(source, default_guarantees)
     if is_config(source):
@@ -91,23 +91,26 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
             config, _ = read_config(source)
             named = named_model_path(config) if config is not None else None
             hint = f"name its model: {named}" if named is not None else hint
-        return ReadResult((), (problem("F003.configuration", Place(source.name), hint=hint),))
+        return ReadResult((), (problem("F003.configuration", place, hint=hint),))
     if is_fleet(source):
-        return ReadResult((), (problem("F003.deployment", Place(source.name)),))
+        return ReadResult((), (problem("F003.deployment", place),))
     if is_mros(source):
-        return ReadResult((), (problem("F003.nodes", Place(source.name)),))
-    if source.name.lower().endswith(YAML_SUFFIXES):
+        return ReadResult((), (problem("F003.nodes", place),))
+    if name.endswith(YAML_SUFFIXES):
         stranger = _of_no_kind(source)
         if stranger is not None:
             return ReadResult((), (stranger,))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].model_class.read_file(source, default_guarantees)
-    if source.name.lower().endswith(".csv"):
-        return ReadResult((), (problem("F003.recording", Place(source.name)),))
+    if name.endswith(".csv"):
+        return ReadResult((), (problem("F003.recording", place),))
     known = ", ".join(kind.title for kind in kinds().values())
-    if b"\0" in head or not _is_utf8(source.data):
-        return ReadResult((), (problem("F003.binary", Place(source.name), known=known),))
-    return ReadResult((), (problem("F003.unknown", Place(source.name), known=known),))
+    case = "F003.binary" if b"\0" in head else "F003.unknown"
+    try:
+        source.data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        case = "F003.binary"
+    return ReadResult((), (problem(case, place, known=known),))
 
 
 def _of_no_kind(source: Source) -> Problem | None:
@@ -135,12 +138,11 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
     problems += check_maps(document)
     models: list[Model] = []
     for kind in kinds().values():
-        # to import the functions of a kind takes longer than to look for its models
-        read = kind.model_class.read_eddi if _is_in(document, kind) else None
-        if read is not None:
-            reading = read(document, source, default_guarantees)
+        # to import what a kind does takes longer than to look for its models
+        if kind.in_eddi and any(select(root, kind.in_eddi) for root in document.roots):
+            reading = kind.model_class.read_eddi(document, source, default_guarantees)
             models += reading.models
-            problems = [*problems, *reading.problems]
+            problems += reading.problems
     seen = observed(document)
     problems = [*dict.fromkeys([*problems, *check_features(document)]), *seen.problems]
     links = links_of(document, seen) if models else {}
@@ -152,24 +154,11 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         )
         for model in models
     ]
-    found = foreign(document) if not models else None
-    if found is not None:
-        return ReadResult((), (found,))
-    not_read = [one.problem() for one in unread(document)]
+    if not models and (stranger := foreign(document)) is not None:
+        return ReadResult((), (stranger,))
+    not_read = [element.problem() for element in unread(document)]
     not_read += (*event_monitors(document), *unused_design(document))
     return ReadResult(tuple(models), tuple(problems), tuple(not_read))
-
-
-def _is_in(document: EddiDocument, kind: Kind) -> bool:
-    return bool(kind.in_eddi) and any(select(root, kind.in_eddi) for root in document.roots)
-
-
-def _is_utf8(data: bytes) -> bool:
-    try:
-        data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return False
-    return True
 
 
 def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> ReadResult:
@@ -202,14 +191,11 @@ def no_model(source: Source) -> Problem:
 
 def unfit(models: Sequence[Model]) -> list[Problem]:
     """Return why no monitor can be made of some models without a configuration, as warnings."""
-    found = [model.configure(Options())[1] for model in models]
     return [
-        replace(
-            problem, level="warning", place=problem.place if problem.place.file else model.place
-        )
-        for model, problems in zip(models, found, strict=True)
-        for problem in problems
-        if problem.level == "error"
+        replace(error, level="warning", place=error.place if error.place.file else model.place)
+        for model in models
+        for error in model.configure(Options())[1]
+        if error.level == "error"
     ]
 
 
@@ -246,38 +232,26 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     of_type = {kind.name for kind in _kinds_of(config)}
     if not of_type:
         known = ", ".join(kind.config_types[0] for kind in kinds().values())
-        raise EddiError(
-            problem(
-                "K010.unknown_kind", config.place("Model", "type"), type=section.type, known=known
-            )
-        )
+        place = config.place("Model", "type")
+        raise EddiError(problem("K010.unknown_kind", place, type=section.type, known=known))
     fitting = [model for model in models if model.kind in of_type]
-    wanted = package_name(section.id)
-    found = [model for model in fitting if package_name(model.name) == wanted]
-    if not found and (named_file := named_model(config)) is not None:
-        named = Path(config.path(named_file[0])).resolve()
-        found = [model for model in fitting if Path(model.source.name).resolve() == named]
-        found = found if len(found) == 1 else []  # an EDDI may hold several
-    if not found and len(fitting) == 1 and len(models) == 1:
-        found = (
-            fitting  # one model, one configuration: the id of the configuration names the package
-        )
-    if not found:
-        hint = f"there are: {', '.join(model.name for model in fitting) or 'none'}"
-        place = config.place("Model", "id")
-        if models and not fitting:
-            hint, place = _of_other_type(models), config.place("Model", "type")
-        raise EddiError(
-            problem("K026.no_model", place, hint=hint, kind=section.type, id=section.id)
-        )
-    return found[0]
-
-
-def _of_other_type(models: Sequence[Model]) -> str:
-    """Return the hint for a configuration with another type than that of each model."""
-    known = kinds()
-    found = [f"the {known[model.kind].config_types[0]} {model.name!r}" for model in models]
-    return f"{models[0].source.file_name} holds {shortened_list(found)}: is `type` right?"
+    package = package_name(section.id)
+    chosen = [model for model in fitting if package_name(model.name) == package]
+    if not chosen and (name := named_model(config)) is not None:
+        named = Path(config.path(name)).resolve()
+        chosen = [model for model in fitting if Path(model.source.name).resolve() == named]
+        chosen = chosen if len(chosen) == 1 else []  # an EDDI may hold several
+    if not chosen and len(fitting) == 1 and len(models) == 1:
+        chosen = fitting  # the id of the only configuration names the package
+    if chosen:
+        return chosen[0]
+    hint = f"there are: {', '.join(model.name for model in fitting) or 'none'}"
+    place = config.place("Model", "id")
+    if models and not fitting:
+        names = [f"the {kinds()[model.kind].config_types[0]} {model.name!r}" for model in models]
+        file, place = models[0].source.file_name, config.place("Model", "type")
+        hint = f"{file} holds {shortened_list(names)}: is `type` right?"
+    raise EddiError(problem("K026.no_model", place, hint=hint, kind=section.type, id=section.id))
 
 
 def _kinds_of(config: ConfigFile) -> Sequence[Kind]:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from eddi_scaffold.common.escaping import markdown_code, python_literal
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.config.field_paths import FieldPath, Step, plain_step
+from eddi_scaffold.config.field_paths import plain_step
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputQos, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
@@ -26,19 +26,19 @@ class MonitorNode:
     Attributes:
         monitor: what it steps.
         config: how that is connected.
-        found: everything that it publishes.
+        publications: everything that it publishes.
         problems: what is wrong with it.
     """
 
     monitor: BoundMonitor
     config: ConfigFile
-    found: list[Publication]
+    publications: list[Publication]
     problems: list[Problem]
 
     @cached_property
     def published(self) -> list[Publication]:
         """Return the topics that have a row of their own: all but the status of a result."""
-        return [one for one in self.found if one.of != STATUS or one.path]
+        return [one for one in self.publications if one.of != STATUS or one.path]
 
     @cached_property
     def heard(self) -> list[SimulatorOutput]:
@@ -77,6 +77,16 @@ class MonitorNode:
             has_qos: topics of the transport have a quality of service.
         """
         model = self.config.config.Model
+        taken_each = {  # some input takes every message of these topics, not the latest one
+            binding.requires[0].id
+            for binding in self.monitor.inputs
+            if binding.model.every_message and binding.requires
+        }
+        fleet, answers_of_fleet = self.config.config.Fleet, {}
+        if fleet is not None and self.between_robots:
+            class_ = class_of(self.between_robots[fleet.topic])
+            others = [source for source in self._required if source.peers is not None]
+            answers_of_fleet = fleet_answers(fleet, class_, others)
         return {
             "frequency": repr(model.frequency),
             "mode": model.mode,
@@ -86,30 +96,14 @@ class MonitorNode:
                     "id": python_literal(source.id),
                     "topic": python_literal(source.topic),
                     "message_class": class_of(source.type),
-                    "more": (", every_message=True" if self._takes_every(source.id) else "")
+                    "more": (", every_message=True" if source.id in taken_each else "")
                     + (_qos(source.qos, ", ") if has_qos else ""),
                 }
                 for source in self.heard
             ],
             "publications": [self._publication(one, class_of, has_qos) for one in self.published],
-            "fleet": self._fleet(class_of),
+            "fleet": answers_of_fleet,
         }
-
-    def _fleet(self, class_of: Callable[[str], str]) -> dict[str, JsonValue]:
-        fleet = self.config.config.Fleet
-        if fleet is None or not self.between_robots:
-            return {}
-        sources = [one for one in self._required if one.peers is not None]
-        return fleet_answers(fleet, class_of(self.between_robots[fleet.topic]), sources)
-
-    def _takes_every(self, source_id: str) -> bool:
-        """Return whether some input takes every message of this topic, not the latest one."""
-        return any(
-            binding.model.every_message
-            and binding.requires[:1]
-            and binding.requires[0].id == source_id
-            for binding in self.monitor.inputs
-        )
 
     def _publication(
         self, publication: Publication, class_of: Callable[[str], str], has_qos: bool
@@ -140,13 +134,13 @@ def node_of(monitor: BoundMonitor) -> MonitorNode:
 
 def _more(publication: Publication) -> str:
     """Return the arguments that only some publications have."""
-    event, of = publication.output.event, publication.of
-    given = {
-        "field": _literal(publication.path) if publication.path else "",
-        "only": python_literal(event) if event is not None else "",
-        "of": python_literal(of) if of else "",
-    }
-    return "".join(f"\n            {name}={text}," for name, text in given.items() if text)
+    event, of, more = publication.output.event, publication.of, ""
+    if publication.path:
+        steps = (plain_step(step) for step in publication.path)
+        texts = (python_literal(tuple(step) if isinstance(step, list) else step) for step in steps)
+        more += f"\n            field=({', '.join(texts)},),"
+    more += f"\n            only={python_literal(event)}," if event is not None else ""
+    return more + (f"\n            of={python_literal(of)}," if of else "")
 
 
 def _qos(given: InputQos, before: str, after: str = "") -> str:
@@ -156,15 +150,6 @@ def _qos(given: InputQos, before: str, after: str = "") -> str:
         for name, value in given.model_dump(exclude_none=True).items()
     ]
     return f"{before}qos={{{', '.join(pairs)}}}{after}" if pairs else ""
-
-
-def _literal(path: FieldPath) -> str:
-    return f"({', '.join(_step(step) for step in path)},)"
-
-
-def _step(step: Step) -> str:
-    plain = plain_step(step)
-    return python_literal(tuple(plain) if isinstance(plain, list) else plain)
 
 
 def _is_mixed(one: Publication, other: Publication) -> bool:
@@ -189,26 +174,14 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
     heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
     for one in node.published:
-        written = one.output.topic
+        written, place, hint = one.output.topic, one.place, _OF_ITS_OWN
         topic = monitor.topic(written)
         if topic in heard:
-            yield problem("K031.own_output", one.place, written=written)
+            yield problem("K031.own_output", place, written=written)
         other = first.setdefault(topic, one)
         if other.type != one.type:
-            yield problem(
-                "K031.two_types",
-                one.place,
-                hint=_OF_ITS_OWN,
-                written=written,
-                type=other.type,
-                other=one.type,
-            )
+            types = {"type": other.type, "other": one.type}
+            yield problem("K031.two_types", place, hint=hint, written=written, **types)
         elif other is not one and _is_mixed(other, one):
-            yield problem(
-                "K031.two_outputs",
-                one.place,
-                hint=_OF_ITS_OWN,
-                first=other.output.id,
-                second=one.output.id,
-                written=written,
-            )
+            names = {"first": other.output.id, "second": one.output.id}
+            yield problem("K031.two_outputs", place, hint=hint, written=written, **names)

@@ -62,14 +62,9 @@ def publications(
         places = partial(config.place, "EDDIOutputs", index)
         deadline, rate = output.qos.deadline, config.config.Model.frequency
         if deadline is not None and deadline * rate < 1:
+            place, period = places("qos", "deadline"), 1 / rate
             problems.append(
-                problem(
-                    "K029.deadline",
-                    places("qos", "deadline"),
-                    deadline=deadline,
-                    rate=rate,
-                    period=1 / rate,
-                )
+                problem("K029.deadline", place, deadline=deadline, rate=rate, period=period)
             )
         if output.event is not None and output.event not in parts:
             hint = did_you_mean(output.event, parts) or f"there are: {', '.join(parts) or 'none'}"
@@ -83,15 +78,13 @@ def publications(
             of = _holder(path, messages)
             end = _value_at(path, messages[of])
         except FieldPathError as failure:
-            problems.append(
-                problem("K020.field", places("field"), hint=failure.hint, reason=failure)
-            )
+            place, advice = places("field"), failure.hint
+            problems.append(problem("K020.field", place, hint=advice, reason=failure))
             continue
         plain = [plain_step(step) for step in path]
         problems += check_path(output.field, plain, monitor, places("field"))
-        found.append(
-            Publication(output, _std_msgs(end), places("topic"), messages[of], end.path, of)
-        )
+        type_, place = _std_msgs(end), places("topic")
+        found.append(Publication(output, type_, place, messages[of], end.path, of))
     for one in monitor.model.own_topics():
         path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
         end = _value_at(path, messages[one.of])
@@ -116,14 +109,8 @@ def check_path(
         known = ids.get(before)
         if known is not None and isinstance(wanted, str) and wanted not in known:
             hint = did_you_mean(wanted, known) or f"it gives: {', '.join(known) or 'none'}"
-            yield problem(
-                "K020.part",
-                place,
-                hint=hint,
-                reference=text,
-                model=provider.model.name,
-                expected=wanted,
-            )
+            fields = {"reference": text, "model": provider.model.name, "expected": wanted}
+            yield problem("K020.part", place, hint=hint, **fields)
             return
         before += f"[{wanted}]"
 

@@ -37,37 +37,32 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
         monitor: any.
         config: how it is connected.
     """
-    fleet = config.config.Fleet
+    fleet, frequency = config.config.Fleet, config.config.Model.frequency
     if fleet is not None:
-        yield from _check_section(fleet, monitor.kind, config)
+        if fleet_message(monitor.kind) is None:
+            title = monitor.kind.title
+            yield problem("K080.guarantees_nothing", config.place("Fleet"), kind=title)
+        least, place = _PERIODS / frequency, config.place("Fleet", "lease")
+        if fleet.lease < least:
+            lease = fleet.lease
+            yield problem("K029.lease", place, lease=lease, frequency=frequency, longest=least)
     yield from _check_memory(monitor, config)
     for index, source in enumerate(config.config.SimulatorOutputs):
-        place = config.place("SimulatorOutputs", index, "peers")
+        place, place_of_type, place_of_topic = (
+            config.place("SimulatorOutputs", index, key) for key in ("peers", "type", "topic")
+        )
         if source.peers is None:
             if source.type == MESSAGE:
-                yield problem(
-                    "K081.no_peers",
-                    config.place("SimulatorOutputs", index, "type"),
-                    source=source.id,
-                )
+                yield problem("K081.no_peers", place_of_type, source=source.id)
             continue
         if fleet is None:
             yield problem("K080.no_name", place, source=source.id)
             continue
         if source.type != MESSAGE:
-            yield problem(
-                "K081.peers_of_other",
-                config.place("SimulatorOutputs", index, "type"),
-                source=source.id,
-                message=MESSAGE,
-            )
+            yield problem("K081.peers_of_other", place_of_type, source=source.id, message=MESSAGE)
         if full_topic(source.topic, "", "") != full_topic(fleet.topic, "", ""):
-            yield problem(
-                "K081.topic",
-                config.place("SimulatorOutputs", index, "topic"),
-                topic=source.topic,
-                fleet_topic=fleet.topic,
-            )
+            own, others = source.topic, fleet.topic
+            yield problem("K081.topic", place_of_topic, topic=own, fleet_topic=others)
         if fleet.robot in source.peers.robots and source.peers.robots != "any":
             yield problem("K080.own_word", place, robot=fleet.robot)
     yield from _check_guarantees(monitor, config)
@@ -75,8 +70,8 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
 
 def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
     """Find inputs whose value is not that of the guarantee by which their word is chosen (K081)."""
-    wanted = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
-    by_name = {attribute(id_): guarantee for id_, guarantee in wanted.items()}
+    of_source = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
+    by_name = {attribute(id_): guarantee for id_, guarantee in of_source.items()}
     bound = {input_.model.id: input_ for input_ in monitor.inputs}
     for index, entry in enumerate(config.config.EDDIInputs):
         names_read = bound[entry.id].reads
@@ -86,31 +81,13 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
             reads = [(path_behind(name), by_name[head_of(name)]) for name in names]
         else:
             key, path = "field", parse_field(entry.field) if entry.field is not None else ()
-            reads = [(path, wanted[name]) for name in entry.requires if name in wanted]
+            reads = [(path, of_source[name]) for name in entry.requires if name in of_source]
+        place = config.place("EDDIInputs", index, key)
         for path, guarantee in dict.fromkeys(reads):
             if path[:1] == (Attribute("guarantees"),) and not (
                 len(path) > 1 and isinstance(path[1], ByKey) and path[1].wanted == guarantee
             ):
-                yield problem(
-                    "K081.other_guarantee",
-                    config.place("EDDIInputs", index, key),
-                    guarantee=guarantee,
-                    input=entry.id,
-                )
-
-
-def _check_section(fleet: FleetSection, kind: Kind, config: ConfigFile) -> Iterator[Problem]:
-    if fleet_message(kind) is None:
-        yield problem("K080.guarantees_nothing", config.place("Fleet"), kind=kind.title)
-    least = _PERIODS / config.config.Model.frequency
-    if fleet.lease < least:
-        yield problem(
-            "K029.lease",
-            config.place("Fleet", "lease"),
-            lease=fleet.lease,
-            frequency=config.config.Model.frequency,
-            longest=least,
-        )
+                yield problem("K081.other_guarantee", place, guarantee=guarantee, input=entry.id)
 
 
 def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
@@ -121,20 +98,16 @@ def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem
     if any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
         yield problem("K083.filter", config.place("Model", "filter"))
     sources = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
-    words = {attribute(one) for one in (*sources, *fed)}
+    names = {attribute(id_) for id_ in (*sources, *fed)}
     index = {entry.id: k for k, entry in enumerate(config.config.EDDIInputs)}
     for input_ in monitor.inputs:
-        remembering = _remembering(input_.computed or {}, words)
-        if remembering is not None:
-            yield problem(
-                "K083.remembering",
-                config.place("EDDIInputs", index[input_.model.id]),
-                remembering=remembering.upper(),
-                model=input_.model.id,
-            )
+        name, operation = input_.model.id, _remembering(input_.computed or {}, names)
+        if operation is not None:
+            place = config.place("EDDIInputs", index[name])
+            yield problem("K083.remembering", place, remembering=operation.upper(), model=name)
 
 
-def _remembering(computed: Mapping[str, Any], words: Container[str]) -> str | None:
+def _remembering(computed: Mapping[str, Any], names: Container[str]) -> str | None:
     """Return the operation of an expression that outlives a word, ``None`` where none does."""
     for part in computed.get("parts", ()):
         form = part["form"]
@@ -142,7 +115,7 @@ def _remembering(computed: Mapping[str, Any], words: Container[str]) -> str | No
         for node in form["nodes"]:
             if node["op"] in ("variable", "age"):
                 name = form["variables"][node["value"]]["name"]
-                of_words.append(head_of(name) in words)
+                of_words.append(head_of(name) in names)
             else:
                 of_words.append(any(of_words[arg] for arg in node.get("args", ())))
             if of_words[-1] and node["op"] in _OUTLIVING:

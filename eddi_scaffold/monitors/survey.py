@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -105,12 +106,12 @@ def configured(source: Source, more: Sequence[Source]) -> Configured:
     alone = is_config(source)
     configs: list[ConfigFile] = []
     problems: list[Problem] = []
-    for one in (source, *more) if alone else more:
-        config, found = read_config(one)
+    for file in (source, *more) if alone else more:
+        config, problems_of_file = read_config(file)
         if config is None:
-            raise EddiError(*found)
+            raise EddiError(*problems_of_file)
         configs.append(config)
-        problems += found
+        problems += problems_of_file
     path = named_model_path(configs[0]) if alone else None
     source = source if path is None else read_source(path)
     return Configured(source, tuple(configs), tuple(problems))
@@ -121,14 +122,14 @@ def only(survey: Mapping[str, Any], chosen: Sequence[Model]) -> dict[str, Any]:
     return {**survey, "models": [model for model in survey["models"] if is_one_of(model, chosen)]}
 
 
-def is_one_of(found: Mapping[str, Any], models: Sequence[Model]) -> bool:
+def is_one_of(shown: Mapping[str, Any], models: Sequence[Model]) -> bool:
     """Is this model of a survey among ``models``?
 
     In XML its place shows this: a fault tree becomes a model for each of its top events.
     """
-    path: str | None = found["path"]
+    path: str | None = shown["path"]
     if path is None:
-        return (found["kind"], found["name"]) in {(model.kind, model.name) for model in models}
+        return (shown["kind"], shown["name"]) in {(model.kind, model.name) for model in models}
     inside = path.rstrip("/") + "/"
     places = [model.place.path or "" for model in models]
     return any(place == path or place.startswith(inside) for place in places)
@@ -150,40 +151,31 @@ def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
     return ours, others
 
 
-def inputs_beside(configs: Sequence[Path]) -> dict[str, str]:
+def inputs_of_others(configs: Sequence[Path]) -> dict[str, str]:
     """Return the inputs of other configurations in the folders of some: id -> how to run both."""
-    found: dict[str, str] = {}
-    for folder in dict.fromkeys(one.parent for one in configs):
+    advice: dict[str, str] = {}
+    for folder in dict.fromkeys(path.parent for path in configs):
         for path in sorted(folder.iterdir()):
             if path in configs or path.suffix.lower() not in YAML_SUFFIXES or not path.is_file():
                 continue
-            try:
+            with suppress(EddiError):
                 config, _ = read_config(read_source(path))
-            except EddiError:
-                continue
-            if config is None:
-                continue
-            advice = f"it is an input of {config.config.Model.id}: run both, with -c {path}"
-            found |= {
-                entry.id: advice for entry in config.config.EDDIInputs if entry.id not in found
-            }
-    return found
+                if config is not None:
+                    monitor = config.config.Model.id
+                    text = f"it is an input of {monitor}: run both, with -c {path}"
+                    for entry in config.config.EDDIInputs:
+                        advice.setdefault(entry.id, text)
+    return advice
 
 
 def _is_ours(path: Path) -> bool:
+    """Return whether a file can be checked: it is of ours, or too damaged to tell."""
     try:
         source = read_source(path)
     except EddiError:
         return False
-    return (
-        is_mros(source)
-        or any(kind.recognises(source) for kind in kinds().values())
-        or _may_be(source)
-    )
-
-
-def _may_be(source: Source) -> bool:
-    """Return whether a file is an EDDI, a configuration or a deployment, or too damaged to tell."""
+    if is_mros(source) or any(kind.recognises(source) for kind in kinds().values()):
+        return True
     if is_xml(source):
         document, _ = read_document(source)
         return document is None or foreign(document) is None

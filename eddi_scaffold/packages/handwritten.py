@@ -12,7 +12,8 @@ from typing import Any
 
 from eddi_scaffold.common.files import read_regular, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
-from eddi_scaffold.monitors.binding import BoundMonitor, UnwrittenInput
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept

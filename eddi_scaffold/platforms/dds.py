@@ -125,7 +125,7 @@ def hashes_of(node: MonitorNode, known: MessageFields) -> list[JsonValue]:
 
 def _wanted(node: MonitorNode) -> dict[str, None]:
     """Return the types of the node's topics, each once."""
-    types = [one.type for one in node.heard] + [one.type for one in node.found]
+    types = [one.type for one in node.heard] + [one.type for one in node.publications]
     return dict.fromkeys([*types, *node.between_robots.values()])
 
 

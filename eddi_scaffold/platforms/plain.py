@@ -11,7 +11,8 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
-from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
 

@@ -83,7 +83,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes))
-    answers["interfaces"] = interfaces_of(node.found, node.heard, node.between_robots)
+    answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
     files = {f"src/{monitor.package}/{name}": of for name, of in monitor.compiled.tables.items()}
     return PackageAnswers(monitor.package, answers, files), [*problems, *node.problems]
 

@@ -61,7 +61,7 @@ def monitor_answers(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes), has_qos=True)
     answers["lifecycle"] = node.config.config.Model.lifecycle
-    answers["interfaces"] = interfaces_of(node.found, node.heard, node.between_robots)
+    answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
     files = {f"{monitor.package}/{name}": of for name, of in monitor.compiled.tables.items()}
     problems += [*node.problems, *_check_topics(node)]
     return PackageAnswers(monitor.package, answers, files), problems
@@ -79,7 +79,7 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
         for section, topics in sections.items()
         for index, topic in enumerate(topics)
     }
-    used = [*(one.output.topic for one in node.found), *(one.topic for one in node.heard)]
+    used = [*(one.output.topic for one in node.publications), *(one.topic for one in node.heard)]
     for topic in dict.fromkeys([*used, *node.between_robots]):
         if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
             yield problem(

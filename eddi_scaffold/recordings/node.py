@@ -16,7 +16,7 @@ from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.pasted import understood
 from eddi_runtime.plain_values import by_id, by_key, by_name, given, joined
 
-from eddi_scaffold.monitors.binding import InputBinding
+from eddi_scaffold.monitors.input_binding import InputBinding
 
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor

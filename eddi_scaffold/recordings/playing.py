@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.monitors.binding import BoundMonitor, InputBinding, by_value
+from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import Recording
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.node import SECOND, GivenInput, Received, ReplayedNode, Step
@@ -147,7 +148,7 @@ def of_values(
     """
     shared = published(monitors)
     inputs = [
-        [b if _is_received(b, monitor, shared) else by_value(b) for b in monitor.inputs]
+        [b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs]
         for monitor in monitors
     ]
     return _played(monitors, inputs, rules, running)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import ModelInput
-from eddi_scaffold.monitors.binding import InputBinding, by_value
+from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import MAX_PROBLEMS, read_rows, recording_of
 from eddi_scaffold.recordings.node import GivenInput, ReplayedNode
 from eddi_scaffold.recordings.playing import ROWS, PlayedMonitor
@@ -141,7 +141,7 @@ def frames(made, text, types):
     """Play a recording to a monitor of which there are no files, one step per row."""
     rows, _ = read(text, types)
     bindings = [
-        by_value(InputBinding(ModelInput(spec.id, types[spec.id]), spec.attribute))
+        InputBinding(ModelInput(spec.id, types[spec.id]), spec.attribute).by_value()
         for spec in made.inputs
     ]
     topics = {spec.id: [spec.id] for spec in made.inputs}

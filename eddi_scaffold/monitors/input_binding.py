@@ -1,0 +1,409 @@
+"""How one input of a model gets its value: from messages, by an expression, or by hand."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from eddi_scaffold.common import units
+from eddi_scaffold.common.identifiers import attribute, package_name
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
+from eddi_scaffold.config import field_paths
+from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.message_types import (
+    Fields,
+    MessageFields,
+    element,
+    is_primitive,
+    python_type,
+)
+from eddi_scaffold.config.message_types.installed import installed_message
+from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
+from eddi_scaffold.kinds import JsonValue, ModelInput
+from eddi_scaffold.monitors.compiling import names_read
+from eddi_scaffold.monitors.expression_names import KeyPaths
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
+from eddi_scaffold.monitors.input_rules import taken
+from eddi_scaffold.program.input_expressions import BoundInput
+
+_PYTHON_TYPES: Mapping[str, type | tuple[type, ...]] = {
+    "bool": bool,
+    "float": (int, float),
+    "int": int,
+    "str": str,
+    "state": str,
+}
+_FITTING = {
+    "state": ("bool", "int", "str", "float[]"),  # a name, or one likelihood per state
+    "float[]": ("float", "int", "float[]"),  # one number is a list of one
+    "float": ("float", "int"),
+}
+"""Type of an input -> those that can fill it, where that are others than the same."""
+_PLAIN = frozenset({None, "", *units.RATIO.names})
+"""Units of a number that has none."""
+_MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
+
+
+@dataclass(frozen=True)
+class UnwrittenInput(Problem):
+    """A problem that ends when a person writes a region.
+
+    Attributes:
+        package: of the monitor.
+        regions: ids of the regions, one of which ends it.
+    """
+
+    package: str = ""
+    regions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class InputBinding:
+    """One input of the model, joined with its entry in the configuration.
+
+    Attributes:
+        model: the input as the model has it.
+        attribute: name in ``EDDIInput``.
+        requires: the simulator outputs it is made of; one of its own id without a configuration.
+        arguments: a Python name for each of them.
+        expression: Python expression over the arguments that gives the value, ``None`` when a
+            person must write it.
+        max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
+        default: value before the first message.
+        factor: exact factor from the configured unit to the model's, or ``None``.
+        unit: unit in which the value is given.
+        renamed_from: former id.
+        known_fields: argument -> its fields, for the messages that are known.
+        computed: what ``expression:`` computes, for the runtime.
+        computed_text: the same for people.
+        key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
+        reads: names of fields and inputs that it reads.
+    """
+
+    model: ModelInput
+    attribute: str
+    requires: tuple[SimulatorOutput, ...] = ()
+    arguments: tuple[str, ...] = ()
+    expression: str | None = None
+    max_age: float | str | None = None
+    default: bool | int | float | str | None = None
+    factor: tuple[int, int] | None = None
+    unit: str | None = None
+    renamed_from: str | None = None
+    known_fields: Mapping[str, Sequence[str]] | None = None
+    computed: Mapping[str, JsonValue] | None = None
+    computed_text: str = ""
+    key_paths: KeyPaths = field(default_factory=dict)
+    reads: tuple[str, ...] | None = None
+
+    @property
+    def is_given(self) -> bool:
+        """Whether the value comes without hand-written code."""
+        return self.expression is not None or self.computed is not None
+
+    @property
+    def regions(self) -> tuple[str, ...]:
+        """The id of its region, and the one before where it was renamed."""
+        names = filter(None, (self.model.id, self.renamed_from))
+        return tuple(f"process_{attribute(name)}" for name in names)
+
+    def compiled(self) -> BoundInput:
+        """Return what is compiled of it."""
+        return BoundInput(
+            self.model.id,
+            self.attribute,
+            tuple(source.id for source in self.requires),
+            self.max_age,
+            self.factor,
+            self.default,
+            self.model.every_message,
+            self.computed,
+        )
+
+    def by_value(self) -> InputBinding:
+        """Return it where the value itself is given, in place of messages."""
+        name = self.model.id
+        source = SimulatorOutput.model_construct(id=name, type="", topic="", max_age=None)
+        given = replace(self, requires=(source,), arguments=(self.attribute,))
+        return replace(given, expression=self.attribute, computed=None, key_paths={}, reads=None)
+
+
+class InputBinder:
+    """Joins one input of the model with one entry of ``EDDIInputs``."""
+
+    def __init__(
+        self,
+        item: ModelInput,
+        entry: InputEntry,
+        index: int,
+        config: ConfigFile,
+        known: MessageFields,
+        types: Mapping[str, str],
+    ) -> None:
+        self.item, self.entry, self.index, self.config = item, entry, index, config
+        self.problems: list[Problem] = []
+        self.known, self.types = known, types
+        sources = {source.id: source for source in reversed(config.config.SimulatorOutputs)}
+        self.requires = tuple(sources[name] for name in dict.fromkeys(entry.requires))
+        self.arguments = tuple(attribute(source.id) for source in self.requires)
+        self.fields = {
+            name: known[source.type]
+            for name, source in zip(self.arguments, self.requires, strict=True)
+            if source.type in known
+        }
+
+    def bind(self) -> tuple[InputBinding, list[Problem]]:
+        """Return the joined input and what does not fit."""
+        entry, item = self.entry, self.item
+        computed = self._computed()
+        if len(set(self.arguments)) != len(self.arguments):
+            names = ", ".join(self.arguments)
+            self._report("K015.sources", "requires", input=entry.id, names=names)
+        types = {entry.type, item.type}
+        if entry.type not in (None, item.type) and not types <= {"int", "float"}:
+            given, expected = entry.type, item.type
+            self._report("K016.type", "type", input=entry.id, expected=expected, actual=given)
+        factor = self._factor()
+        self._check_default(factor)
+        binding = InputBinding(
+            item,
+            item.attribute or attribute(item.id),
+            self.requires,
+            self.arguments,
+            # One that is computed and has none has an error.
+            None if computed is not None or entry.is_computed else self._expression(),
+            self._max_age(),
+            entry.default,
+            factor,
+            entry.unit if factor is not None else item.unit,
+            entry.renamed_from,
+            {name: tuple(fields) for name, fields in self.fields.items()},
+        )
+        if computed is not None:
+            reads = names_read(computed.document)
+            binding = replace(binding, computed=computed.document, computed_text=computed.text)
+            binding = replace(binding, key_paths=computed.key_paths, reads=reads)
+        return binding, self.problems
+
+    def _place(self, *key: str) -> Place:
+        return self.config.place("EDDIInputs", self.index, *key)
+
+    def _report(self, case: str, *key: str, hint: str | None = None, **fields: object) -> None:
+        self.problems.append(problem(case, self._place(*key), hint=hint, **fields))
+
+    def _computed(self) -> CheckedExpression | None:
+        """Check ``expression:`` and its like; what it reads becomes what the input requires."""
+        entry = self.entry
+        if entry.event is not None and entry.expression_file is None:
+            self._report("K003.event_without_file", "event", input=entry.id)
+        if not entry.is_computed:
+            if entry.polarity == "HAZARD":
+                self._report("K003.useless_polarity", "polarity", input=entry.id)
+            return None
+        if entry.field is not None:
+            key = "expression" if entry.expression_file is None else "expression_file"
+            self._report("K003.field_and_expression", "field", input=entry.id, key=key)
+        checked, problems = bind_expression(
+            self.item, self.index, self.config, self._fields_of, self.types
+        )
+        self.problems += problems
+        if checked is not None:
+            self._check_unit((checked.unit,) if checked.unit else (), checked.text)
+            self.requires = checked.requires
+            self.arguments = tuple(attribute(source.id) for source in self.requires)
+        return checked
+
+    def _max_age(self) -> float | str | None:
+        """Return the age of the entry, else the least that the sources allow.
+
+        The word of a robot has a lease. The limit of a monitor's message is none of a sensor that
+        an expression reads beside it.
+        """
+        if self.entry.max_age is not None:
+            return self.entry.max_age
+        fleet = self.config.config.Fleet
+        lease = fleet.lease if fleet is not None else None
+        limits = [lease if source.peers else source.limit for source in self.requires]
+        is_written = self.entry.is_computed and None in limits
+        ages = [
+            source.max_age
+            if source.max_age is not None or (is_written and not source.peers)
+            else limit
+            for source, limit in zip(self.requires, limits, strict=True)
+        ]
+        numbers = [age for age in ages if isinstance(age, float | int)]
+        if numbers:
+            return min(numbers)
+        limitless = next((age for age in ages if age is not None), None)
+        if limitless is None and self.item.safety and self.requires:
+            topics = ", ".join(source.topic for source in self.requires)
+            self._report("K017.entry", input=self.entry.id, topics=topics)
+        return limitless
+
+    def _expression(self) -> str | None:
+        """Return the expression of ``field:``, or of the only field where that fits."""
+        path = self.entry.field
+        if self.item.type == "float[]" and self.requires:
+            return self._numbers()
+        if len(self.requires) != 1:
+            if path is not None:
+                number, name = len(self.requires), self.entry.id
+                self._report("K019.one_message", "field", input=name, number=number)
+            return None
+        (argument,), (source,) = self.arguments, self.requires
+        if path is None and source.peers and "guarantees" in self.fields.get(argument, ()):
+            path = f"guarantees[{source.peers.guarantee}].active"
+        if path is not None:
+            return self._taken(argument, source.type, path)
+        if holds(source.type, self.item.type, self._fields_of) is False:
+            fields = {"input": self.item.id, "type": self.item.type, "message": source.type}
+            unfit = problem("K038.no_field", self._place("requires"), **fields)
+            regions = InputBinding(self.item, "", renamed_from=self.entry.renamed_from).regions
+            package = package_name(self.config.config.Model.id)
+            self.problems.append(UnwrittenInput(**vars(unfit), package=package, regions=regions))
+        return self._only_field(argument)
+
+    def _numbers(self) -> str | None:
+        """Return the expression for a list of numbers, joined where several messages hold it.
+
+        A ``MultiArray`` is taken as a whole, because its layout defines where its data begin.
+        """
+        path = self.entry.field
+        parts: list[str | None] = []
+        for argument, source in zip(self.arguments, self.requires, strict=True):
+            if path in {None, "data"} and _MULTI_ARRAY.fullmatch(source.type):
+                parts.append(argument)
+            elif path is not None:
+                parts.append(self._taken(argument, source.type, path))
+            else:
+                parts.append(self._only_field(argument))
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        return known[0] if len(known) == 1 else f"joined({', '.join(known)})"
+
+    def _only_field(self, argument: str) -> str | None:
+        fields = self.fields.get(argument, {})
+        names = [name for name, type_ in fields.items() if fits(python_type(type_), self.item.type)]
+        return f"{argument}.{names[0]}" if names and len(fields) == 1 else None
+
+    def _taken(self, argument: str, message: str, text: str) -> str | None:
+        """Return the expression that takes a field from a message.
+
+        It is checked with what is known of the message, also by the ROS of this machine.
+        """
+        try:
+            path = field_paths.parse_field(text)
+        except field_paths.FieldPathError as failure:
+            self._report("K019.path", "field", hint=failure.hint, reason=failure)
+            return None
+        try:
+            resolved = field_paths.resolve(path, message, self._fields_of)
+        except field_paths.FieldPathError as failure:
+            first, hint = path[0], failure.hint
+            name = first.name if isinstance(first, field_paths.Attribute) else ""
+            if path[1:] and name in self.entry.requires:
+                hint = f"leave out `{name}.`: the path begins in the message"
+            self._report("K020.path", "field", hint=hint, reason=failure)
+            return taken(argument, path, message)
+        path = resolved.path
+        if resolved.type is not None and not fits(resolved.type, self.item.type):
+            fields = {"field": self.entry.field, "message": message, "type": resolved.type}
+            fields |= {"input": self.item.id, "expected": self.item.type}
+            self._report("K038.type", "field", **fields)
+        documented = field_paths.documented_at(path, message, self._fields_of)
+        if documented is not None:
+            self._check_unit(documented.units, f"{self.entry.field} of {message}")
+        return taken(argument, path, message)
+
+    def _fields_of(self, message: str) -> Fields | None:
+        return self.known[message] if message in self.known else installed_message(message)
+
+    def _check_unit(self, given: Sequence[str], subject: str) -> None:
+        """Compare the unit that a value has with the one that the input is declared to have."""
+        wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
+        given_by = next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
+        if wanted is None or self.item.units is None:
+            return
+        if not units.contradict(given, wanted):
+            self._check_reach(given, subject, given_by)
+            return
+        key = "unit" if self.entry.unit is not None else given_by
+        fields = {"subject": subject, "actual": " or ".join(given), "input": self.entry.id}
+        fields["expected"] = wanted or "a ratio"
+        for unit in given:
+            if (exact := units.factor(unit, wanted)) is not None:
+                times = f"1 {unit} is {float(exact):g} {wanted or 'of a ratio'}"
+                self._report("K022.unit", key, unit=unit, conversion=times, **fields)
+                return
+        reason, hint = units.apart(given[0], wanted), _shifted(given[0], wanted)
+        self._report("K022.apart", key, hint=hint, reason=reason, **fields)
+
+    def _check_reach(self, given: Sequence[str], subject: str, given_by: str) -> None:
+        """Warn of a fraction of which nothing is accepted: the range is meant in percent."""
+        good, one = self.item.is_good, units.factor("fraction", self.item.unit or "")
+        if tuple(given) != ("fraction",) or good is None or one is None:
+            return
+        # a range with a number between two ends has the lower end, or begins in between
+        if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= one):
+            self._report("K022.percent", given_by, subject=subject, covered=self.item.covered)
+
+    def _factor(self) -> tuple[int, int] | None:
+        given, wanted = self.entry.unit, self.item.unit
+        if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
+            return None
+        if self.item.type not in {"float", "int"}:
+            self._report("K016.unit_of_other", "unit", input=self.entry.id)
+            return None
+        factor = (self.item.units or {}).get(given)
+        if factor is None:
+            names = [unit or '""' for unit in self.item.units or {}]
+            hint = _shifted(given, wanted) or SimilarNames(names, "units that can be").hint(given)
+            expected = wanted or "a ratio"
+            self._report("K022.conversion", "unit", hint=hint, actual=given, expected=expected)
+            return None
+        return None if factor[0] == factor[1] else factor
+
+    def _check_default(self, factor: tuple[int, int] | None) -> None:
+        value, item = self.entry.default, self.item
+        if value is None:
+            return
+        finite = not isinstance(value, float) or math.isfinite(value)
+        is_of_type = finite and isinstance(value, _PYTHON_TYPES.get(item.type, ()))
+        if not is_of_type or (item.type != "bool" and isinstance(value, bool)):
+            self._report("K016.default", "default", input=item.id, value=value, type=item.type)
+            return
+        if factor is not None and isinstance(value, int | float):
+            value = value * factor[0] / factor[1]
+        if item.is_good is not None and item.is_good(value) and not self.entry.allow_unsafe_default:
+            self._report("K024", "default", default=self.entry.default, input=item.id)
+
+
+def _shifted(given: str, wanted: str | None) -> str | None:
+    """Return the hint at how a temperature gets from one scale to the other."""
+    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((given, wanted or ""))
+    return f"write `expression: value {sign} 273.15` instead" if sign else None
+
+
+def holds(message: str, wanted: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
+    """Return whether a message has a value for an input, ``None`` where that is not known."""
+    types, is_known = [message], True
+    for name in types:  # grows: a type is looked into once, however often it occurs
+        fields = fields_of(name)
+        is_known = is_known and fields is not None
+        for field_name, type_ in (fields or {}).items():
+            single = element(type_) or type_
+            if field_name == "header":
+                continue
+            if not is_primitive(single):
+                types += [single] if single not in types else []
+            elif fits(python_type(type_), wanted) or fits(python_type(single), wanted):
+                return True
+    return False if is_known else None
+
+
+def fits(given: str, wanted: str) -> bool:
+    """Return whether a field of one Python type can fill an input."""
+    return given in _FITTING.get(wanted, (wanted,))
