@@ -190,9 +190,9 @@ def bind_inputs(
             problems.append(problem("K013.no_input", place, hint=hint, input=entry.id))
             continue
         item = unbound.pop(entry.id).model
-        binding, found = InputBinder(item, entry, index, config, known, types).bind()
+        binding, problems_here = InputBinder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
-        problems += found
+        problems += problems_here
     place, without = config.place("EDDIInputs"), kind.without_input
     problems += [
         problem("K014.no_entry", place, input=name, without_input=without) for name in unbound

@@ -29,7 +29,7 @@ def check_limits(config: ConfigFile) -> Iterable[Problem]:
 
 def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K020)."""
-    configured = [(one, one.config) for one in monitors if one.config is not None]
+    configured = [(monitor, monitor.config) for monitor in monitors if monitor.config is not None]
     providers = {
         published: monitor
         for monitor, config in configured

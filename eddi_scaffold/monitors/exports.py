@@ -96,7 +96,7 @@ def pictures(
     """
     every = checked_models(path, default_guarantees).models
     models = select_models(every, name) if name is not None else every
-    found: dict[str, str] = {}
+    svgs: dict[str, str] = {}
     stems: set[str] = set()
     for model in models:
         picture = model.diagram()
@@ -104,11 +104,11 @@ def pictures(
             plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
             stem = free_name(plain, stems)
             stems.add(stem)
-            found[f"{stem}.svg"] = drawn(picture)
-    if not found:
+            svgs[f"{stem}.svg"] = drawn(picture)
+    if not svgs:
         names = ", ".join(kinds()[model.kind].title for model in models)
         raise EddiError(problem("G018", Place(str(path)), kinds=names))
-    if single and len(found) > 1:
+    if single and len(svgs) > 1:
         names = ", ".join(model.name for model in models)
         raise EddiError(problem("G005.several_files", Place(str(path)), names=names))
-    return found, unfit(models)
+    return svgs, unfit(models)

@@ -72,8 +72,8 @@ class ExpressionNames:
         source = self._source(name, locate, at)
         if source is None or head_of(name) == name:
             return
-        found = self._resolve(name, source, locate, at)
-        documented = found and documented_at(found.path, source.type, self._fields_of)
+        resolved = self._resolve(name, source, locate, at)
+        documented = resolved and documented_at(resolved.path, source.type, self._fields_of)
         if documented and unit is not None and units.contradict(documented.units, unit.name):
             actual = " or ".join(documented.units)
             words = " or ".join(map(units.word, documented.units))
@@ -87,11 +87,11 @@ class ExpressionNames:
             of = self._types.get(self._inputs[head].id)
             return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
         source = self._source(name, locate, at)
-        found = None if source is None else self._resolve(name, source, locate, at)
-        if source is None or found is None:
+        resolved = None if source is None else self._resolve(name, source, locate, at)
+        if source is None or resolved is None:
             return None
         timeout = _nanoseconds(self._entry.max_age, source.limit)
-        of = "float" if found.type in ("time", "duration") else found.type
+        of = "float" if resolved.type in ("time", "duration") else resolved.type
         if of is not None and of not in _TYPES:
             hint = f"its elements: MIN({name}[*])"
             if not of.endswith("]"):  # a message
@@ -105,7 +105,7 @@ class ExpressionNames:
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
         variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
-        return self._documented(variable, found.path, source)
+        return self._documented(variable, resolved.path, source)
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
         """Check what is read without a name in the text: the angles of a scan."""
@@ -118,13 +118,13 @@ class ExpressionNames:
 
     def key_paths(self, names: Sequence[str]) -> KeyPaths:
         """Return the paths that the runtime cannot derive from the names: those with keys."""
-        found: dict[str, dict[str, list[PlainStep]]] = {}
+        paths: dict[str, dict[str, list[PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
             if any(isinstance(step, ByKey | Beside | Every) for step in path):
                 of = self._sources[head_of(name)].id
-                found.setdefault(of, {})[name] = [plain_step(step) for step in path]
-        return found
+                paths.setdefault(of, {})[name] = [plain_step(step) for step in path]
+        return paths
 
     def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
         """Return the message that a name is a part of; ``None`` for an input, or after an error."""

@@ -71,7 +71,7 @@ class _ExpressionBinder:
         self.problems: list[Problem] = []
         self.sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
         before = config.config.EDDIInputs[:index]
-        self.inputs = {attribute(one.id): one for one in before}
+        self.inputs = {attribute(entry.id): entry for entry in before}
         self.polarity = self.entry.polarity
         below = {attribute(entry.id) for entry in config.config.EDDIInputs[index + 1 :]}
         self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of, below)
@@ -126,9 +126,9 @@ class _ExpressionBinder:
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
-        given = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
-        if len(given) != 1 or (entry.states is not None and self.item.type != "state"):
-            self._report("K003.no_expression", given[-1])
+        keys = [key for key in EXPRESSION_KEYS if getattr(entry, key) is not None]
+        if len(keys) != 1 or (entry.states is not None and self.item.type != "state"):
+            self._report("K003.no_expression", keys[-1])
             return []
         if entry.states is not None:
             return [
@@ -136,7 +136,7 @@ class _ExpressionBinder:
                 for state, text in entry.states.items()
             ]
         if self.item.type == "state":
-            self._report("K003.states", given[0], key=given[0])
+            self._report("K003.states", keys[0], key=keys[0])
             return []
         if entry.expression is not None:
             return [ExpressionText(entry.expression, self._locate("expression"))]
@@ -155,17 +155,17 @@ class _ExpressionBinder:
             self.problems += findings.problems
             return []
         only = next(iter(events)) if len(events) == 1 else None
-        wanted = self.entry.event or only
-        if wanted is None or wanted not in events:
+        event = self.entry.event or only
+        if event is None or event not in events:
             there = ", ".join(events) or "none"
-            hint = did_you_mean(wanted or "", events) or f"events: {there}"
-            if wanted is None:
+            hint = did_you_mean(event or "", events) or f"events: {there}"
+            if event is None:
                 self._report("K020.no_event", "expression_file", hint=hint, file=name)
             else:
-                self._report("K020.unknown_event", "event", hint=hint, file=name, event=wanted)
+                self._report("K020.unknown_event", "event", hint=hint, file=name, event=event)
             return []
-        self._take_polarity(events[wanted].polarity, name)
-        return [ExpressionText(text, in_text(text, self.config.path(name)), event=wanted)]
+        self._take_polarity(events[event].polarity, name)
+        return [ExpressionText(text, in_text(text, self.config.path(name)), event=event)]
 
     @property
     def _has_polarity(self) -> bool:
@@ -187,7 +187,8 @@ class _ExpressionBinder:
         """Return what each name of the expressions is, by the types of the messages."""
         text_of_all = "\n".join(self.config.config.declarations)
         declared = parse(text_of_all, TextFindings("", lambda _: Place()))
-        known, typed = _constants(declared), {one.name: one.unit for one in declared.variables}
+        known = _constants(declared)
+        typed = {variable.name: variable.unit for variable in declared.variables}
         variables: dict[str, Variable] = {}
         for text in texts:
             findings = TextFindings(text.text, text.locate)
@@ -214,8 +215,8 @@ class _ExpressionBinder:
         for source in used:
             if self.entry.requires and source.id not in self.entry.requires:
                 self._report("K003.unknown_name", "requires", name=source.id)
-        given = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
-        listed = [given[name] for name in self.entry.requires if name in given]
+        sources = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
+        listed = [sources[name] for name in self.entry.requires if name in sources]
         return tuple(dict.fromkeys([*listed, *used]))
 
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:

@@ -126,8 +126,8 @@ class InputBinding:
         """Return it where the value itself is given, in place of messages."""
         name = self.model.id
         source = SimulatorOutput.model_construct(id=name, type="", topic="", max_age=None)
-        given = replace(self, requires=(source,), arguments=(self.attribute,))
-        return replace(given, expression=self.attribute, computed=None, key_paths={}, reads=None)
+        direct = replace(self, requires=(source,), arguments=(self.attribute,))
+        return replace(direct, expression=self.attribute, computed=None, key_paths={}, reads=None)
 
 
 class InputBinder:
@@ -321,48 +321,50 @@ class InputBinder:
     def _fields_of(self, message: str) -> Fields | None:
         return self.known[message] if message in self.known else installed_message(message)
 
-    def _check_unit(self, given: Sequence[str], subject: str) -> None:
+    def _check_unit(self, stated: Sequence[str], subject: str) -> None:
         """Compare the unit that a value has with the one that the input is declared to have."""
-        wanted = self.entry.unit if self.entry.unit is not None else self.item.unit
+        declared = self.entry.unit if self.entry.unit is not None else self.item.unit
         given_by = next((k for k in ("field", *EXPRESSION_KEYS) if getattr(self.entry, k)), "id")
-        if wanted is None or self.item.units is None:
+        if declared is None or self.item.units is None:
             return
-        if not units.contradict(given, wanted):
-            self._check_reach(given, subject, given_by)
+        if not units.contradict(stated, declared):
+            self._check_reach(stated, subject, given_by)
             return
         key = "unit" if self.entry.unit is not None else given_by
-        fields = {"subject": subject, "actual": " or ".join(given), "input": self.entry.id}
-        fields["expected"] = wanted or "a ratio"
-        for unit in given:
-            if (exact := units.factor(unit, wanted)) is not None:
-                times = f"1 {unit} is {float(exact):g} {wanted or 'of a ratio'}"
+        fields = {"subject": subject, "actual": " or ".join(stated), "input": self.entry.id}
+        fields["expected"] = declared or "a ratio"
+        for unit in stated:
+            if (exact := units.factor(unit, declared)) is not None:
+                times = f"1 {unit} is {float(exact):g} {declared or 'of a ratio'}"
                 self._report("K022.unit", key, unit=unit, conversion=times, **fields)
                 return
-        reason, hint = units.apart(given[0], wanted), _shifted(given[0], wanted)
+        reason, hint = units.apart(stated[0], declared), _shifted(stated[0], declared)
         self._report("K022.apart", key, hint=hint, reason=reason, **fields)
 
-    def _check_reach(self, given: Sequence[str], subject: str, given_by: str) -> None:
+    def _check_reach(self, stated: Sequence[str], subject: str, given_by: str) -> None:
         """Warn of a fraction of which nothing is accepted: the range is meant in percent."""
-        good, one = self.item.is_good, units.factor("fraction", self.item.unit or "")
-        if tuple(given) != ("fraction",) or good is None or one is None:
+        good, largest = self.item.is_good, units.factor("fraction", self.item.unit or "")
+        if tuple(stated) != ("fraction",) or good is None or largest is None:
             return
         # a range with a number between two ends has the lower end, or begins in between
-        if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= one):
+        if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= largest):
             self._report("K022.percent", given_by, subject=subject, covered=self.item.covered)
 
     def _factor(self) -> tuple[int, int] | None:
-        given, wanted = self.entry.unit, self.item.unit
-        if given is None or given == (wanted or "") or {given, wanted} <= _PLAIN:
+        configured, of_model = self.entry.unit, self.item.unit
+        if configured is None or configured == (of_model or "") or {configured, of_model} <= _PLAIN:
             return None
         if self.item.type not in {"float", "int"}:
             self._report("K016.unit_of_other", "unit", input=self.entry.id)
             return None
-        factor = (self.item.units or {}).get(given)
+        factor = (self.item.units or {}).get(configured)
         if factor is None:
             names = [unit or '""' for unit in self.item.units or {}]
-            hint = _shifted(given, wanted) or SimilarNames(names, "units that can be").hint(given)
-            expected = wanted or "a ratio"
-            self._report("K022.conversion", "unit", hint=hint, actual=given, expected=expected)
+            hint = _shifted(configured, of_model) or SimilarNames(names, "units that can be").hint(
+                configured
+            )
+            expected = of_model or "a ratio"
+            self._report("K022.conversion", "unit", hint=hint, actual=configured, expected=expected)
             return None
         return None if factor[0] == factor[1] else factor
 
@@ -381,13 +383,13 @@ class InputBinder:
             self._report("K024", "default", default=self.entry.default, input=item.id)
 
 
-def _shifted(given: str, wanted: str | None) -> str | None:
+def _shifted(unit: str, expected: str | None) -> str | None:
     """Return the hint at how a temperature gets from one scale to the other."""
-    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((given, wanted or ""))
+    sign = {("K", "degC"): "-", ("degC", "K"): "+"}.get((unit, expected or ""))
     return f"write `expression: value {sign} 273.15` instead" if sign else None
 
 
-def holds(message: str, wanted: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
+def holds(message: str, expected: str, fields_of: Callable[[str], Fields | None]) -> bool | None:
     """Return whether a message has a value for an input, ``None`` where that is not known."""
     types, is_known = [message], True
     for name in types:  # grows: a type is looked into once, however often it occurs
@@ -399,11 +401,11 @@ def holds(message: str, wanted: str, fields_of: Callable[[str], Fields | None]) 
                 continue
             if not is_primitive(single):
                 types += [single] if single not in types else []
-            elif fits(python_type(type_), wanted) or fits(python_type(single), wanted):
+            elif fits(python_type(type_), expected) or fits(python_type(single), expected):
                 return True
     return False if is_known else None
 
 
-def fits(given: str, wanted: str) -> bool:
+def fits(type_: str, expected: str) -> bool:
     """Return whether a field of one Python type can fill an input."""
-    return given in _FITTING.get(wanted, (wanted,))
+    return type_ in _FITTING.get(expected, (expected,))

@@ -7,7 +7,6 @@ the monitor reports at run time which are in use.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 from eddi_runtime.inputs import UNSAFE_DEFAULT
 
@@ -44,18 +43,18 @@ def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Accep
         text, key = f"the default {entry.default!r}", UNSAFE_DEFAULT.partition(":")[0]
         until = "until the first message"
         yield Acceptance(UNSAFE_DEFAULT, text, until, input=entry.id, path=(*path, key))
-    computed = bound.expression
     key = "expression" if entry.expression is not None else "expression_file"
-    for part in computed["parts"] if computed is not None else ():
+    for part in bound.expression["parts"] if bound.expression is not None else ():
         (output,) = part["form"]["outputs"]
-        for one in accepted(part["form"], output["node"]):
-            found = Acceptance(one.word, one.accepts, lasts(one), one.seconds, path=(*path, key))
-            yield replace(found, input=entry.id)
+        for silence in accepted(part["form"], output["node"]):
+            what, until, hold_s = silence.accepts, lasts(silence), silence.seconds
+            yield Acceptance(silence.word, what, until, hold_s, input=entry.id, path=(*path, key))
 
 
 def keys(accepted: Iterable[Acceptance]) -> tuple[str, ...]:
     """Return the keys of an input that the runtime cannot see in its other fields."""
-    return tuple(dict.fromkeys(one.key for one in accepted if one.key != _LIMITLESS))
+    names = (acceptance.key for acceptance in accepted)
+    return tuple(dict.fromkeys(name for name in names if name != _LIMITLESS))
 
 
 def kind_of_message(type_: str) -> Kind | None:
@@ -69,39 +68,39 @@ def kind_of_message(type_: str) -> Kind | None:
 def taken(argument: str, path: FieldPath, message: str) -> str:
     """Return the Python expression that takes a field of a message, where that is known."""
     parts = [expression(argument, path)]
-    for beside, values in _known(path, message):
-        literals = [python_literal(value) for value in values]
-        told = [] if beside == path else [expression(argument, beside)]
-        parts.append(f"({', '.join([*told, *literals])})" if told else ", ".join(literals))
+    for deciding, values in _known(path, message):
+        literals = ", ".join(map(python_literal, values))
+        parts.append(
+            literals if deciding == path else f"({expression(argument, deciding)}, {literals})"
+        )
     return f"given({', '.join(parts)})" if parts[1:] else parts[0]
 
 
 def check(path: FieldPath, message: str) -> list[JsonValue]:
     """Return the same for the runtime of expressions, empty where every value counts."""
-    found: list[JsonValue] = []
-    for beside, values in _known(path, message):
-        if beside == path:
-            found += values
+    checks: list[JsonValue] = []
+    for deciding, values in _known(path, message):
+        if deciding == path:
+            checks += values
         elif not any(isinstance(step, Every) for step in path):  # of a list, each by itself
-            found.append([[*map(plain_step, beside)], *values])
-    return ["given", *found] if found else []
+            checks.append([[*map(plain_step, deciding)], *values])
+    return ["given", *checks] if checks else []
 
 
-def _known(path: FieldPath, message: str) -> list[tuple[FieldPath, list[JsonValue]]]:
-    """Return the fields of which one must have one of some values, that itself among them."""
+def _known(path: FieldPath, message: str) -> Iterator[tuple[FieldPath, list[JsonValue]]]:
+    """Yield the fields of which one must have one of some values, that itself among them."""
     kind, name = kind_of_message(message), message.partition("/")[2]
     if kind is None:
-        return []
+        return
     field = "".join(pattern(path)).removeprefix(".")
     meaning = kind.model_class.meanings(None).get(name, {}).get(field, Meaning())
-    found: list[tuple[FieldPath, list[JsonValue]]] = [
-        (path, [not value]) for value in meaning.silent or () if isinstance(value, bool)
-    ]
-    for one in meaning.known:
-        if not isinstance(one, tuple):
-            found.append((path, [one]))
-            continue
-        beside, values = str(one[0]), list[JsonValue](one[1:])
-        around = path[:-1] if beside.startswith(".") else ()
-        found.append(((*around, Attribute(beside.removeprefix("."))), values))
-    return found
+    for value in meaning.silent or ():
+        if isinstance(value, bool):
+            yield path, [not value]
+    for known in meaning.known:
+        if isinstance(known, tuple):  # a field of the same message, or of the same element
+            other, values = str(known[0]), list[JsonValue](known[1:])
+            element = path[:-1] if other.startswith(".") else ()
+            yield (*element, Attribute(other.removeprefix("."))), values
+        else:
+            yield path, [known]

@@ -122,12 +122,12 @@ def _of_no_kind(source: Source) -> Problem | None:
     if not keys or any(key.text in consert for key in keys):
         return None
     meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
-    key, near = next((one for one in meant if one[1]), meant[0])
+    key, near = next((pair for pair in meant if pair[1]), meant[0])
     if near is not None:
         return problem("F003.no_section", key.place, key=key.text, near=near, known=known[near])
     hint = ", ".join(f"{of} has `{keys[0]}`" for of, keys in _YAML_KEYS.items())
     return problem(
-        "F003.keys", key.place, hint=hint, keys=shortened_list([one.text for one, _ in meant])
+        "F003.keys", key.place, hint=hint, keys=shortened_list([pair.text for pair, _ in meant])
     )
 
 
@@ -207,19 +207,21 @@ def select_models(
     Raises:
         EddiError: none is left (F005).
     """
-    left = [model for model in models if kind is None or model.kind == kind.name]
+    selected = [model for model in models if kind is None or model.kind == kind.name]
     if name is not None:
-        exact = [model for model in left if model.name == name]
-        left = exact or [model for model in left if model.name.casefold() == name.casefold()]
-    if not left:
+        exact = [model for model in selected if model.name == name]
+        selected = exact or [
+            model for model in selected if model.name.casefold() == name.casefold()
+        ]
+    if not selected:
         names = [model.name for model in models]
-        wanted = f"no model {name!r}" if name is not None else "no such model"
+        subject = f"no model {name!r}" if name is not None else "no such model"
         hint = (did_you_mean(name, names) if name else None) or (
             f"there are: {', '.join(names) or 'none that a monitor can be made of'}"
         )
         place = Place(models[0].source.name) if models else Place()
-        raise EddiError(problem("F005", place, hint=hint, kind=wanted))
-    return left
+        raise EddiError(problem("F005", place, hint=hint, kind=subject))
+    return selected
 
 
 def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
@@ -256,11 +258,11 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
 
 def _kinds_of(config: ConfigFile) -> Sequence[Kind]:
     """Return the kinds that the ``Model: type:`` of a configuration can mean."""
-    wanted = config.config.Model.type.casefold()
+    type_ = config.config.Model.type.casefold()
     return [
         kind
         for kind in kinds().values()
-        if wanted in {name.casefold() for name in kind.config_types}
+        if type_ in {name.casefold() for name in kind.config_types}
     ]
 
 

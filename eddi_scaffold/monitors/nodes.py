@@ -38,12 +38,16 @@ class MonitorNode:
     @cached_property
     def published(self) -> list[Publication]:
         """Return the topics that have a row of their own: all but the status of a result."""
-        return [one for one in self.publications if one.of != STATUS or one.path]
+        return [
+            publication
+            for publication in self.publications
+            if publication.of != STATUS or publication.path
+        ]
 
     @cached_property
     def heard(self) -> list[SimulatorOutput]:
         """Return the topics of this robot that an input requires, in the configuration's order."""
-        return [one for one in self._required if one.peers is None]
+        return [source for source in self._required if source.peers is None]
 
     @cached_property
     def between_robots(self) -> dict[str, str]:
@@ -59,7 +63,7 @@ class MonitorNode:
         first: dict[str, SimulatorOutput] = {}
         for entry in self.config.config.SimulatorOutputs:
             first.setdefault(entry.id, entry)
-        return [one for name, one in first.items() if name in used]
+        return [source for name, source in first.items() if name in used]
 
     @property
     def status(self) -> str | None:
@@ -101,7 +105,9 @@ class MonitorNode:
                 }
                 for source in self.heard
             ],
-            "publications": [self._publication(one, class_of, has_qos) for one in self.published],
+            "publications": [
+                self._publication(publication, class_of, has_qos) for publication in self.published
+            ],
             "fleet": answers_of_fleet,
         }
 
@@ -143,20 +149,20 @@ def _more(publication: Publication) -> str:
     return more + (f"\n            of={python_literal(of)}," if of else "")
 
 
-def _qos(given: InputQos, before: str, after: str = "") -> str:
+def _qos(qos: InputQos, start: str, end: str = "") -> str:
     """Return the argument for the quality of service that a configuration gives."""
     pairs = [
         f"{python_literal(name)}: {python_literal(value)}"
-        for name, value in given.model_dump(exclude_none=True).items()
+        for name, value in qos.model_dump(exclude_none=True).items()
     ]
-    return f"{before}qos={{{', '.join(pairs)}}}{after}" if pairs else ""
+    return f"{start}qos={{{', '.join(pairs)}}}{end}" if pairs else ""
 
 
-def _is_mixed(one: Publication, other: Publication) -> bool:
+def _is_mixed(first: Publication, second: Publication) -> bool:
     """Tell whether a reader takes two publications for one: messages of two events have ids."""
-    if other.of and not other.path:
+    if second.of and not second.path:
         return False  # what is published below the topic of a result is reported there
-    events = {one.output.event, other.output.event}
+    events = {first.output.event, second.output.event}
     return len(events) == 1 or None in events
 
 
@@ -173,15 +179,15 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
     yield from check_fleet(monitor, config)
     heard = {monitor.topic(entry.topic) for entry in config.config.SimulatorOutputs}
     first: dict[str, Publication] = {}
-    for one in node.published:
-        written, place, hint = one.output.topic, one.place, _OF_ITS_OWN
+    for publication in node.published:
+        written, place, hint = publication.output.topic, publication.place, _OF_ITS_OWN
         topic = monitor.topic(written)
         if topic in heard:
             yield problem("K031.own_output", place, written=written)
-        other = first.setdefault(topic, one)
-        if other.type != one.type:
-            types = {"type": other.type, "other": one.type}
+        other = first.setdefault(topic, publication)
+        if other.type != publication.type:
+            types = {"type": other.type, "other": publication.type}
             yield problem("K031.two_types", place, hint=hint, written=written, **types)
-        elif other is not one and _is_mixed(other, one):
-            names = {"first": other.output.id, "second": one.output.id}
+        elif other is not publication and _is_mixed(other, publication):
+            names = {"first": other.output.id, "second": publication.output.id}
             yield problem("K031.two_outputs", place, hint=hint, written=written, **names)

@@ -55,7 +55,7 @@ def publications(
 ) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with it (K020, K029)."""
     messages = _messages(monitor)
-    found: list[Publication] = []
+    published: list[Publication] = []
     problems: list[Problem] = []
     parts = list(monitor.model.separate_outputs())
     for index, output in enumerate(config.config.EDDIOutputs):
@@ -71,7 +71,7 @@ def publications(
             problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))
             continue
         if output.field is None:
-            found += _publish_messages(output, messages, places("topic"))
+            published += _publish_messages(output, messages, places("topic"))
             continue
         try:
             path = parse_field(output.field)
@@ -84,15 +84,15 @@ def publications(
         plain = [plain_step(step) for step in path]
         problems += check_path(output.field, plain, monitor, places("field"))
         type_, place = _std_msgs(end), places("topic")
-        found.append(Publication(output, type_, place, messages[of], end.path, of))
-    for one in monitor.model.own_topics():
-        path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in one.path)
-        end = _value_at(path, messages[one.of])
-        own = _output(one.id, one.topic)
-        found.append(
-            Publication(own, _std_msgs(end), one.place, messages[one.of], end.path, one.of)
+        published.append(Publication(output, type_, place, messages[of], end.path, of))
+    for topic in monitor.model.own_topics():
+        path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in topic.path)
+        end = _value_at(path, messages[topic.of])
+        own = _output(topic.id, topic.topic)
+        published.append(
+            Publication(own, _std_msgs(end), topic.place, messages[topic.of], end.path, topic.of)
         )
-    return found, problems
+    return published, problems
 
 
 def check_path(
@@ -105,14 +105,14 @@ def check_path(
         if isinstance(step, str):
             before += f".{step}" if before else step
             continue
-        wanted = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
+        key = step if isinstance(step, int) else step[-1] if step[0] != "*" else 0
         known = ids.get(before)
-        if known is not None and isinstance(wanted, str) and wanted not in known:
-            hint = did_you_mean(wanted, known) or f"it gives: {', '.join(known) or 'none'}"
-            fields = {"reference": text, "model": provider.model.name, "expected": wanted}
+        if known is not None and isinstance(key, str) and key not in known:
+            hint = did_you_mean(key, known) or f"it gives: {', '.join(known) or 'none'}"
+            fields = {"reference": text, "model": provider.model.name, "expected": key}
             yield problem("K020.part", place, hint=hint, **fields)
             return
-        before += f"[{wanted}]"
+        before += f"[{key}]"
 
 
 def _messages(monitor: BoundMonitor) -> dict[str, str]:
@@ -151,10 +151,10 @@ def _value_at(path: FieldPath, message: str) -> ResolvedPath:
     Raises:
         FieldPathError: the message has no such field, or the path ends too early or too late.
     """
-    found = resolve(path, message, known_messages().get)
-    if found.type not in _OF_STD_MSGS:
-        raise FieldPathError(f"the path ends at {found.type}, not at a single value")
-    return found
+    resolved = resolve(path, message, known_messages().get)
+    if resolved.type not in _OF_STD_MSGS:
+        raise FieldPathError(f"the path ends at {resolved.type}, not at a single value")
+    return resolved
 
 
 def _std_msgs(end: ResolvedPath) -> str:

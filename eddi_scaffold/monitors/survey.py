@@ -31,7 +31,7 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
-        left_out = [one.as_json() for one in unread(document)]
+        left_out = [element.as_json() for element in unread(document)]
         return {**survey(document).as_json(), "unread": left_out}, problems
     reading = read_models(source)
     models = [

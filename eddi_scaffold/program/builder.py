@@ -188,13 +188,13 @@ def read_reduction(row: Mapping[str, Any]) -> Reduction:
     """Return how one value is made of lists."""
     inputs = tuple(
         Part(
-            one["name"],
-            one["type"],
-            one.get("list", False),
-            _pair(one.get("range")),
-            one.get("infinite", False),
+            part["name"],
+            part["type"],
+            part.get("list", False),
+            _pair(part.get("range")),
+            part.get("infinite", False),
         )
-        for one in row["inputs"]
+        for part in row["inputs"]
     )
     elements: list[Element] = []
     for node in row["nodes"]:
@@ -208,7 +208,7 @@ def read_reduction(row: Mapping[str, Any]) -> Reduction:
         inputs,
         tuple(elements),
         row["value"],
-        tuple((one, low, high) for one, low, high in row.get("limits", ())),
+        tuple((part, low, high) for part, low, high in row.get("limits", ())),
         row.get("coverage"),
         _pair(row.get("length")),
         _pair(row.get("sector")),
@@ -253,7 +253,8 @@ def _words(
         ]
     if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
         literals = next(
-            (reads[one.value].literals for one in arguments if one.op == "variable"), ()
+            (reads[argument.value].literals for argument in arguments if argument.op == "variable"),
+            (),
         )
         for k, argument in enumerate(arguments):
             if argument.op == "literal" and argument.value < len(literals):

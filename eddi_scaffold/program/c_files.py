@@ -29,8 +29,8 @@ def c_files(model: StandaloneMonitor) -> dict[str, str]:
     Raises:
         EddiError: C has no lists or numbers in texts yet (E026).
     """
-    given = [(read, model.sampling.uses[k]) for k, read in enumerate(model.program.reads)]
-    used = {use for read, uses in given if read.reduction is not None or read.text for use in uses}
+    reads = [(read, model.sampling.uses[k]) for k, read in enumerate(model.program.reads)]
+    used = {use for read, uses in reads if read.reduction is not None or read.text for use in uses}
     inputs = [model.sampling.inputs[k] for k in sorted(used)]
     lists = [input_.name for input_ in inputs if input_.list or input_.type == "text"]
     if lists:
@@ -146,7 +146,11 @@ def _implementation(model: StandaloneMonitor) -> str:
     name, operations = model.name, model.program.operations
     step, forget = CStep(model), CStep(model).resets()
     body = _step(model, step)
-    texts = "#include <string.h>\n" if any(one.op == "is_covered" for one in operations) else ""
+    texts = (
+        "#include <string.h>\n"
+        if any(operation.op == "is_covered" for operation in operations)
+        else ""
+    )
     called = "\n".join([*forget, body, *([] if model.numeric else ["publish("])])
     reset = ["m->value = NAN;"] if model.numeric else []
     for k, hazard in enumerate(() if model.numeric else _hazards(model)):

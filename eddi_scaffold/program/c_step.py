@@ -118,7 +118,7 @@ class CStep:
         self._program = model.program
         self._operations = model.program.operations
         self._checked = must_be_finite(model.program)
-        self._aged = {one.value for one in self._operations if one.op == "age"}
+        self._aged = {operation.value for operation in self._operations if operation.op == "age"}
 
     def fields(self) -> list[str]:
         """Return the members of the struct for windows and function states."""
@@ -132,9 +132,9 @@ class CStep:
         """Return the registers."""
         types = {"number": "double", "bool": "int", "enum": "int"}
         return [
-            f"{types[one.type]} r{k};"
-            for k, one in enumerate(self._operations)
-            if one.op not in LEAVES
+            f"{types[operation.type]} r{k};"
+            for k, operation in enumerate(self._operations)
+            if operation.op not in LEAVES
         ]
 
     def statements(self) -> list[str]:
@@ -150,18 +150,18 @@ class CStep:
 
     def value(self, k: int) -> str:
         """Return the text of the value of an operation."""
-        one = self._operations[k]
-        if one.op == "variable":
-            return f"v_{self._names[one.value]}"
-        if one.op == "number":
-            text = "(double)NAN" if one.value is None else repr(one.value)
+        operation = self._operations[k]
+        if operation.op == "variable":
+            return f"v_{self._names[operation.value]}"
+        if operation.op == "number":
+            text = "(double)NAN" if operation.value is None else repr(operation.value)
             return f"({text})" if text.startswith(("-", "(")) else text
-        return str(one.value) if one.op in ("truth", "literal") else f"r{k}"
+        return str(operation.value) if operation.op in ("truth", "literal") else f"r{k}"
 
     def _memory(self) -> Iterator[tuple[str, str]]:
         """Yield a member of the struct, and the statement that resets it."""
-        for k, one in enumerate(self._operations):
-            op, size = one.op, f"[{one.capacity}]"
+        for k, operation in enumerate(self._operations):
+            op, size = operation.op, f"[{operation.capacity}]"
             if op in ("time", "once"):
                 yield f"event_hold w{k};", f"m->w{k}.last = INT64_MIN;"
                 yield "", f"m->w{k}.unknown = INT64_MIN;"
@@ -169,7 +169,7 @@ class CStep:
                 yield f"event_ring w{k};", f"ring_reset(&m->w{k});"
                 yield f"int64_t w{k}_t{size};", ""
                 yield from ((f"double w{k}_{name}{size};", "") for name in _ARRAYS.get(op, "x"))
-            if one.coverage is not None:
+            if operation.coverage is not None:
                 yield f"event_ring c{k};", f"ring_reset(&m->c{k});"
                 yield from ((f"int64_t c{k}_t{size};", ""), (f"bool c{k}_k{size};", ""))
             if op in STARTS:
@@ -179,10 +179,10 @@ class CStep:
                 yield f"uint32_t n{k};", f"m->n{k} = 0u;"
             if op == "majority":
                 yield f"uint32_t n{k}[4];", ""
-                yield f"unsigned char w{k}[{one.value}];", ""
+                yield f"unsigned char w{k}[{operation.value}];", ""
                 yield from (("", f"m->n{k}[{i}] = 0u;") for i in range(4))
             if op in ("elapsed", "age"):
-                name = f"e{k}" if op == "elapsed" else f"s{one.value}"
+                name = f"e{k}" if op == "elapsed" else f"s{operation.value}"
                 yield f"int64_t {name};", f"m->{name} = 0;"
                 yield f"bool has_{name};", f"m->has_{name} = false;"
 
@@ -214,21 +214,21 @@ class CStep:
             lines += [f"if (t - {stamp} > {int64(read.timeout)}) {{ {name} = {unknown}; }}"]
         return lines
 
-    def _operation(self, k: int, one: Operation) -> list[str]:
-        values, r, op = [self.value(arg) for arg in one.args], f"r{k}", one.op
+    def _operation(self, k: int, operation: Operation) -> list[str]:
+        values, r, op = [self.value(arg) for arg in operation.args], f"r{k}", operation.op
         if op in _EXTREMES:
             firsts = [values[0], *[r] * (len(values) - 2)]
             pairs = zip(firsts, values[1:], strict=True)
             return [f"{r} = {_EXTREMES[op]}({first}, {second});" for first, second in pairs]
         a, b, c = [*values, "", "", ""][:3]
         if op == "is_within":
-            return _judged(r, f"isnan({a})", [_inside(a, interval) for interval in one.value])
+            return _judged(r, f"isnan({a})", [_inside(a, interval) for interval in operation.value])
         if op == "is_covered":
-            texts = filter(None, map(_c_text, one.value))
+            texts = filter(None, map(_c_text, operation.value))
             return _judged(r, f"{a} == NULL", [f"strcmp({a}, {text}) == 0" for text in texts])
         if op in WINDOWS:
-            return self._window(k, one, a)
-        names = {"r": r, "p": f"m->p{k}", "k": k, "value": one.value, "a": a, "b": b, "c": c}
+            return self._window(k, operation, a)
+        names = {"r": r, "p": f"m->p{k}", "k": k, "value": operation.value, "a": a, "b": b, "c": c}
         if op in _STATEFUL:
             return _STATEFUL[op].format(**names).split("\n")
         if op in _EXPRESSIONS:
@@ -236,25 +236,30 @@ class CStep:
         finite = [f"if (!isfinite({r})) {{ {r} = NAN; }}"] if k in self._checked else []
         return [f"{r} = {_ARITHMETIC[op].format(**names)};", *finite]
 
-    def _window(self, k: int, one: Operation, a: str) -> list[str]:
-        start = f"start = t - {int64(one.window)};"
-        full = f"age >= {int64(one.window - self._program.period)}"
-        if one.op in ("time", "once"):
-            dominant = 0 if one.op == "time" else 2
+    def _window(self, k: int, operation: Operation, a: str) -> list[str]:
+        start = f"start = t - {int64(operation.window)};"
+        full = f"age >= {int64(operation.window - self._program.period)}"
+        if operation.op in ("time", "once"):
+            dominant = 0 if operation.op == "time" else 2
             return [start, f"r{k} = hold_push(&m->w{k}, start, t, {full}, {dominant}, {a});"]
-        known = f"{a} != 1" if one.op == "count" else f"!isnan({a})"
-        if self._operations[one.args[0]].infinite and not one.infinite:
+        known = f"{a} != 1" if operation.op == "count" else f"!isnan({a})"
+        if self._operations[operation.args[0]].infinite and not operation.infinite:
             known = f"isfinite({a})"
         lines, ready = [start], f"{full} && m->w{k}.bad <= start"
-        if one.coverage is not None:
-            ring = f"&m->c{k}, m->c{k}_t, m->c{k}_k, {one.capacity}u"
+        if operation.coverage is not None:
+            ring = f"&m->c{k}, m->c{k}_t, m->c{k}_k, {operation.capacity}u"
             lines += [f"covered_add({ring}, t, start, {known});"]
-            share = f"(double)m->c{k}.known / (double)m->c{k}.size >= {one.coverage!r}"
+            share = f"(double)m->c{k}.known / (double)m->c{k}.size >= {operation.coverage!r}"
             ready += f" && m->c{k}.bad <= start && {share}"
-        names = {"w": f"&m->w{k}", "t": f"m->w{k}_t", "x": f"m->w{k}_x", "n": f"{one.capacity}u"}
-        expire, add, value = (text.format(k=k, a=a, **names) for text in _ON_WINDOWS[one.op])
+        names = {
+            "w": f"&m->w{k}",
+            "t": f"m->w{k}_t",
+            "x": f"m->w{k}_x",
+            "n": f"{operation.capacity}u",
+        }
+        expire, add, value = (text.format(k=k, a=a, **names) for text in _ON_WINDOWS[operation.op])
         lines += [f"{expire};", f"if ({known}) {{", f"    {add};"]
-        lines += ["} else {", f"    m->w{k}.bad = t;"] if one.coverage is None else []
+        lines += ["} else {", f"    m->w{k}.bad = t;"] if operation.coverage is None else []
         return [*lines, "}", f"r{k} = ({ready}) ? {value} : (double)NAN;"]
 
 

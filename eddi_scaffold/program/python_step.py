@@ -121,7 +121,9 @@ class Printer:
         self._names = names
         self._elements = elements or {}
         self._copied = copied
-        self._windows = [k for k, one in enumerate(self._operations) if one.op in WINDOWS]
+        self._windows = [
+            k for k, operation_ in enumerate(self._operations) if operation_.op in WINDOWS
+        ]
         self._checked = must_be_finite(program)
         self._state: dict[str, str] = {}  # field -> how it starts
         for k, operation in enumerate(self._operations):
@@ -172,7 +174,7 @@ class Printer:
     def operations(self) -> list[str]:
         """Return the lines of all operations, each with its words behind or above its first."""
         lines: list[str] = []
-        filters = [k for k, one in enumerate(self._operations) if one.op in FILTERS]
+        filters = [k for k, operation_ in enumerate(self._operations) if operation_.op in FILTERS]
         for k, operation in enumerate(self._operations):
             if filters and k == filters[-1]:  # all filters are one call
                 values = tuple_of(self._value(self._operations[at].args[0]) for at in filters)
@@ -217,14 +219,16 @@ class Printer:
         return lines
 
     def _new(self, k: int) -> Part:
-        one = self._operations[k]
+        operation = self._operations[k]
         # AND is decided by a false sample, OR by a true one.
-        last = one.capacity if one.op in BUFFERED else 0 if one.op == "time" else 2
-        numbers = (one.window, one.window - self._program.period, last)
-        made = call(self._called(CLASSES[one.op]), map(str, numbers))
-        if one.coverage is None:
+        last = (
+            operation.capacity if operation.op in BUFFERED else 0 if operation.op == "time" else 2
+        )
+        numbers = (operation.window, operation.window - self._program.period, last)
+        made = call(self._called(CLASSES[operation.op]), map(str, numbers))
+        if operation.coverage is None:
             return made
-        return call(self._called("window.Covered"), [made, number(one.coverage)])
+        return call(self._called("window.Covered"), [made, number(operation.coverage)])
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""
@@ -271,25 +275,29 @@ class Printer:
 
     def _value(self, k: int) -> str:
         """Return the text of the value of an operation."""
-        one = self._operations[k]
-        if one.op == "variable":
-            return str(self._names[one.value])
-        if one.op == "number":
-            text = "NAN" if one.value is None else number(one.value)
+        operation = self._operations[k]
+        if operation.op == "variable":
+            return str(self._names[operation.value])
+        if operation.op == "number":
+            text = "NAN" if operation.value is None else number(operation.value)
             return f"({text})" if text.startswith("-") else text
-        return f"{one.value}" if one.op in ("truth", "literal") else self._elements.get(k, f"r{k}")
+        return (
+            f"{operation.value}"
+            if operation.op in ("truth", "literal")
+            else self._elements.get(k, f"r{k}")
+        )
 
-    def _operation(self, k: int, one: Operation) -> list[str]:
-        values = [self._value(arg) for arg in one.args]
-        lines = self._printed(k, one, values)
+    def _operation(self, k: int, operation: Operation) -> list[str]:
+        values = [self._value(arg) for arg in operation.args]
+        lines = self._printed(k, operation, values)
         if k in self._elements or all(len(line) <= WIDTH - 8 for line in lines):
             return lines
         short = "abc"[: len(values)]
-        return [f"{', '.join(short)} = {', '.join(values)}", *self._printed(k, one, short)]
+        return [f"{', '.join(short)} = {', '.join(values)}", *self._printed(k, operation, short)]
 
-    def _printed(self, k: int, one: Operation, values: Sequence[str]) -> list[str]:
+    def _printed(self, k: int, operation: Operation, values: Sequence[str]) -> list[str]:
         a, b, c = [*values, "", "", ""][:3]
-        r, op = self._value(k), one.op
+        r, op = self._value(k), operation.op
         if op in ("and", "or"):
             sign = "<" if op == "and" else ">"
             lines = [f"{r} = {a} if {a} {sign} {b} else {b}"]
@@ -297,19 +305,30 @@ class Printer:
                 lines += [f"if {value} {sign} {r}:", f"    {r} = {value}"]
             return lines
         if op in JUDGEMENTS:
-            return _judgement(one, self._operations[one.args[0]].value, a, r)
+            return _judgement(operation, self._operations[operation.args[0]].value, a, r)
         if op in _EXPRESSIONS:
             return [f"{r} = {_EXPRESSIONS[op].format(a, b)}"]
         if op in _STATEFUL:
-            names = {"r": r, "p": f"self.p{k}", "k": k, "value": one.value, "a": a, "b": b, "c": c}
+            names = {
+                "r": r,
+                "p": f"self.p{k}",
+                "k": k,
+                "value": operation.value,
+                "a": a,
+                "b": b,
+                "c": c,
+            }
             return _STATEFUL[op].format(**names).split("\n")
         finite = [f"if r{k} - r{k} != 0.0:", f"    r{k} = NAN"] if k in self._checked else []
         if op in _ARITHMETIC:
             return [f"{r} = {a} {_ARITHMETIC[op]} {b}", *finite]
         if op == "neg":
-            return [f"{r} = -{a}", *(finite if self._operations[one.args[0]].infinite else [])]
+            return [
+                f"{r} = -{a}",
+                *(finite if self._operations[operation.args[0]].infinite else []),
+            ]
         if op == "div":
-            divisor = self._operations[one.args[1]]
+            divisor = self._operations[operation.args[1]]
             zero = f"{b} and {b} - {b} == 0.0" if divisor.infinite else b
             return [f"{r} = {a} / {b} if {zero} else NAN", *finite]
         if op == "sqrt":
@@ -317,36 +336,40 @@ class Printer:
         if op not in WINDOWS:
             return []  # a leaf, or a filter
         sample = f"NAN if {a} == 1 else {a}" if op == "count" else a
-        if self._operations[one.args[0]].infinite and not one.infinite and op in BUFFERED:
+        if (
+            self._operations[operation.args[0]].infinite
+            and not operation.infinite
+            and op in BUFFERED
+        ):
             sample = f"{a} if {a} - {a} == 0.0 else NAN"
         return [f"{r} = self.w{k}(t, age, {sample})"]
 
 
-def _judgement(one: Operation, place: int, value: str, target: str) -> list[str]:
+def _judgement(operation: Operation, place: int, value: str, target: str) -> list[str]:
     """Return the lines that judge a raw value: common ones here, all others by the runtime.
 
     Args:
-        one: the operation.
+        operation: what judges it.
         place: number of what is read.
         value: name of the raw value.
         target: name of the truth value.
     """
     judged = f"1 if {value} is None else self.judge({place}, {value})"
     general = f"{target} = {judged}"
-    if one.op in ("is_true", "is_false"):
-        good, bad = ("True", "False") if one.op == "is_true" else ("False", "True")
+    if operation.op in ("is_true", "is_false"):
+        good, bad = ("True", "False") if operation.op == "is_true" else ("False", "True")
         names = {"r": target, "value": value, "good": good, "bad": bad, "judged": judged}
         return _BINARY.format(**names).split("\n")
-    if one.op == "is_covered":
-        texts = ", ".join(map(text_literal, one.value))
+    if operation.op == "is_covered":
+        texts = ", ".join(map(text_literal, operation.value))
         known = f"{target} = 2 if {value} in {{{texts}}} else 0"
         if not texts or len(known) > 88:
             return [general]
         return [f"if type({value}) is str:", f"    {known}", "else:", f"    {general}"]
-    if not 0 < len(one.value) <= _MAX_RANGES:
+    if not 0 < len(operation.value) <= _MAX_RANGES:
         return [general]
     lines = [f"if type({value}) is float or type({value}) is int:"]
-    for k, interval in enumerate(one.value):
+    for k, interval in enumerate(operation.value):
         inside = f"{number(interval.start)} <= {value} {'<=' if interval.closed else '<'} "
         lines.append(f"    {'elif' if k else 'if'} {inside}{number(interval.end)}:")
         lines.append(f"        {target} = 2")
@@ -378,20 +401,20 @@ def names_of(program: Program, sampling: Sampling) -> tuple[list[str], list[str]
     A read is the value itself, unless it is a reduction, or another read is the same value.
     Longer ids than 24 characters are left out, so that no line of the text is too long.
     """
-    given = [input_.name for input_ in sampling.inputs]
+    host = [input_.name for input_ in sampling.inputs]
     own: dict[int, int] = {}  # input -> the read that it is
     for k, used in enumerate(sampling.uses):
         if program.reads[k].reduction is None:
             own.setdefault(used[0], k)
-    values = {k: one for one, k in own.items()}
+    values = {k: name for name, k in own.items()}
     more = [k for k in range(len(program.reads)) if k not in values]
-    ids = [*given, *(f"variable {k} of the form" for k in more)]
+    ids = [*host, *(f"variable {k} of the form" for k in more)]
     reserved = {*RESERVED, *(f"r{k}" for k in range(len(program.operations)))}
-    reserved.update(stamp_name(one) for one in (*given, *(f"v{k}" for k in range(len(ids)))))
-    reserved.update(one for one in given if len(one) > _LONGEST_NAME)
+    reserved.update(stamp_name(name) for name in (*host, *(f"v{k}" for k in range(len(ids)))))
+    reserved.update(name for name in host if len(name) > _LONGEST_NAME)
     names = variables(ids, reserved)
-    values.update(zip(more, range(len(given), len(ids)), strict=True))
-    return names[: len(given)], [names[values[k]] for k in range(len(program.reads))]
+    values.update(zip(more, range(len(host), len(ids)), strict=True))
+    return names[: len(host)], [names[values[k]] for k in range(len(program.reads))]
 
 
 def stamp_name(name: str) -> str:

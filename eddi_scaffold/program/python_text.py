@@ -78,11 +78,11 @@ def literal(value: object) -> Part:
     if isinstance(value, float):
         return number(value)
     if isinstance(value, tuple):
-        return tuple_of(literal(one) for one in value)
+        return tuple_of(literal(element) for element in value)
     if isinstance(value, list):
-        return Group("[", _items(literal(one) for one in value), "]")
+        return Group("[", _items(literal(element) for element in value), "]")
     if isinstance(value, dict):
-        pairs = (Item(literal(one), f"{text_literal(key)}: ") for key, one in value.items())
+        pairs = (Item(literal(element), f"{text_literal(key)}: ") for key, element in value.items())
         return Group("{", tuple(pairs), "}")
     raise TypeError(f"a {type(value).__name__} has no literal here")
 
@@ -111,7 +111,7 @@ def comment(text: str) -> str:
     """Return a text as a comment without the sign: printable ASCII, not longer than a line."""
     plain = " ".join(text.split())
     if not (plain.isascii() and plain.isprintable()):
-        plain = "".join(one if " " <= one <= "~" else "?" for one in plain)
+        plain = "".join(character if " " <= character <= "~" else "?" for character in plain)
     return plain if len(plain) <= _LONGEST_COMMENT else f"{plain[: _LONGEST_COMMENT - 3]}..."
 
 
@@ -181,7 +181,7 @@ def _lines(item: Item, end: str, indent: int) -> list[str]:
             return [*above, f"{blanks}# {item.behind}", line]
         return [*above, line + behind]
     assert isinstance(item.part, Group)
-    inner = [line for one in item.part.items for line in _lines(one, ",", indent + 4)]
+    inner = [line for element in item.part.items for line in _lines(element, ",", indent + 4)]
     first, last = f"{blanks}{item.prefix}{item.part.opening}", f"{blanks}{item.part.closing}{end}"
     return [*above, first + behind, *inner, last]
 

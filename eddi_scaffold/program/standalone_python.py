@@ -259,7 +259,11 @@ def _conversion(read: Read, value: str) -> str:
 
 def _needs_lists(model: StandaloneMonitor) -> bool:
     texts = any(read.text for read in model.program.reads)
-    return model.has_lists or texts or any(one.op == "sqrt" for one in model.program.operations)
+    return (
+        model.has_lists
+        or texts
+        or any(operation.op == "sqrt" for operation in model.program.operations)
+    )
 
 
 def _text(lines: Iterable[str]) -> str:
