@@ -121,18 +121,18 @@ class Printer:
         self._names = names
         self._elements = elements or {}
         self._copied = copied
-        self._windows = [
-            k for k, operation_ in enumerate(self._operations) if operation_.op in WINDOWS
-        ]
+        ops = [operation.op for operation in program.operations]
+        self._windows = [k for k, op in enumerate(ops) if op in WINDOWS]
+        self._filters = [k for k, op in enumerate(ops) if op in FILTERS]
         self._checked = must_be_finite(program)
         self._state: dict[str, str] = {}  # field -> how it starts
         for k, operation in enumerate(self._operations):
             if operation.op in STARTS:
                 self._state[f"p{k}"] = str(STARTS[operation.op])
-            if operation.op in ("elapsed", "age"):
-                self._state[f"e{k}" if operation.op == "elapsed" else f"s{operation.value}"] = (
-                    "None"
-                )
+            if operation.op == "elapsed":
+                self._state[f"e{k}"] = "None"
+            if operation.op == "age":
+                self._state[f"s{operation.value}"] = "None"
 
     def members(self) -> list[str]:
         """Return the methods beside the step: what is remembered, and reductions."""
@@ -174,12 +174,12 @@ class Printer:
     def operations(self) -> list[str]:
         """Return the lines of all operations, each with its words behind or above its first."""
         lines: list[str] = []
-        filters = [k for k, operation_ in enumerate(self._operations) if operation_.op in FILTERS]
         for k, operation in enumerate(self._operations):
-            if filters and k == filters[-1]:  # all filters are one call
-                values = tuple_of(self._value(self._operations[at].args[0]) for at in filters)
-                lines += assignment("values", values, 8)
-                lines += unpacked([self._value(at) for at in filters], "self.filter.apply(values)")
+            if k in self._filters[-1:]:  # all filters are one call
+                raw = (self._operations[place].args[0] for place in self._filters)
+                lines += assignment("values", tuple_of(map(self._value, raw)), 8)
+                names = [self._value(place) for place in self._filters]
+                lines += unpacked(names, "self.filter.apply(values)")
             first, *rest = [f"        {line}" for line in self._operation(k, operation)] or [""]
             behind = f"{first}  # {operation.about}"
             if first and (k in self._elements or len(behind) > WIDTH):
@@ -219,13 +219,11 @@ class Printer:
         return lines
 
     def _new(self, k: int) -> Part:
-        operation = self._operations[k]
+        operation, window = self._operations[k], self._operations[k].window
         # AND is decided by a false sample, OR by a true one.
-        last = (
-            operation.capacity if operation.op in BUFFERED else 0 if operation.op == "time" else 2
-        )
-        numbers = (operation.window, operation.window - self._program.period, last)
-        made = call(self._called(CLASSES[operation.op]), map(str, numbers))
+        last = {"time": 0, "once": 2}.get(operation.op, operation.capacity)
+        numbers = map(str, (window, window - self._program.period, last))
+        made = call(self._called(CLASSES[operation.op]), numbers)
         if operation.coverage is None:
             return made
         return call(self._called("window.Covered"), [made, number(operation.coverage)])
@@ -275,17 +273,13 @@ class Printer:
 
     def _value(self, k: int) -> str:
         """Return the text of the value of an operation."""
-        operation = self._operations[k]
-        if operation.op == "variable":
-            return str(self._names[operation.value])
-        if operation.op == "number":
-            text = "NAN" if operation.value is None else number(operation.value)
+        op, value = self._operations[k].op, self._operations[k].value
+        if op == "variable":
+            return str(self._names[value])
+        if op == "number":
+            text = "NAN" if value is None else number(value)
             return f"({text})" if text.startswith("-") else text
-        return (
-            f"{operation.value}"
-            if operation.op in ("truth", "literal")
-            else self._elements.get(k, f"r{k}")
-        )
+        return f"{value}" if op in ("truth", "literal") else self._elements.get(k, f"r{k}")
 
     def _operation(self, k: int, operation: Operation) -> list[str]:
         values = [self._value(arg) for arg in operation.args]
@@ -309,24 +303,14 @@ class Printer:
         if op in _EXPRESSIONS:
             return [f"{r} = {_EXPRESSIONS[op].format(a, b)}"]
         if op in _STATEFUL:
-            names = {
-                "r": r,
-                "p": f"self.p{k}",
-                "k": k,
-                "value": operation.value,
-                "a": a,
-                "b": b,
-                "c": c,
-            }
-            return _STATEFUL[op].format(**names).split("\n")
+            names = {"r": r, "p": f"self.p{k}", "k": k, "a": a, "b": b, "c": c}
+            return _STATEFUL[op].format(value=operation.value, **names).split("\n")
         finite = [f"if r{k} - r{k} != 0.0:", f"    r{k} = NAN"] if k in self._checked else []
         if op in _ARITHMETIC:
             return [f"{r} = {a} {_ARITHMETIC[op]} {b}", *finite]
         if op == "neg":
-            return [
-                f"{r} = -{a}",
-                *(finite if self._operations[operation.args[0]].infinite else []),
-            ]
+            is_finite = not self._operations[operation.args[0]].infinite
+            return [f"{r} = -{a}", *([] if is_finite else finite)]
         if op == "div":
             divisor = self._operations[operation.args[1]]
             zero = f"{b} and {b} - {b} == 0.0" if divisor.infinite else b
