@@ -36,8 +36,16 @@ KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
 class ExpressionNames:
     """What the names of one input's expressions are.
 
+    Args:
+        entry: the input.
+        sources: name -> message.
+        inputs: name -> other input.
+        types: input of the model -> its type.
+        fields_of: message type -> fields.
+        below: names of the inputs that are computed later.
+        problems: takes up what is wrong with them (E008, E009, K020).
+
     Attributes:
-        problems: what is wrong with them (E008, E009, K020).
         checks: name -> when it is a measurement, for the runtime.
     """
 
@@ -48,20 +56,10 @@ class ExpressionNames:
         inputs: Mapping[str, InputEntry],
         types: Mapping[str, str],
         fields_of: FieldsOf,
-        below: Container[str] = (),
+        below: Container[str],
+        problems: list[Problem],
     ) -> None:
-        """Take over what can be named.
-
-        Args:
-            entry: the input.
-            sources: name -> message.
-            inputs: name -> other input.
-            types: input of the model -> its type.
-            fields_of: message type -> fields.
-            below: names of the inputs that are computed later.
-        """
-        self._below = below
-        self.problems: list[Problem] = []
+        self._below, self._problems = below, problems
         self.checks: dict[str, list[JsonValue]] = {}
         self._entry, self._sources, self._inputs = entry, sources, inputs
         self._types, self._fields_of = types, fields_of
@@ -78,7 +76,7 @@ class ExpressionNames:
             actual = " or ".join(documented.units)
             words = " or ".join(map(units.word, documented.units))
             fields = {"name": name, "actual": actual, "unit": unit.name, "words": words}
-            self.problems.append(problem("E009.variable", locate(at), **fields))
+            self._problems.append(problem("E009.variable", locate(at), **fields))
 
     def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
         """Return what a name is by the types of the messages, ``None`` after an error."""
@@ -98,7 +96,7 @@ class ExpressionNames:
                 known_fields = ", ".join(f"{name}.{field}" for field in self._fields_of(of) or ())
                 hint = f"there are: {known_fields}" if known_fields else ""
             place = locate(at)
-            self.problems.append(
+            self._problems.append(
                 problem("K020.no_number", place, hint=hint or None, name=name, type=of)
             )
             return None
@@ -139,9 +137,9 @@ class ExpressionNames:
             hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
             hint = hint or f"there are: {', '.join(names) or 'none'}"
             if head == name and head in self._below:
-                self.problems.append(problem("E008.below", locate(at), input=head))
+                self._problems.append(problem("E008.below", locate(at), input=head))
             else:
-                self.problems.append(problem("E008.no_source", locate(at), hint=hint, source=head))
+                self._problems.append(problem("E008.no_source", locate(at), hint=hint, source=head))
         return self._sources.get(head)
 
     def _resolve(
@@ -152,7 +150,7 @@ class ExpressionNames:
             resolved = resolve(path_behind(name), source.type, self._fields_of)
         except FieldPathError as failure:
             place, hint = locate(at), failure.hint
-            self.problems.append(problem("K020.path", place, hint=hint, reason=failure))
+            self._problems.append(problem("K020.path", place, hint=hint, reason=failure))
             return None
         known = check(resolved.path, source.type)
         if known and name not in self._resolved:

@@ -40,12 +40,8 @@ class CheckedExpression:
     key_paths: KeyPaths
 
 
-def bind_expression(
-    item: ModelInput, index: int, config: ConfigFile, fields_of: FieldsOf, types: Mapping[str, str]
-) -> tuple[CheckedExpression | None, list[Problem]]:
-    """Check the expression of one entry of ``EDDIInputs``.
-
-    Problems are those of the language (E, W), K003, K016, K020, K033.
+class ExpressionBinder:
+    """Checks the expression of one entry of ``EDDIInputs``.
 
     Args:
         item: the input in the model.
@@ -53,11 +49,11 @@ def bind_expression(
         config: with the entry, and the messages that it may name.
         fields_of: message type -> fields.
         types: input of the model -> its type.
+
+    Attributes:
+        problems: those of the language (E, W), K003, K016, K020, K033.
     """
-    return _ExpressionBinder(item, index, config, fields_of, types).bind()
 
-
-class _ExpressionBinder:
     def __init__(
         self,
         item: ModelInput,
@@ -74,19 +70,19 @@ class _ExpressionBinder:
         self.inputs = {attribute(entry.id): entry for entry in before}
         self.polarity = self.entry.polarity
         below = {attribute(entry.id) for entry in config.config.EDDIInputs[index + 1 :]}
-        self.names = ExpressionNames(self.entry, self.sources, self.inputs, types, fields_of, below)
+        self.names = ExpressionNames(
+            self.entry, self.sources, self.inputs, types, fields_of, below, self.problems
+        )
 
-    def bind(self) -> tuple[CheckedExpression | None, list[Problem]]:
+    def bind(self) -> CheckedExpression | None:
+        """Return the checked expression, ``None`` after an error."""
         if self.item.type not in ("bool", "float", "int", "state"):
             self._report("K016.result_type", "expression", type=self.item.type)
-            return None, self.problems
+            return None
         texts = self._texts()
-        if not texts:
-            return None, self.problems
         variables = self._variables(texts)
-        self.problems += self.names.problems
-        if has_errors(self.problems):
-            return None, self.problems
+        if not texts or has_errors(self.problems):
+            return None
         compiled, problems = compile_input(
             texts,
             self.item.type,
@@ -95,15 +91,14 @@ class _ExpressionBinder:
             declarations="\n".join(self.config.config.declarations),
             polarity=self.polarity,
         )
-        if self._has_polarity:
+        if "polarity" in self.entry.model_fields_set:
             problems = [problem for problem in problems if problem.case != "W002.polarity"]
         self.problems += problems
         if compiled is None:
-            return None, self.problems
+            return None
         self.names.check_unnamed(compiled.names, texts[0].locate)
-        if self.names.problems:
-            return None, [*self.problems, *self.names.problems]
-        requires = self._requires(compiled)
+        if has_errors(self.problems):
+            return None
         names: dict[str, JsonValue] = {  # first part of a name -> message or input, and its id
             name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
             for name in compiled.requires
@@ -122,7 +117,8 @@ class _ExpressionBinder:
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
-        return CheckedExpression(requires, document, text, compiled.unit, key_paths), self.problems
+        requires = self._requires(compiled)
+        return CheckedExpression(requires, document, text, compiled.unit, key_paths)
 
     def _texts(self) -> list[ExpressionText]:
         entry = self.entry
@@ -167,16 +163,12 @@ class _ExpressionBinder:
         self._take_polarity(events[event].polarity, name)
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=event)]
 
-    @property
-    def _has_polarity(self) -> bool:
-        return "polarity" in self.entry.model_fields_set
-
     def _take_polarity(self, polarity: str | None, name: str) -> None:
         """Use the polarity of an event, and report one of the input that differs."""
         if polarity is None:
             return
         own = self.entry.polarity
-        if self._has_polarity and own != polarity:
+        if "polarity" in self.entry.model_fields_set and own != polarity:
             self._report("K003.polarity", "polarity", name=name, polarity=polarity, actual=own)
         self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Any
 
 from pydantic import TypeAdapter
 
@@ -76,7 +74,7 @@ class MonitorFacts:
 
     def to_json(self) -> str:
         """Return the text of ``config/model.json`` without the last line end."""
-        content = asdict(self, dict_factory=_without_none)
+        content = asdict(self, dict_factory=lambda pairs: {k: v for k, v in pairs if v is not None})
         return json.dumps(content, sort_keys=True, indent=1, default=sorted)
 
 
@@ -92,10 +90,6 @@ def from_json(text: object) -> MonitorFacts:
     if facts.format != FORMAT:
         raise ValueError(f"facts of the format {facts.format}, only {FORMAT} is known")
     return facts
-
-
-def _without_none(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
-    return {key: value for key, value in pairs if value is not None}
 
 
 @cache

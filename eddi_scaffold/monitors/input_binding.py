@@ -24,7 +24,7 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, ModelInput
 from eddi_scaffold.monitors.compiling import names_read
 from eddi_scaffold.monitors.expression_names import KeyPaths
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, bind_expression
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, ExpressionBinder
 from eddi_scaffold.monitors.input_rules import taken
 from eddi_scaffold.program.input_expressions import BoundInput
 
@@ -205,10 +205,10 @@ class InputBinder:
         if entry.field is not None:
             key = "expression" if entry.expression_file is None else "expression_file"
             self._report("K003.field_and_expression", "field", input=entry.id, key=key)
-        checked, problems = bind_expression(
-            self.item, self.index, self.config, self._fields_of, self.types
-        )
-        self.problems += problems
+        types = self.types
+        binder = ExpressionBinder(self.item, self.index, self.config, self._fields_of, types)
+        checked = binder.bind()
+        self.problems += binder.problems
         if checked is not None:
             self._check_unit((checked.unit,) if checked.unit else (), checked.text)
             self.requires = checked.requires
