@@ -52,9 +52,11 @@ def _text(value: Any) -> str:
     if is_dataclass(value) or hasattr(value, "_fields"):
         return f"{type(value).__name__}({', '.join(_decisive(value))})"
     if isinstance(value, Mapping):
-        # The order is that of every output; a row of conditions says where it was written.
-        rows = (row for row in value.items() if row[0] != "at" or "op" not in value)
-        return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows)}}}"
+        rows = dict(value)  # the order is that of every output
+        at = rows.get("at")
+        if "op" in rows and isinstance(at, list | tuple) and {*map(type, at)} == {int}:
+            del rows["at"]  # where a row of conditions was written
+        return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows.items())}}}"
     if isinstance(value, AbstractSet):
         return f"{{{', '.join(sorted(map(_text, value)))}}}"
     if isinstance(value, list | tuple):

@@ -153,6 +153,13 @@ def test_each_property_of_an_input_counts(change: Mapping[str, Any]) -> None:
     assert before != after
 
 
+def test_an_element_called_at_counts() -> None:
+    laws = [{"op": Fraction(1, 2), "at": Fraction(1, number)} for number in (2, 3)]
+    assert len({*map(digest_of, laws)}) == len(laws)
+    written = [{"op": "not", "args": [0], "at": [line, 1]} for line in (1, 2)]
+    assert len({*map(digest_of, written)}) == 1
+
+
 def test_what_has_no_text_is_refused() -> None:
     with pytest.raises(TypeError, match="of the type object"):
         digest_of(object())
