@@ -17,14 +17,13 @@ from eddi_scaffold.common.problems import (
     has_errors,
     problem,
 )
-from eddi_scaffold.config.file import ConfigFile
+from eddi_scaffold.config.file import ConfigFile, options_of
 from eddi_scaffold.config.message_types import (
     EITHER_TIMES,
     MessageFields,
     declared,
     known_messages,
 )
-from eddi_scaffold.config.options import options_of
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry
 from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.kinds import EditableMethod, Kind, Model

@@ -11,6 +11,7 @@ from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, 
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import File
+from eddi_scaffold.conditions.tokens import Locate, TextFindings, in_text
 from eddi_scaffold.config.field_paths import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput

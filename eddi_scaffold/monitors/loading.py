@@ -239,8 +239,8 @@ def model_for(config: ConfigFile, models: Sequence[Model]) -> Model:
     fitting = [model for model in models if model.kind in of_type]
     package = package_name(section.id)
     chosen = [model for model in fitting if package_name(model.name) == package]
-    if not chosen and (name := named_model(config)) is not None:
-        named = Path(config.path(name)).resolve()
+    if not chosen and (named_file := named_model(config)) is not None:
+        named = Path(config.path(named_file[0])).resolve()
         chosen = [model for model in fitting if Path(model.source.name).resolve() == named]
         chosen = chosen if len(chosen) == 1 else []  # an EDDI may hold several
     if not chosen and len(fitting) == 1 and len(models) == 1:
