@@ -6,7 +6,7 @@ import re
 
 from tests.checkouts import HERE
 
-ONLY = "eddi_scaffold/regions/git.py"
+GIT, ROSPY = "eddi_scaffold/regions/git.py", "eddi_scaffold/watch/ros1/__init__.py"
 REFUSES = "shapes.jinja"
 """It names modules of Python to refuse them."""
 TESTS = "copier_templates/ros2_monitor/.eddi/new/{{ stage }}/test/"
@@ -19,7 +19,7 @@ STARTS = re.compile(
 )
 
 
-def test_one_module_starts_programs() -> None:
+def test_git_and_the_python_of_ros_are_the_only_programs() -> None:
     files = {
         path
         for place in SHIPPED
@@ -28,6 +28,8 @@ def test_one_module_starts_programs() -> None:
     }
     found = {path.relative_to(HERE).as_posix(): path.read_text("utf-8") for path in files}
     starting = [name for name, text in sorted(found.items()) if STARTS.search(text)]
-    assert [name for name in starting if not name.startswith(TESTS)] == [ONLY]
-    assert re.findall(r'\["[^\]"]*"', found[ONLY]) == ['["git"']
-    assert len(re.findall(r"subprocess\.\w+\(", found[ONLY])) == 1
+    assert [name for name in starting if not name.startswith(TESTS)] == [GIT, ROSPY]
+    assert re.findall(r'\["[^\]"]*"', found[GIT]) == ['["git"']
+    assert re.findall(r"\[python, _\w+", found[ROSPY]) == ["[python, _LISTENER"]
+    for name in (GIT, ROSPY):
+        assert len(re.findall(r"subprocess\.\w+\(", found[name])) == 1
