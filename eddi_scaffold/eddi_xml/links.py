@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from eddi_scaffold.eddi_xml import vocabulary as word
-from eddi_scaffold.eddi_xml.observers import Observed, observed
+from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import feature_of
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
 from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
@@ -99,7 +99,7 @@ Links = Mapping[str, Linked]
 
 def links_of(document: EddiDocument, found: Observed | None = None) -> Links:
     """Return the links of all monitored elements that have some."""
-    return dict(_LinkGraph(document, found or observed(document)).ends())
+    return dict(_LinkGraph(document, found or Observed(document)).ends())
 
 
 def events_of(links: Links, id_: str) -> tuple[str, ...]:

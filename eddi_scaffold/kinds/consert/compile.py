@@ -8,20 +8,20 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from eddi_scaffold.common.graphs import in_order, reached
-from eddi_scaffold.kinds.consert.graph import inputs_of, written_paths
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
     ConSert,
-    ConSertOptions,
     Demand,
     Evidence,
     Gate,
     Guarantee,
     Range,
 )
-from eddi_scaffold.kinds.consert.ranges import exact, range_text
+from eddi_scaffold.kinds.consert.graph import written_paths
+from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.ranges import exact
 from eddi_scaffold.program.input_expressions import BoundInput, inlined
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -120,7 +120,7 @@ class _Compilation:
         inner: Sequence[Gate | Guarantee] = (*consert.gates, *consert.guarantees)
         self.paths = {node.id: node.place.path or "" for node in nodes}
         self.paths |= {node.id: node.place.path or "" for node in inner}
-        self.sources = inputs_of(consert)
+        self.sources = consert.inputs
         self.is_and = {node.id: True for node in consert.guarantees}
         self.is_and |= {gate.id: gate.function == "And" for gate in consert.gates}
         self.inner = in_order(
@@ -222,7 +222,7 @@ class _Compilation:
             rows.append(call("consert.Guarantee", [text_literal(guarantee.id)], **keywords))
         yield from assignment("guarantees", tuple_of(rows), 4)
         if services := self.consert.provided_services:
-            parts = (literal((service.id, service.guarantees)) for service in services)
+            parts = (literal((service.id, service.members)) for service in services)
             yield from assignment("services", tuple_of(parts), 4)
 
     def _graph(self) -> Iterator[Item]:
@@ -272,7 +272,7 @@ def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
         constructor = call("consert.Categorical", map(text_literal, texts))
         return Leaf(node.id, TEXT, "is_covered", texts, constructor, f"good: {' or '.join(texts)}")
     ranges = tuple(_interval(covered, input_.factor) for covered in dimension.covered)
-    text = " or ".join(map(range_text, dimension.covered))
+    text = " or ".join(covered.text() for covered in dimension.covered)
     text += f" {dimension.uom}" if dimension.uom else ""
     if input_.factor is not None:
         ends = (f"[{r.start:.9g}, {r.end:.9g}{']' if r.closed else ')'}" for r in ranges)

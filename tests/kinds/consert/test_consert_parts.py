@@ -10,8 +10,9 @@ from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options, kinds
 from eddi_scaffold.kinds.consert import KIND, MESSAGES
+from eddi_scaffold.kinds.consert.consert import Bound, Range
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.model import Bound, ConSertOptions, Range
+from eddi_scaffold.kinds.consert.options import ConSertOptions
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 

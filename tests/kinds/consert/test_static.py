@@ -7,8 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.graph import constants, path_sets
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     ConSert,
     Evidence,
@@ -17,6 +16,7 @@ from eddi_scaffold.kinds.consert.model import (
     Propagation,
     ProvidedService,
 )
+from eddi_scaffold.kinds.consert.graph import constants, path_sets
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 
 B = BinaryDimension("T")
