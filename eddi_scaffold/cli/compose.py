@@ -1,6 +1,7 @@
 """``eddi-scaffold compose``: do these ConSerts fit together?"""
 
 from __future__ import annotations
+
 from pathlib import Path
 from typing import Annotated
 
