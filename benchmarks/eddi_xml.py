@@ -177,7 +177,7 @@ def survey(file: str) -> Iterator[None]:
     yield
     document, _ = read_document(read_source(file))
     assert document is not None
-    assert survey_of(document).unresolved == 0
+    assert survey_of(document)["references"]["unresolved"] == 0
     yield
 
 

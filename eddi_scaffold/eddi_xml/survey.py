@@ -5,12 +5,12 @@ Unlike reading, a survey visits every element of the file.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import PurePath
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.eddi_xml import vocabulary as names
-from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
+from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
@@ -18,119 +18,66 @@ from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
 
-Counts = Mapping[str, int]
-
-
-class FoundModel(NamedTuple):
-    """One model of any kind.
-
-    Attributes:
-        kind: name of the monitor kind that it is for (``consert``, ``fault_tree``, ...).
-        name: its name, or the stem of the file.
-        path: canonical fragment path.
-        line: line of its element.
-        counts: how many of what it holds.
-    """
-
-    kind: str
-    name: str
-    path: str
-    line: int | None
-    counts: Counts
-
-
-class FoundPackage(NamedTuple):
-    """A package, with the class that the file states."""
-
-    class_name: str
-    name: str
-    path: str
-    line: int | None
-
-
-class Survey(NamedTuple):
-    """Everything in one file.
-
-    Attributes:
-        models: in document order, those of our own maps last.
-        packages: the roots and the packages in them, in document order.
-        elements: number of elements, with the document element.
-        references: number of references, counted by their form in any attribute.
-        unresolved: how many of them point at nothing.
-    """
-
-    models: tuple[FoundModel, ...]
-    packages: tuple[FoundPackage, ...]
-    elements: int
-    references: int
-    unresolved: int
-
-    def as_json(self) -> dict[str, object]:
-        """Return the stable JSON form of ``show --json``."""
-        return {
-            "models": [model._asdict() for model in self.models],
-            "packages": [
-                {"class": p.class_name, "name": p.name, "path": p.path, "line": p.line}
-                for p in self.packages
-            ],
-            "elements": self.elements,
-            "references": {"total": self.references, "unresolved": self.unresolved},
-        }
-
-
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
 """Kinds of models that monitors are made of."""
 
 
-def survey(document: EddiDocument) -> Survey:
-    """Visit every element of a document."""
+def survey(document: EddiDocument) -> dict[str, Any]:
+    """Visit every element of a document, and return what ``show --json`` prints.
+
+    ``models`` are in document order, those of our own maps last; ``packages`` the roots and the
+    packages in them; ``elements`` and ``references`` are numbers, also of the unresolved ones.
+    """
     references = References(document.roots)  # its own: it must not disturb a reader's remarks
-    models: list[FoundModel] = []
+    models: list[dict[str, Any]] = []
     elements = total = unresolved = 0
     for element in document.document.iter():
         elements += 1
         kind = kind_of_model(document, element)
         if kind is not None:
-            models.append(_model(document, element, kind))
-        for token in _paths(element):
-            fragment = parse_fragment(token)
+            name = name_of(document, element) or PurePath(document.name).stem
+            counts = {
+                key: count(document, element)
+                if callable(count)
+                else _count(document, element, count)
+                for key, count in _COUNTS[kind].items()
+            }
+            models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
+        # a reference shows by its form, in any attribute
+        texts = (str(value) for value in element.values() if "/@" in value)
+        for token in (token for text in texts for token in text.split() if "/@" in token):
+            fragment = parse_fragment(token.removeprefix("#"))
             if fragment is not None:
                 total += 1
                 unresolved += references.resolve(fragment) is None
-    models += map(_model_of_map, extension_maps(document, EVENTS, SAFEML))
-    packages = []
-    for package in document.packages():
-        place, class_name = document.place(package), document.class_or_feature(package)
-        name = name_of(document, package)
-        packages.append(FoundPackage(class_name, name, place.path or "/", place.line))
-    return Survey(tuple(models), tuple(packages), elements, total, unresolved)
-
-
-def _paths(element: Element) -> Iterator[str]:
-    for value in element.values():
-        if "/@" in value:
-            for token in str(value).split():
-                if "/@" in token:
-                    yield token.removeprefix("#")
-
-
-def _model(document: EddiDocument, element: Element, kind: str) -> FoundModel:
-    place = document.place(element)
-    name = name_of(document, element) or PurePath(document.name).stem
-    counts = {
-        key: count(document, element) if callable(count) else _count(document, element, count)
-        for key, count in _COUNTS[kind].items()
+    for extension_map in extension_maps(document, EVENTS, SAFEML):
+        counts = {"settings": len(extension_map.values)}
+        if extension_map.key == EVENTS:
+            tags = {"events": "EVENT", "variables": "VAR"}
+            counts = {name: len(extension_map.of(tag)) for name, tag in tags.items()}
+        kind = extension_map.key.removeprefix("eddi.").removesuffix("s")
+        at = _at(document, extension_map.element)
+        name = extension_map.model or ""
+        models.append({"kind": kind, "name": name, **at, "counts": counts})
+    packages = [
+        {
+            "class": document.class_or_feature(package),
+            "name": name_of(document, package),
+            **_at(document, package),
+        }
+        for package in document.packages()
+    ]
+    return {
+        "models": models,
+        "packages": packages,
+        "elements": elements,
+        "references": {"total": total, "unresolved": unresolved},
     }
-    return FoundModel(kind, name, place.path or "/", place.line, counts)
 
 
-def _model_of_map(extension_map: ExtensionMap) -> FoundModel:
-    counts = {"settings": len(extension_map.values)}
-    if extension_map.key == EVENTS:
-        tags = {"events": "EVENT", "variables": "VAR"}
-        counts = {name: len(extension_map.of(tag)) for name, tag in tags.items()}
-    kind, place = extension_map.key.removeprefix("eddi.").removesuffix("s"), extension_map.place
-    return FoundModel(kind, extension_map.model or "", place.path or "/", place.line, counts)
+def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
+    place = document.place(element)
+    return {"path": place.path or "/", "line": place.line}
 
 
 def name_of(document: EddiDocument, element: Element) -> str:

@@ -31,7 +31,7 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         if document is None:
             return {"models": []}, problems
         left_out = [one.as_json() for one in unread(document)]
-        return {**survey(document).as_json(), "unread": left_out}, problems
+        return {**survey(document), "unread": left_out}, problems
     reading = read_models(source)
     models = [
         {

@@ -29,7 +29,7 @@ def read(data: bytes | str, *marks: str) -> tuple[tuple[ConSert, ...], list[Prob
     document, problems = read_document(source)
     if document is None:
         return (), in_order(problems)
-    survey(document).as_json()
+    survey(document)
     conserts, more = read_eddi(document, source, marks)
     return conserts, in_order([*problems, *more])
 

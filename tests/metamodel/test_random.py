@@ -91,4 +91,4 @@ def test_damaged_files_are_a_model_or_a_diagnostic_with_a_line(file: str) -> Non
         if not reading.models and not problems:
             document, _ = read_document(Source(file, changed))
             assert document is not None
-            assert not {one.kind for one in survey(document).models} & MONITORED, seed
+            assert not {model["kind"] for model in survey(document)["models"]} & MONITORED, seed
