@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -11,13 +10,17 @@ from typing import Any
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
+from eddi_scaffold.common.problems import (
+    Place,
+    Problem,
+    SimilarNames,
+    did_you_mean,
+    problem,
+)
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
-    CategoricalDimension,
     ConSert,
-    Dimension,
     Gate,
     NumericDimension,
     Propagation,
@@ -33,7 +36,7 @@ def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
     """Check what the elements of a ConSert mean together.
 
     Returns:
-        The ConSert without repetitions, ``None`` where something of it has no meaning; one of
+        The ConSert without repeated edges, ``None`` where something of it has no meaning; one of
         which only something is missing (C011, C014) can be shown. And all problems.
     """
     problems = [
@@ -46,43 +49,12 @@ def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
         problem.level == "error" and problem.code not in ("C011", "C014") for problem in problems
     ):
         return None, problems
-    return _without_repetitions(consert), problems
-
-
-def _without_repetitions(consert: ConSert) -> ConSert:
-    def nodes(group: Iterable[Any]) -> tuple[Any, ...]:
-        return tuple(replace(node, dimensions=dimensions(node.dimensions)) for node in group)
-
-    def dimensions(group: Iterable[Dimension]) -> tuple[Dimension, ...]:
-        return tuple(
-            replace(dimension, covered=tuple(dict.fromkeys(dimension.covered)))
-            if isinstance(dimension, CategoricalDimension)
-            else dimension
-            for dimension in group
-        )
-
     leaves = set(consert.leaves)
     edges: dict[tuple[str, str], Propagation] = {}
     for edge in consert.tree_propagations:
         if edge.target not in leaves:
             edges.setdefault((edge.source, edge.target), edge)
-    return replace(
-        consert,
-        guarantees=nodes(consert.guarantees),
-        demands=nodes(consert.demands),
-        evidence=tuple(
-            replace(node, dimension=dimensions(node.dimensions)[0]) for node in consert.evidence
-        ),
-        tree_propagations=tuple(edges.values()),
-        required_services=tuple(
-            replace(service, demands=tuple(dict.fromkeys(service.demands)))
-            for service in consert.required_services
-        ),
-        provided_services=tuple(
-            replace(service, guarantees=tuple(dict.fromkeys(service.guarantees)))
-            for service in consert.provided_services
-        ),
-    )
+    return replace(consert, tree_propagations=tuple(edges.values())), problems
 
 
 def _check_graph(consert: ConSert) -> Iterator[Problem]:
@@ -147,7 +119,10 @@ def _check_support(consert: ConSert) -> Iterator[Problem]:
     """Check which nodes have inputs, and which are inputs of others."""
     inputs = consert.inputs
     for guarantee in consert.guarantees:
-        name, has_support = f"guarantee {shown(guarantee.id)}", bool(inputs[guarantee.id])
+        name, has_support = (
+            f"guarantee {shown(guarantee.id)}",
+            bool(inputs[guarantee.id]),
+        )
         if guarantee.default and has_support:
             yield problem("C011.default_with_support", guarantee.place, name=name)
         elif not guarantee.default and not has_support:
@@ -186,11 +161,6 @@ def _check_dimensions(consert: ConSert) -> Iterator[Problem]:
                 yield problem("C006.covers_nothing", place, type=type_, subject=what)
             if isinstance(dimension, NumericDimension):
                 yield from _check_numbers(dimension, what, place)
-                continue
-            for category, count in Counter(dimension.covered).items():
-                if count > 1:
-                    case = "C023.category_twice"
-                    yield problem(case, place, category=shown(category), count=count, subject=what)
 
 
 def _check_numbers(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:

@@ -53,7 +53,10 @@ class Range:
 
     def text(self, unit: str | None = None) -> str:
         """Return it for people: ``[0, 5] m``, ``[0, 5)``."""
-        opening, closing = "[" if self.start_inclusive else "(", "]" if self.inclusive else ")"
+        opening, closing = (
+            "[" if self.start_inclusive else "(",
+            "]" if self.inclusive else ")",
+        )
         ends = f"{opening}{self.start.text}, {self.end.text}{closing}"
         return f"{ends} {unit}" if unit else ends
 
@@ -96,6 +99,10 @@ class CategoricalDimension:
     covered: tuple[str, ...]
     subset: Subset | None
     place: Place = field(default=Place(), compare=False)
+
+    def __post_init__(self) -> None:
+        """Keep each value once."""
+        object.__setattr__(self, "covered", tuple(dict.fromkeys(self.covered)))
 
     @property
     def covered_text(self) -> str:
@@ -229,6 +236,10 @@ class RequiredService:
     place: Place = field(default=Place(), compare=False)
     allocated: tuple[Place, ...] = field(default=(), compare=False)
 
+    def __post_init__(self) -> None:
+        """Keep each member once."""
+        object.__setattr__(self, "demands", tuple(dict.fromkeys(self.demands)))
+
     @property
     def members(self) -> tuple[str, ...]:
         """What it groups."""
@@ -250,6 +261,10 @@ class ProvidedService:
     guarantees: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
     allocated: tuple[Place, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        """Keep each member once."""
+        object.__setattr__(self, "guarantees", tuple(dict.fromkeys(self.guarantees)))
 
     @property
     def members(self) -> tuple[str, ...]:
