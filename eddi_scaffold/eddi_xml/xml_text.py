@@ -19,9 +19,10 @@ _STARTS = (
 )
 """First bytes -> length of the byte order mark, encoding."""
 _DECLARATION = re.compile(r"<\?xml\s")
-_PROLOG = r"(?:[^<]|<!--.*?-->|<\?.*?\?>)*"
-_TO_DOCTYPE = re.compile(_PROLOG + "(?=<!DOCTYPE)", re.DOTALL)
-_TO_ROOT_NAME = re.compile(_PROLOG + r"<[^\s/>!?]+", re.DOTALL)
+_PROLOG = re.compile(r"(?:[^<]|<!--.*?-->|<\?.*?\?>)*", re.DOTALL)
+"""Up to a document type declaration or the document element. Nothing may follow in this pattern:
+it would try every way to divide the comments."""
+_ROOT_NAME = re.compile(r"<[^\s/>!?]+")
 
 
 class Head(NamedTuple):
@@ -43,16 +44,24 @@ class Head(NamedTuple):
         return self.text.count("\n", 0, index) + 1
 
     @property
+    def prolog_end(self) -> int:
+        """The index in ``text`` behind comments and processing instructions."""
+        prolog = _PROLOG.match(self.text)
+        return prolog.end() if prolog is not None else 0
+
+    @property
     def doctype_line(self) -> int | None:
         """The line of a document type declaration, ``None`` when there is none."""
-        prolog = _TO_DOCTYPE.match(self.text)
-        return None if prolog is None else self.line_of(prolog.end())
+        is_there = self.text.startswith("<!DOCTYPE", self.prolog_end)
+        return self.line_of(self.prolog_end) if is_there else None
 
     @property
     def root_name_end(self) -> int | None:
         """The byte offset behind the name of the document element."""
-        name = _TO_ROOT_NAME.match(self.text)
-        return None if name is None else self.offset + len(name[0].encode(self.encoding))
+        name = _ROOT_NAME.match(self.text, self.prolog_end)
+        if name is None:
+            return None
+        return self.offset + len(self.text[: name.end()].encode(self.encoding))
 
 
 def read_head(data: bytes) -> Head:

@@ -113,16 +113,6 @@ def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
 
 
-def test_what_refers_to_a_value_of_a_map() -> None:
-    """A map of any key, with nothing in it: there is no name of an event."""
-    values = '<keyValueMaps key="k"><values/></keyValueMaps><failures name="F" '
-    at = f"{TREE}/@keyValueMaps.0/@values.0"
-    text = ROVER.replace('<failures name="F" ', values).replace(
-        'name="R1" ', f'name="R1" of="{at}" '
-    )
-    assert linked(text)[at] == ["R1", "Collision", "Brake"]
-
-
 def test_many_references_are_cut_off() -> None:
     """An EDDI in which everything refers to everything takes no time for each pair."""
     every = " ".join(f"//@odeProductPackages.0/@hazards.{k}" for k in range(120))

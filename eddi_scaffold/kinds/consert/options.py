@@ -106,22 +106,24 @@ def with_default_guarantees(
     Returns:
         The ConSerts with their marks; an error (C008) for each mark that fits none or several.
     """
-    chosen: set[str] = set()
+    chosen: set[tuple[str, str]] = set()
     problems: list[Problem] = []
     for mark in dict.fromkeys(marks):
         named = _named(conserts, mark)
-        chosen |= set(named) if len(named) == 1 else set()
-        if len(named) > 1:
-            fields = {"mark": mark, "names": " or ".join(named)}
+        if len(named) == 1:
+            chosen.add(named[0])
+        elif named:
+            fields = {"mark": mark, "names": " or ".join("/".join(pair) for pair in named)}
             problems.append(problem("C008.several", Place(file), **fields))
-        elif not named:
-            hint = did_you_mean(mark, [name for pair in _names(conserts) for name in pair])
+        else:
+            names = [name for pair in _pairs(conserts) for name in (pair[1], "/".join(pair))]
             fields = {"mark": mark, "guarantee": shown(mark)}
+            hint = did_you_mean(mark, names)
             problems.append(problem("C008.no_guarantee", Place(file), hint=hint, **fields))
     marked = []
     for consert in conserts:
         guarantees = tuple(
-            replace(node, default=node.default or f"{consert.name}/{node.id}" in chosen)
+            replace(node, default=node.default or (consert.name, node.id) in chosen)
             for node in consert.guarantees
         )
         marked.append(replace(consert, guarantees=guarantees) if chosen else consert)
@@ -140,17 +142,12 @@ def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) ->
     return {problem("C008.no_guarantee", **each).message for each in fields}
 
 
-def _names(conserts: Sequence[ConSert]) -> list[tuple[str, str]]:
-    return [
-        (node.id, f"{consert.name}/{node.id}")
-        for consert in conserts
-        for node in consert.guarantees
-    ]
+def _pairs(conserts: Sequence[ConSert]) -> dict[tuple[str, str], None]:
+    return {(consert.name, node.id): None for consert in conserts for node in consert.guarantees}
 
 
-def _named(conserts: Sequence[ConSert], mark: str) -> list[str]:
-    """Return the complete names of the guarantees that a mark may mean."""
-    names = dict.fromkeys(_names(conserts))
-    return [name for _, name in names if name == mark] or [
-        name for id_, name in names if id_ == mark
-    ]
+def _named(conserts: Sequence[ConSert], mark: str) -> list[tuple[str, str]]:
+    """Return ConSert and id of the guarantees that a mark may mean."""
+    pairs = _pairs(conserts)
+    exact = [pair for pair in pairs if "/".join(pair) == mark]
+    return exact or [pair for pair in pairs if pair[1] == mark]

@@ -10,9 +10,15 @@ from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.consert import KIND, MESSAGES
-from eddi_scaffold.kinds.consert.consert import Bound, Range
+from eddi_scaffold.kinds.consert.consert import (
+    BinaryDimension,
+    Bound,
+    ConSert,
+    Guarantee,
+    Range,
+)
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_guarantees
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 
@@ -134,3 +140,17 @@ def test_a_deep_chain_is_cut_in_the_outline():
     )
     lines = read(text).outline()
     assert "  " * 30 + "Or g29 ..." in lines
+
+
+def test_a_mark_is_of_one_guarantee_though_names_have_slashes():
+    dimension = (BinaryDimension("T"),)
+
+    def consert(name, id_):
+        return ConSert(name, (Guarantee(id_, dimension),), (), (), (), (), (), ())
+
+    marked, problems = with_default_guarantees(
+        [consert("a", "b/c"), consert("a/b", "c")], ["c"], "m"
+    )
+    assert [node.default for one in marked for node in one.guarantees] == [False, True]
+    _, problems = with_default_guarantees(marked, ["a/b/c"], "m")
+    assert [problem.case for problem in problems] == ["C008.several"]

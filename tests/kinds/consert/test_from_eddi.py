@@ -234,16 +234,6 @@ def test_a_consert_without_name_is_called_as_the_file() -> None:
     assert (consert.name, problems) == ("m", [])
 
 
-def test_misprints_that_are_names() -> None:
-    # Fig 36 lines 9, 30, 48 (Rte_A_*), 40 (System_A_G0_C2), and names of propagations (line 6)
-    text = ROVER.replace('name="battery"', 'name="Battery"').replace(
-        "<guaranteePropagation source", '<guaranteePropagation name="same" source'
-    )
-    ((consert,), problems) = read(text)
-    assert problems == []
-    assert [e.id for e in consert.evidence] == ["Battery", "brakes"]
-
-
 def test_folded_bodies() -> None:
     # Fig 36 lines 9 to 55 print "..." in place of a body
     text = re.sub(
@@ -276,15 +266,6 @@ def test_a_guarantee_printed_as_propagation() -> None:
     )
     mixed = text.replace("</guaranteePropagation>", "</guarantees>")
     assert codes(read(mixed)[1]) == {"X001"}
-
-
-def test_equal_property_types_and_a_wrong_service_type_are_read() -> None:
-    # Fig 36 lines 57 to 63 and 72: names there are no keys; composing finds the wrong type
-    types = '<dependabilityPropertyTypes name="Distance"/>'
-    text = ROVER.replace(types, types * 7).replace('"MappingType"', '"DrivingType"')
-    ((consert,), problems) = read(text)
-    assert problems == []
-    assert consert.required_services[0].functional_service_type == "DrivingType"
 
 
 def test_a_file_without_conserts_has_none() -> None:
