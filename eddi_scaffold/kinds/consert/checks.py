@@ -216,17 +216,17 @@ def _check_names(consert: ConSert) -> Iterator[Problem]:
 
 def _check_services(consert: ConSert) -> Iterator[Problem]:
     """Check that services name guarantees and demands, and demands have a service."""
-    ids = {"demand": [node.id for node in consert.demands]}
-    ids["guarantee"] = [node.id for node in consert.guarantees]
+    ids = {"demand": {node.id for node in consert.demands}}
+    ids["guarantee"] = {node.id for node in consert.guarantees}
+    similar = {kind: SimilarNames(sorted(known)) for kind, known in ids.items()}
     for service in consert.services:
         kind, name = service.member_kind, f"{service.kind} {shown(service.id)}"
         if not service.members:
             yield problem("C014.nothing_inside", service.place, name=name, element=kind)
-        known, similar = set(ids[kind]), SimilarNames(ids[kind])
         for member in dict.fromkeys(service.members):
-            if member not in known:
+            if member not in ids[kind]:
                 fields = {"name": name, "kind": kind, "member": shown(member)}
-                hint = similar.hint(member)
+                hint = similar[kind].hint(member)
                 yield problem("C008.unknown_member", service.place, hint=hint, **fields)
     of_services = {id_ for service in consert.required_services for id_ in service.members}
     for demand in consert.demands:

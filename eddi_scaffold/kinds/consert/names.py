@@ -12,13 +12,12 @@ from eddi_scaffold.common import identifiers
 
 RESERVED = identifiers.RESERVED | {"Unknown"}
 """Words that no class may be: those of Python, and D7.2's ``Unknown``."""
-_OUTER = re.compile(r"^[\W_]+|[\W_]+$")
 
 
 def class_name(id_: str) -> str:
     """Return the D7.2 class name of an id: ``System_A_G0_c2`` -> ``SystemAG0C2``."""
     name, starts_word, last = "", True, ""
-    for char in _OUTER.sub("", id_):
+    for char in id_:
         if not char.isalnum() or char.isdigit():
             starts_word = True
             name += char if char.isdigit() else ""
