@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
+from eddi_scaffold.kinds.consert import OPTION_KEYS
 from eddi_scaffold.kinds.consert.consert import ConSert
 from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.yaml_text.nodes import shown
@@ -14,7 +15,6 @@ from eddi_scaffold.yaml_text.nodes import shown
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
 
-KEYS = ("guarantee_ids", "debounce", "filter")
 _FILTERS = {"debounce": "regain_after", "majority": "window"}
 _MAX_SAMPLES = 100_000
 """Longest history of a filter; at 1 kHz that is 100 s."""
@@ -65,7 +65,7 @@ def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]
 
 
 def _wrong(options: Options) -> Iterator[Problem]:
-    ids, debounce, filter_ = (options.values.get(key) for key in KEYS)
+    ids, debounce, filter_ = (options.values.get(key) for key in OPTION_KEYS)
     if ids is not None and ids not in ("source", "class"):
         yield problem("K003.guarantee_ids", options.place("guarantee_ids"))
     if debounce is not None and (type(debounce) is not int or debounce < 1):
