@@ -27,7 +27,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_runtime import EDDIInputBase, InputSpec  # noqa: E402 - a benchmark runs from the checkout
 
-from eddi_scaffold.kinds.consert.model import (  # noqa: E402
+from eddi_scaffold.kinds.consert.consert import (  # noqa: E402
     BinaryDimension,
     CategoricalDimension,
     ConSert,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
@@ -30,7 +29,7 @@ def compose(
     from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-    from eddi_scaffold.kinds.consert.default_guarantees import marks_elsewhere
+    from eddi_scaffold.kinds.consert.options import marks_elsewhere
     from eddi_scaffold.monitors.loading import complete_reading, read_models
 
     marks = default_guarantee or ()
@@ -52,10 +51,6 @@ def compose(
         instances += [(label or model.name, model.data) for model in inside]
         if not as_json:
             console.problems(problems)
-    names = sorted(name for name, _ in instances)
-    repeated = next((name for name, following in pairwise(names) if name == following), None)
-    if repeated is not None:
-        raise EddiError(problem("C007.instances", name=repeated))
     result = composition_of(instances)
     if as_json:
         console.json(result.as_json())

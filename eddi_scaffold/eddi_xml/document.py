@@ -1,23 +1,69 @@
-"""A parsed EDDI: its objects, their classes, features, references and places."""
+"""An EDDI document: elements with classes, places and references, whatever tool wrote it.
+
+Nothing is done per element before somebody asks, so a file costs little more than its parse.
+Classes are bound by package key and class name, never by the full namespace URI: URIs and
+prefixes differ between generations of one metamodel.
+"""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, BinaryIO
 
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.parsing import (
+    DEFAULT_LIMITS,
     XSI_TYPE,
     Element,
     Limits,
-    XmlDocument,
     feature_of,
     line_of,
+    load,
+    only,
 )
-from eddi_scaffold.eddi_xml.references import References, parse_fragment, parse_token
-from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
+from eddi_scaffold.eddi_xml.references import References, parse_token
+from eddi_scaffold.eddi_xml.vocabulary import (
+    ClassName,
+    Spelling,
+    fold,
+    is_misprint,
+    local_name,
+    package_key,
+)
+from eddi_scaffold.eddi_xml.xml_text import HEAD_BYTES, looks_like_xml
 
-_BLANK = re.compile(r"[ \t\r\n]+")
+
+def recognises(source: Source) -> bool:
+    """Return whether a file looks like XML."""
+    with source.open() as stream:
+        return looks_like_xml(stream.read(HEAD_BYTES))
+
+
+def read_document(
+    source: Source, limits: Limits = DEFAULT_LIMITS
+) -> tuple[EddiDocument | None, list[Problem]]:
+    """Parse an EDDI; ``None`` and the errors X001 or X003 when that is impossible."""
+    with source.open() as stream:
+        return read_stream(stream, source.name, limits)
+
+
+def read_stream(
+    stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
+) -> tuple[EddiDocument | None, list[Problem]]:
+    """Parse an EDDI from a seekable stream."""
+    from eddi_scaffold.eddi_xml.unread import unknown_classes  # noqa: PLC0415 - it reads documents
+
+    element, problems = load(stream, name, limits)
+    if element is None:
+        return None, problems
+    document = EddiDocument(element, name, limits)
+    for root in document.roots:
+        class_name = local_name(document.class_of(root).printed)
+        if fold(class_name) == "ddipackage" and is_misprint(class_name):
+            problems.append(problem("X006.root", document.place(root), name=class_name))
+    return document, [*problems, *unknown_classes(document)]
 
 
 class EddiDocument:
@@ -25,19 +71,18 @@ class EddiDocument:
 
     Attributes:
         name: path as the user gave it.
-        document: the document element.
+        document: the document element, which is ``xmi:XMI`` when there are several roots.
         roots: the root objects; several only below ``xmi:XMI``.
         references: resolver of this document.
         limits: limits that reading obeys.
     """
 
-    def __init__(self, tree: XmlDocument, name: str, limits: Limits) -> None:
-        self.name = name
-        self.document = tree.document
-        self.roots = tree.roots
-        self.limits = limits
-        self.references = References(tree.roots)
-        self._documents = frozenset((tree.document, *tree.roots))
+    def __init__(self, document: Element, name: str, limits: Limits) -> None:
+        self.name, self.document, self.limits = name, document, limits
+        is_xmi = feature_of(document) == "XMI"
+        self.roots = tuple(document.iterchildren()) if is_xmi else (document,)
+        self.references = References(self.roots)
+        self._documents = frozenset((document, *self.roots))
 
     def place(self, element: Element) -> Place:
         """Return the place of an element: file, line and canonical fragment path."""
@@ -49,12 +94,12 @@ class EddiDocument:
         if printed is None:
             if not self.is_root(element):
                 return ClassName()
-            name, uri = feature_of(element), _namespace(str(element.tag))
+            name, uri = feature_of(element), str(element.tag).rpartition("}")[0]
             printed = f"{element.prefix}:{name}" if element.prefix else name
         else:
             prefix, _, name = printed.strip().rpartition(":")
             uri = element.nsmap.get(prefix or None) or prefix
-        return ClassName(package_key(uri), fold(name), printed)
+        return ClassName(package_key(uri.removeprefix("{")), fold(name), printed)
 
     def is_root(self, element: Element) -> bool:
         """Return whether an element is a root object, or the ``xmi:XMI`` above the roots."""
@@ -62,17 +107,19 @@ class EddiDocument:
 
     def at(self, path: str) -> Element | None:
         """Return the element at a canonical path, ``None`` when there is none."""
-        fragment = parse_fragment(path)
-        return self.references.resolve(fragment) if fragment is not None else None
+        return self.references.at(path)
 
     def feature(self, element: Element) -> str:
         """Return the name of the feature that contains an element."""
         return feature_of(element)
 
+    def class_or_feature(self, element: Element) -> str:
+        """Return the class that an element states, else the feature that it is in."""
+        return self.class_of(element).printed or feature_of(element)
+
     def describe(self, element: Element) -> str:
         """Return class, or else feature, and name of an element, for messages."""
-        kind = self.class_of(element).printed or feature_of(element)
-        name = element.get("name")
+        kind, name = self.class_or_feature(element), element.get("name")
         return f'{kind} "{name}"' if name else kind
 
     def packages(self) -> Iterator[Element]:
@@ -112,46 +159,24 @@ class EddiDocument:
             any reference at all.
         """
         name = self.attribute_name(element, spelling)
-        own = _BLANK.split(element.get(name) or "") if name else []
-        given = [(name or "", text) for text in own]
-        given += [(feature_of(c), c.get("href") or "") for c in self.children(element, spelling)]
-        texts = [(feature, text) for feature, text in given if text]
+        tokens = [(name or "", text) for text in (element.get(name) or "" if name else "").split()]
+        for child in self.children(element, spelling):
+            tokens += [(feature_of(child), text)] if (text := child.get("href")) else []
         limit = self.limits.reference_tokens
-        if len(texts) > limit:
-            return (
-                [],
-                [
-                    problem(
-                        "X003.references",
-                        self.place(element),
-                        feature=spelling.name,
-                        number=len(texts),
-                        limit=limit,
-                    )
-                ],
-                True,
-            )
-        found: list[Element] = []
-        problems: list[Problem] = []
-        for feature, text in texts:
-            target = self.target(element, feature, text)
-            if isinstance(target, Problem):
-                problems.append(target)
-            else:
-                found.append(target)
-        return found, problems, bool(texts)
+        if len(tokens) > limit:
+            fields: dict[str, Any] = {"feature": spelling.name, "number": len(tokens)}
+            too_many = problem("X003.references", self.place(element), limit=limit, **fields)
+            return [], [too_many], True
+        resolved = [self.target(element, feature, text) for feature, text in tokens]
+        ends = [end for end in resolved if not isinstance(end, Problem)]
+        return ends, [end for end in resolved if isinstance(end, Problem)], bool(tokens)
 
     def target(self, element: Element, feature: str, text: str) -> Element | Problem:
         """Resolve one reference of a feature of an element."""
         token = parse_token(text)
+        fields = {"feature": feature, "token": text}
         if token.resource:
-            return problem(
-                "X007.resource",
-                self.place(element),
-                feature=feature,
-                token=token.text,
-                file=token.resource,
-            )
+            return problem("X007.resource", self.place(element), **fields, file=token.resource)
         if token.fragment is not None:
             target = self.references.resolve(token.fragment)
             why = "" if target is not None else self.references.explain(token.fragment)
@@ -160,11 +185,9 @@ class EddiDocument:
             target = same[0] if len(same) == 1 else None
             why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token.id}"'
         else:
-            return problem("X007.token", self.place(element), feature=feature, token=token.text)
+            return problem("X007.token", self.place(element), **fields)
         if target is None:
-            return problem(
-                "X007.nothing", self.place(element), feature=feature, token=token.text, reason=why
-            )
+            return problem("X007.nothing", self.place(element), **fields, reason=why)
         return target
 
     def is_package(self, element: Element) -> bool:
@@ -175,5 +198,62 @@ class EddiDocument:
         return printed is not None and fold(printed).endswith("package")
 
 
-def _namespace(tag: str) -> str:
-    return tag[1:].partition("}")[0] if tag.startswith("{") else ""
+class EddiFindings:
+    """Problems in the order in which they were found; equal remarks are counted, not repeated.
+
+    Attributes:
+        errors: number of errors so far, so that a caller knows whether its part has one.
+    """
+
+    def __init__(self, document: EddiDocument) -> None:
+        self.document = document
+        self.errors = 0
+        self._problems: list[Problem] = []
+        self._counted: dict[Problem, tuple[Place, int]] = {}
+
+    def add(self, *problems: Problem) -> None:
+        """Take over problems."""
+        self._problems += problems
+        self.errors += sum(p.level == "error" for p in problems)
+
+    def report(
+        self, case: str, element: Element, /, *, hint: str | None = None, **fields: object
+    ) -> None:
+        """Report a problem at an element."""
+        self.add(problem(case, self.document.place(element), hint=hint, **fields))
+
+    def count(self, case: str, element: Element, times: int = 1, /, **fields: Any) -> None:
+        """Report a remark once per file, at its first place, with how often it applies."""
+        remark = problem(case, **fields)
+        place, before = self._counted.get(remark) or (self.document.place(element), 0)
+        self._counted[remark] = (place, before + times)
+
+    def only(self, parent: Element, spelling: Spelling) -> Element | None:
+        """Return the child in a feature that may hold one; report others (X011)."""
+        children = self.document.children(parent, spelling)
+        first, problems = only(children, "X011.twice", self.document.place)
+        self.add(*problems)
+        return first
+
+    def targets(self, element: Element, link: Spelling, feature: Spelling) -> list[Element]:
+        """Return what an attribute refers to; report what is in another feature (X009)."""
+        ends, problems, _ = self.document.targets(element, link)
+        self.add(*problems)
+        is_right = {end: feature.accepts(feature_of(end)) for end in ends}
+        for end in ends:
+            if not is_right[end]:
+                fields = {"actual": self.document.describe(end), "expected": feature.name}
+                self.report("X009.expected", element, link=link.name, **fields)
+        return [end for end in ends if is_right[end]]
+
+    def problems(self) -> list[Problem]:
+        """Return everything that was found."""
+        counted = [
+            replace(
+                remark,
+                message=remark.message + (f" ({times} times)" if times > 1 else ""),
+                place=place,
+            )
+            for remark, (place, times) in self._counted.items()
+        ]
+        return [*dict.fromkeys(self._problems), *counted]

@@ -7,6 +7,7 @@ elements of the tree, in the same order.
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,20 +15,18 @@ from typing import TYPE_CHECKING, NamedTuple
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.eddi_xml.extensions import extension_maps
-from eddi_scaffold.eddi_xml.parsing import encoding_of
+from eddi_scaffold.eddi_xml.parsing import Element, encoding_of
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
-    from eddi_scaffold.eddi_xml.parsing import Element
 
 _MARKUP = re.compile(
     r"<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>"
     r"|<(?P<end>/?)(?P<name>[^\s/>!?]+)(?:[^>\"']|\"[^\"]*\"|'[^']*')*?(?P<empty>/?)>",
     re.DOTALL,
 )
-_ONLY_HERE = ("frequency", "artifact")
+_ONLY_IN_EDDI = ("frequency", "artifact")
 """Tags of maps that are in no file of their own: they outlive a newer one."""
-_MARK = b"\xef\xbb\xbf"
 
 
 class _Span(NamedTuple):
@@ -56,7 +55,7 @@ def with_map(
     Raises:
         EddiError: the file cannot be changed as a text (X036).
     """
-    mark = _MARK if data.startswith(_MARK) else b""
+    mark = codecs.BOM_UTF8 if data.startswith(codecs.BOM_UTF8) else b""
     encoding = encoding_of(document.document)
     try:
         text = data[len(mark) :].decode(encoding)
@@ -68,74 +67,66 @@ def with_map(
     if len(spans) != len(elements):
         raise EddiError(problem("X036.encoding", Place(document.name), encoding=encoding))
     span = dict(zip(elements, spans, strict=True))
-    model = values[0][1]
-    own = [
-        extension_map
-        for extension_map in extension_maps(document, key)
-        if extension_map.owner is at and extension_map.model == model
+    line_end = "\r\n" if "\r\n" in text else "\n"
+    start, end, before, after, indent = _gap(
+        text, span[at], [span[child] for child in at], line_end
+    )
+    for old in extension_maps(document, key):
+        if old.owner is at and old.model == values[0][1]:
+            tags = {tag for tag, _ in values}
+            kept = [(v.tag, v.text) for v in old.of(*_ONLY_IN_EDDI) if v.tag not in tags]
+            values = [*values[:1], *kept, *values[1:]]
+            start, end, before, after = span[old.element].start, span[old.element].end, "", ""
+            indent = _indent(text, start)
+    lines = [
+        f'<keyValueMaps key="{key}">',
+        *(
+            f'  <values tag="{xml_text(tag)}" value="{xml_text(value).replace("&gt;", ">")}"/>'
+            for tag, value in values  # conditions compare a lot, and ">" may stand in a value
+        ),
+        "</keyValueMaps>",
     ]
-    if own:
-        old = span[own[0].element]
-        tags = {tag for tag, _ in values}
-        kept = [(one.tag, one.text) for one in own[0].of(*_ONLY_HERE) if one.tag not in tags]
-        block = _block(
-            key, [*values[:1], *kept, *values[1:]], _indent(text, old.start), _line_end(text)
-        )
-        new = text[: old.start] + block.lstrip() + text[old.end :]
-    else:
-        new = _inserted(text, span[at], [span[child] for child in at], key, values)
-    return mark + new.encode(encoding, "xmlcharrefreplace")
+    block = before + f"{line_end}{indent}".join(lines) + after
+    return mark + (text[:start] + block + text[end:]).encode(encoding, "xmlcharrefreplace")
 
 
 def _spans(text: str) -> list[_Span]:
     """Return the elements of a well-formed text, in the order of their start tags."""
-    found: list[_Span] = []
+    spans: list[_Span] = []
     open_: list[int] = []
     for match in _MARKUP.finditer(text):
+        start, end = match.span()
         if match["name"] is None:
             continue
-        if not match["end"]:
-            found.append(
-                _Span(match.start(), match.end(), match.end(), match["name"], bool(match["empty"]))
-            )
-            if not match["empty"]:
-                open_.append(len(found) - 1)
-        elif open_:
-            number = open_.pop()
-            found[number] = found[number]._replace(end=match.end())
-    return found
+        if match["end"]:
+            if open_:
+                number = open_.pop()
+                spans[number] = spans[number]._replace(end=end)
+            continue
+        spans.append(_Span(start, end, end, match["name"], bool(match["empty"])))
+        if not match["empty"]:
+            open_.append(len(spans) - 1)
+    return spans
 
 
-def _inserted(
-    text: str, at: _Span, children: Sequence[_Span], key: str, values: Sequence[tuple[str, str]]
-) -> str:
-    """Put a map before the first child of an element."""
-    line_end, outer = _line_end(text), _indent(text, at.start)
-    between = text[at.start_ends : children[0].start] if children else ""
-    inner = _indent(text, children[0].start) if "\n" in between else f"{outer}  "
-    block = _block(key, values, inner, line_end)
+def _gap(
+    text: str, at: _Span, children: Sequence[_Span], line_end: str
+) -> tuple[int, int, str, str, str]:
+    """Return where a first child goes: from, to, what comes before and after it, its indent."""
+    outer = _indent(text, at.start)
+    inner = f"{outer}  "
+    if children and "\n" in text[at.start_ends : children[0].start]:
+        inner = _indent(text, children[0].start)
+    before = f"{line_end}{inner}"
     if at.empty:
         opened = text[at.start : at.start_ends].removesuffix("/>").rstrip() + ">"
-        whole = f"{opened}{block}{line_end}{outer}</{at.name}>"
-        return text[: at.start] + whole + text[at.end :]
+        return at.start, at.end, opened + before, f"{line_end}{outer}</{at.name}>", inner
     rest = text[at.start_ends :]
-    gap = "" if rest[: len(rest) - len(rest.lstrip())].count("\n") else f"{line_end}{inner}"
-    return text[: at.start_ends] + block + (gap if children else "") + rest
-
-
-def _block(key: str, values: Sequence[tuple[str, str]], indent: str, line_end: str) -> str:
-    lines = [f'<keyValueMaps key="{key}">']
-    lines += [
-        f'  <values tag="{xml_text(tag)}" value="{xml_text(value).replace("&gt;", ">")}"/>'
-        for tag, value in values  # conditions compare a lot, and ">" may stand in a value
-    ]
-    return "".join(f"{line_end}{indent}{line}" for line in [*lines, "</keyValueMaps>"])
+    has_line_end = "\n" in rest[: len(rest) - len(rest.lstrip())]
+    after = before if children and not has_line_end else ""
+    return at.start_ends, at.start_ends, before, after, inner
 
 
 def _indent(text: str, start: int) -> str:
     before = text[text.rfind("\n", 0, start) + 1 : start]
     return before if not before.strip() else ""
-
-
-def _line_end(text: str) -> str:
-    return "\r\n" if "\r\n" in text else "\n"

@@ -7,37 +7,39 @@ names, and a name that means nothing is found here.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
-from eddi_scaffold.eddi_xml import vocabulary as word
+from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.extensions import (
     EVENTS,
     MONITORED_BY,
     SAFEML,
+    ExtensionMap,
     Value,
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.eddi_xml.parsing import feature_of
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.eddi_xml.vocabulary import fold
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
-    from eddi_scaffold.eddi_xml.parsing import Element
-
 
 _TAGS = ("event", "safeml", "reliability", "network", "subject")
-_KINDS = {"reliability": ("fault_tree", "markov_chain"), "network": ("bayesian_network",)}
+_TAG_OF_KIND = {
+    "fault_tree": "reliability",
+    "markov_chain": "reliability",
+    "bayesian_network": "network",
+    "consert": "subject",
+}
 _EVENT = re.compile(r"\s*([A-Za-z_][A-Za-z0-9_]*)\s*(?:\(\s*([A-Za-z]+)\s*\))?")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
-@dataclass(frozen=True)
-class Declared:
+class _Event(NamedTuple):
     """One event of the file.
 
     Attributes:
@@ -51,9 +53,8 @@ class Declared:
     uses: frozenset[str]
 
 
-@dataclass(frozen=True)
 class Observed:
-    """What observes what, with paths in place of names.
+    """What observes what in a document, with paths in place of names.
 
     Attributes:
         by: element, path of the model or of the event that observes it, and name of what the model
@@ -62,118 +63,98 @@ class Observed:
         problems: names that mean nothing (X033), unknown tags (X031).
     """
 
-    by: list[tuple[Element, str, str]] = field(default_factory=list)
-    events: dict[str, list[str]] = field(default_factory=dict)
-    problems: list[Problem] = field(default_factory=list)
+    def __init__(self, document: EddiDocument) -> None:
+        self._document = document
+        self.by: list[tuple[Element, str, str]] = []
+        self.events: dict[str, list[str]] = {}
+        self.problems: list[Problem] = []
+        self._events: dict[str, _Event] = {}  # by MODEL/NAME
+        self._models: dict[str, dict[str, str]] = {tag: {} for tag in _TAGS}  # path by tag and name
+        for extension_map in extension_maps(document, EVENTS, SAFEML):
+            if extension_map.model is not None and extension_map.key == SAFEML:
+                self._models["safeml"][extension_map.model] = extension_map.place.path or ""
+            elif extension_map.model is not None:
+                self._read_events(extension_map, extension_map.model)
+        maps = list(extension_maps(document, MONITORED_BY))
+        if any(value.tag in _TAG_OF_KIND.values() for map_ in maps for value in map_.values):
+            for element in document.document.iter():
+                kind = kind_of_model(document, element)
+                if kind in MONITORED and kind in _TAG_OF_KIND:
+                    models = self._models[_TAG_OF_KIND[kind]]
+                    models[element.get("name") or ""] = document.references.path(element)
+        for extension_map in maps:
+            self._read_map(extension_map)
 
-    def by_model(self, document: EddiDocument, path: str | None) -> tuple[tuple[str, str], ...]:
+    def by_model(self, path: str | None) -> tuple[tuple[str, str], ...]:
         """Return what the model at a path observes: names of elements, each with its claim."""
-        found = (
-            (name_of(document, element) or feature_of(element), claim)
+        pairs = (
+            (name_of(self._document, element) or feature_of(element), claim)
             for element, by, claim in self.by
             if path is not None and f"{by}/".startswith(f"{path}/")
         )
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(pairs))
 
+    def _read_events(self, extension_map: ExtensionMap, model: str) -> None:
+        events = dict(_declared_events(extension_map))
+        for event in events.values():
+            paths = (events[name].path for name in event.uses if name in events)
+            self.events[event.path] = [path for path in paths if path != event.path]
+        self._events |= {f"{model}/{name}": event for name, event in events.items()}
 
-def observed(document: EddiDocument) -> Observed:
-    """Read the maps of a document."""
-    found = Observed()
-    models: dict[str, dict[str, str]] = {}
-    events: dict[str, dict[str, Declared]] = {}
-    for one in extension_maps(document, EVENTS, SAFEML):
-        if one.model is not None and one.key == SAFEML:
-            models.setdefault("safeml", {})[one.model] = one.place.path or ""
-        elif one.model is not None:
-            events[one.model] = dict(_declared(one.of("EVENT")))
-    for own in events.values():
-        for event in own.values():
-            used = [own[name].path for name in event.uses if name in own]
-            found.events[event.path] = [path for path in used if path != event.path]
-    maps = list(extension_maps(document, MONITORED_BY))
-    named = [value for map_ in maps for value in map_.values]
-    if any(value.tag in _KINDS or value.tag == "subject" for value in named):
-        _name_models(document, models)
-    for one in maps:
-        found.problems.extend(unknown_tags(one, _TAGS, ("subject",)))
-        owner = _subject(document, one.of("subject"), one.owner, models, found.problems)
-        for value in one.of("event"):
-            _observe_event(document, owner, value, events, found)
-        for value in one.of("safeml", *_KINDS):
-            model, _, claim = (
-                value.text.partition("/") if value.tag in _KINDS else (value.text, "", "")
-            )
-            known = models.get(value.tag, {})
-            if model in known:
-                found.by.append((owner, known[model], claim))
+    def _read_map(self, extension_map: ExtensionMap) -> None:
+        self.problems.extend(unknown_tags(extension_map, _TAGS, ("subject",)))
+        owner = self._subject(extension_map)
+        for value in extension_map.of("event"):
+            self._observe_event(owner, value)
+        for value in extension_map.of("safeml", "reliability", "network"):
+            model, _, claim = value.text.partition("/")
+            if value.tag == "safeml":
+                model, claim = value.text, ""
+            models = self._models[value.tag]
+            if model in models:
+                self.by.append((owner, models[model], claim))
             else:
-                found.problems.append(_unknown(value, model, known))
-    return found
+                self._report_unknown(value, model, models)
+
+    def _observe_event(self, owner: Element, value: Value) -> None:
+        event = self._events.get(value.text)
+        if event is None:
+            self._report_unknown(value, value.text, self._events)
+            return
+        if event.is_hazard and names.EVIDENCE.accepts(feature_of(owner)):
+            self.problems.append(problem("X033.hazard", value.place, event=value.text))
+            return
+        kind = self._document.class_of(owner).name or fold(feature_of(owner))
+        if not event.is_hazard and kind in {"hazard", "hazards"}:
+            self.problems.append(problem("X033.evidence", value.place, event=value.text))
+        self.by.append((owner, event.path, value.text.partition("/")[2]))
+
+    def _subject(self, extension_map: ExtensionMap) -> Element:
+        """Return the evidence that a map is about, which may stand on another element."""
+        conserts = self._models["subject"]
+        for value in extension_map.of("subject")[:1]:
+            name, _, evidence = value.text.partition("/")
+            consert = self._document.at(conserts.get(name, ""))
+            children = [] if consert is None else self._document.children(consert, names.EVIDENCE)
+            by_name = {child.get("name") or "": child for child in children}
+            if evidence in by_name:
+                return by_name[evidence]
+            known = [f"{name}/{each}" for each in by_name] or conserts
+            self._report_unknown(value, value.text, known)
+        return extension_map.owner
+
+    def _report_unknown(self, value: Value, name: str, known: Collection[str]) -> None:
+        listed = f"there are: {', '.join(known)}" if known else "there are none in this file"
+        hint = did_you_mean(name, known) or listed
+        self.problems.append(
+            problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)
+        )
 
 
-def _declared(values: list[Value]) -> Iterator[tuple[str, Declared]]:
-    for value in values:
+def _declared_events(extension_map: ExtensionMap) -> Iterator[tuple[str, _Event]]:
+    for value in extension_map.of("EVENT"):
         match = _EVENT.match(value.text)
         if match is not None:
             uses = frozenset(_NAME.findall(value.text[match.end() :]))
-            hazard = (match.group(2) or "").upper() == "HAZARD"
-            yield match.group(1), Declared(value.place.path or "", hazard, uses)
-
-
-def _name_models(document: EddiDocument, models: dict[str, dict[str, str]]) -> None:
-    tags = {kind: tag for tag, kinds in _KINDS.items() for kind in kinds} | {"consert": "subject"}
-    for element in document.document.iter():
-        kind = kind_of_model(document, element)
-        if kind in MONITORED and kind in tags:
-            path = document.references.path(element)
-            models.setdefault(tags[kind], {})[element.get("name") or ""] = path
-
-
-def _observe_event(
-    document: EddiDocument,
-    owner: Element,
-    value: Value,
-    events: dict[str, dict[str, Declared]],
-    found: Observed,
-) -> None:
-    model, _, name = value.text.partition("/")
-    event = events.get(model, {}).get(name)
-    if event is None:
-        known = [f"{one}/{each}" for one, own in events.items() for each in own]
-        found.problems.append(_unknown(value, value.text, known))
-        return
-    if event.is_hazard and word.EVIDENCE.accepts(feature_of(owner)):
-        found.problems.append(problem("X033.hazard", value.place, event=value.text))
-        return
-    kind = document.class_of(owner).name or fold(feature_of(owner))
-    if not event.is_hazard and kind in {"hazard", "hazards"}:
-        found.problems.append(problem("X033.evidence", value.place, event=value.text))
-    found.by.append((owner, event.path, name))
-
-
-def _subject(
-    document: EddiDocument,
-    values: list[Value],
-    owner: Element,
-    models: dict[str, dict[str, str]],
-    problems: list[Problem],
-) -> Element:
-    """Return the evidence that a map on another element is about."""
-    for value in values[:1]:
-        name, _, evidence = value.text.partition("/")
-        path = models.get("subject", {}).get(name)
-        consert = document.at(path) if path is not None else None
-        inside = document.children(consert, word.EVIDENCE) if consert is not None else []
-        by_name = {one.get("name") or "": one for one in inside}
-        if evidence in by_name:
-            return by_name[evidence]
-        known = [f"{name}/{one}" for one in by_name] or list(models.get("subject", {}))
-        problems.append(_unknown(value, value.text, known))
-    return owner
-
-
-def _unknown(value: Value, name: str, known: object) -> Problem:
-    names = [str(one) for one in known] if isinstance(known, list | dict) else []
-    shown = f"there are: {', '.join(names)}" if names else "there are none in this file"
-    hint = did_you_mean(name, names) or shown
-    return problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)
+            is_hazard = (match[2] or "").upper() == "HAZARD"
+            yield match[1], _Event(value.place.path or "", is_hazard, uses)

@@ -8,21 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
 from lxml import etree
 
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.vocabulary import local_name
-from eddi_scaffold.eddi_xml.xml_text import (
-    HEAD_BYTES,
-    Head,
-    doctype_line,
-    read_head,
-    root_name_end,
-    syntax_hint,
-)
+from eddi_scaffold.eddi_xml.xml_text import HEAD_BYTES, Head, read_head, syntax_hint
 
 Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml has no public name for it
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -36,75 +28,47 @@ _QUOTES = ("ERR_LT_IN_ATTRIBUTE", "ERR_ATTRIBUTE_NOT_FINISHED")
 _START_TAG = re.compile(r"end of Start Tag \S+ line (\d+)")
 _MAX_REPAIRS = 100
 _LAST_LINE = 65535
-# Between two "<" lie at least 5 bytes per attribute: no window of half of that without "<" means
-# no element with more than 1,000 attributes, at a thousandth of the cost of looking at each.
-_WINDOW = 2500
-_ASCII_LIKE = re.compile(r"(?i)(us-?)?ascii|utf-?8|iso-8859-\d+|windows-125\d")
 
 
-@dataclass(frozen=True)
-class Limits:
+class Limits(NamedTuple):
     """How large an untrusted model may be.
 
     Attributes:
         file_bytes: size of the file, checked before parsing.
-        attributes: attributes of one element.
         reference_tokens: references in one attribute.
     """
 
     file_bytes: int = 64 * 1024 * 1024
-    attributes: int = 1000
     reference_tokens: int = 100_000
 
 
 DEFAULT_LIMITS = Limits()
-
-
-@dataclass(frozen=True)
-class XmlDocument:
-    """A parsed document.
-
-    Attributes:
-        document: the document element, which is ``xmi:XMI`` when there are several roots.
-        roots: the root objects.
-    """
-
-    document: Element
-    roots: tuple[Element, ...]
+_FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the model"
 
 
 def load(
-    stream: BinaryIO,
-    name: str,
-    limits: Limits = DEFAULT_LIMITS,
-) -> tuple[XmlDocument | None, list[Problem]]:
+    stream: BinaryIO, name: str, limits: Limits = DEFAULT_LIMITS
+) -> tuple[Element | None, list[Problem]]:
     """Parse a document from a seekable stream.
 
     Returns:
-        The tree, or ``None`` after an error, and the problems X001, X003, X006.
+        The document element, or ``None`` after an error, and the problems X001, X003, X006.
     """
     size = stream.seek(0, 2)
     if size > limits.file_bytes:
-        return None, [_limit("the size of the file in bytes", size, limits.file_bytes, Place(name))]
+        limit = limits.file_bytes
+        return None, [problem("X003.size", Place(name), value=size, limit=limit)]
     stream.seek(0)
     head = read_head(stream.read(HEAD_BYTES))
-    line = doctype_line(head)
-    if line is not None:
-        return None, [_doctype(Place(name, line))]
+    if head.doctype_line is not None:
+        return None, [problem("X001.declaration", Place(name, head.doctype_line))]
     document, undeclared, fault = _parse(stream, head, name)
-    if document is None:
+    if document is None or fault is not None:
         return None, [fault] if fault else []
     if _docinfo(document).doctype:
-        return None, [_doctype(Place(name, 1))]
-    crowded = _crowded(document, stream, limits.attributes)
-    if crowded is not None:
-        place = Place(name, line_of(crowded))
-        count = len(crowded.attrib)
-        return None, [_limit("the number of attributes", count, limits.attributes, place)]
-    return XmlDocument(document, _roots(document)), [
-        problem("X006.prefix", Place(name, line_of(document)), prefix=prefix)
-        for prefix in undeclared
-    ]
+        return None, [problem("X001.declaration", Place(name, 1))]
+    place = Place(name, line_of(document))
+    return document, [problem("X006.prefix", place, prefix=prefix) for prefix in undeclared]
 
 
 def line_of(element: Element) -> int | None:
@@ -114,21 +78,22 @@ def line_of(element: Element) -> int | None:
     the next text ends, from which the line of the element follows.
     """
     stated: Any = element.sourceline  # the stubs give it no type
-    if not isinstance(stated, int) or stated < _LAST_LINE:
-        return stated if isinstance(stated, int) else None
+    line: int | None = stated
+    if line is None or line < _LAST_LINE:
+        return line
     node: Element | None = element
     while node is not None:
         text = node.text or (None if len(node) else node.tail)
         if text:
-            return stated - str(text).count("\n")
+            return line - str(text).count("\n")
         node = node[0] if len(node) else node.getnext()
-    return stated
+    return line
 
 
 def select(element: Element, query: str) -> list[Any]:
     """Return what an XPath query finds: elements or texts."""
-    found = element.xpath(query)
-    return found if isinstance(found, list) else []
+    result = element.xpath(query)
+    return result if isinstance(result, list) else []
 
 
 def encoding_of(document: Element) -> str:
@@ -172,13 +137,12 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
         deep: look inside its children too.
     """
     steps = "descendant-or-self::*[@* or *]/" if deep else ""
-    texts = select(element, f"{steps}text()[normalize-space()]")
-    found: list[tuple[Element, str]] = []
-    for text in texts:
+    stray: list[tuple[Element, str]] = []
+    for text in select(element, f"{steps}text()[normalize-space()]"):
         before = text.getparent()  # for a tail: the sibling that it follows
         parent = before.getparent() if text.is_tail else before
-        found.append((before if parent is None else parent, text.strip()))
-    return found
+        stray.append((before if parent is None else parent, text.strip()))
+    return stray
 
 
 class _Input:
@@ -217,7 +181,7 @@ def _parse(
     log, which could show it, ends after 100 entries.
     """
     undeclared: list[str] = []
-    at = root_name_end(head)
+    at = head.root_name_end
     for _ in range(_MAX_REPAIRS):
         declared = "".join(f' xmlns:{p}="{_KNOWN_PREFIXES.get(p, p)}"' for p in undeclared)
         content: Any = _Input(stream, at or 0, declared.encode(head.encoding, "replace"))
@@ -225,11 +189,10 @@ def _parse(
         try:
             return etree.parse(content, parser).getroot(), undeclared, None
         except (etree.XMLSyntaxError, LookupError, ValueError) as failure:
-            missing = _missing_prefixes(parser)
-            new = [prefix for prefix in missing if prefix not in undeclared]
-            if not new or at is None:
+            missing = [p for p in _missing_prefixes(parser) if p not in undeclared]
+            if not missing or at is None:
                 return None, [], _syntax_error(failure, parser, head, name, repaired=bool(declared))
-            undeclared += new
+            undeclared += missing
     return None, [], problem("X001.prefixes", Place(name, 1))
 
 
@@ -240,13 +203,9 @@ def _errors(parser: etree.XMLParser) -> list[Any]:
 
 def _missing_prefixes(parser: etree.XMLParser) -> list[str]:
     """Return the undeclared prefixes when nothing else is wrong, else nothing."""
-    found: dict[str, None] = {}
-    for entry in _errors(parser):
-        match = _UNDECLARED.match(entry.message)
-        if entry.type_name != "NS_ERR_UNDEFINED_NAMESPACE" or match is None:
-            return []
-        found[match.group(1)] = None
-    return list(found)
+    matches = [_UNDECLARED.match(entry.message) for entry in _errors(parser)]
+    prefixes = dict.fromkeys(match[1] for match in matches if match is not None)
+    return [] if None in matches else list(prefixes)
 
 
 def _syntax_error(
@@ -255,7 +214,7 @@ def _syntax_error(
     entries = [e for e in _errors(parser) if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
     line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
-    shifted = repaired and line == head.line_of(root_name_end(head) or 0)
+    shifted = repaired and line == head.line_of(head.root_name_end or 0)
     column = None if shifted or not entries else entries[0].column
     place = Place(name, max(line, 1), column or None)
     if entries and entries[0].type_name in _QUOTES:
@@ -268,41 +227,5 @@ def _syntax_error(
     return problem("X001.syntax", place, hint=syntax_hint(head, message), reason=message)
 
 
-_FIXED = "depth 256 and 10 MB per text or attribute are fixed limits; split the model"
-
-
-def _roots(document: Element) -> tuple[Element, ...]:
-    if local_name(str(document.tag)) == "XMI":
-        return tuple(document.iterchildren())
-    return (document,)
-
-
-def _crowded(document: Element, stream: BinaryIO, limit: int) -> Element | None:
-    """Return an element with too many attributes."""
-    encoding = encoding_of(document)
-    if _ASCII_LIKE.fullmatch(encoding) and limit * 5 >= 2 * _WINDOW and not _has_gap(stream):
-        return None
-    found: list[Element] = select(document, f"descendant-or-self::*[count(@*) > {limit}]")
-    return found[0] if found else None
-
-
 def _docinfo(document: Element) -> Any:
     return document.getroottree().docinfo  # the stubs lack half of its attributes
-
-
-def _has_gap(stream: BinaryIO) -> bool:
-    """Return whether some window of the file has no ``<``: needed for a very long start tag."""
-    stream.seek(0)
-    while block := stream.read(_WINDOW * 40):
-        for start in range(0, len(block) - _WINDOW + 1, _WINDOW):
-            if block.find(b"<", start, start + _WINDOW) < 0:
-                return True
-    return False
-
-
-def _doctype(place: Place) -> Problem:
-    return problem("X001.declaration", place)
-
-
-def _limit(what: str, value: int, limit: int, place: Place) -> Problem:
-    return problem("X003.size", place, subject=what, value=value, limit=limit)

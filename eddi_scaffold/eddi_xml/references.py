@@ -8,27 +8,21 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
-from eddi_scaffold.eddi_xml.parsing import feature_of, select
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.parsing import Element
 
 _FRAGMENT = re.compile(
     r"(?=/)(?:/{1,2}(?!@)([0-9]{1,9})?|/)?((?:/@[^\W\d][\w-]*(?:\.[0-9]{1,9})?)*)/?"
 )
-_SUGGESTION_BUDGET = 200_000
 _DEEPEST = 256
 """The depth of a file that the parser reads: a longer path points at nothing."""
 
 
-@dataclass(frozen=True)
-class Fragment:
+class Fragment(NamedTuple):
     """A parsed fragment path.
 
     Attributes:
@@ -40,19 +34,16 @@ class Fragment:
     segments: str
 
 
-@dataclass(frozen=True)
-class ReferenceToken:
+class ReferenceToken(NamedTuple):
     """One reference as written.
 
     Attributes:
-        text: the token.
         resource: the other file that it names, empty for this one.
         fragment: the parsed path, ``None`` when it is an ``xmi:id`` or does not parse.
         id: the ``xmi:id``, ``None`` when it is a path or does not parse.
     """
 
-    text: str
-    resource: str = ""
+    resource: str
     fragment: Fragment | None = None
     id: str | None = None
 
@@ -69,8 +60,8 @@ def parse_token(text: str) -> ReferenceToken:
     if not sharp:
         resource, rest = "", text
     if rest.startswith("/"):
-        return ReferenceToken(text, resource, fragment=parse_fragment(rest))
-    return ReferenceToken(text, resource, id=rest or None)
+        return ReferenceToken(resource, fragment=parse_fragment(rest))
+    return ReferenceToken(resource, id=rest or None)
 
 
 class _Children:
@@ -101,25 +92,27 @@ class _Children:
 
 
 class References:
-    """Resolves references in one document, with an index of children and a table of paths."""
+    """Resolves references in one document, with an index of children and a table of paths.
+
+    Attributes:
+        misprints: (printed, intended) feature names that paths needed repaired, with their count.
+    """
 
     def __init__(self, roots: Sequence[Element]) -> None:
         self._roots = tuple(roots)
         self._root_index = {root: index for index, root in enumerate(self._roots)}
         self._index: dict[Element, _Children] = {}
-        self._found: dict[tuple[int, str], Element] = {}
+        self._resolved: dict[tuple[int, str], Element] = {}
         self._paths: dict[Element, str] = {}
-        self._budget = _SUGGESTION_BUDGET
         self.misprints: Counter[tuple[str, str]] = Counter()
-        """(printed, intended) feature names that paths needed repaired, with their count."""
 
     def children(self, parent: Element, *folded: str) -> list[Element]:
         """Return the children in the features with these folded names, in document order."""
         groups = [g for name in folded if (g := self._children(parent).by_folded.get(name))]
         if len(groups) < 2:
             return groups[0] if groups else []
-        wanted = {child for group in groups for child in group}
-        return [child for child in parent.iterchildren() if child in wanted]
+        chosen = {child for group in groups for child in group}
+        return [child for child in parent.iterchildren() if child in chosen]
 
     def path(self, element: Element) -> str:
         """Return the canonical path: each segment with its index, no slash at the end."""
@@ -130,24 +123,32 @@ class References:
                 return "/"
             trail.append(element)
             element = parent
-        path = self._paths.get(element) or self._root_path(element)
+        path = self._paths.get(element, "/")
+        if element in self._root_index and len(self._roots) > 1:
+            path = f"/{self._root_index[element]}"
         for child in reversed(trail):
             path += self._children(element).segments[child]
             self._paths[child] = path
             element = child
         return path
 
+    def at(self, path: str) -> Element | None:
+        """Return the element that the text of a path points at, ``None`` when there is none."""
+        fragment = parse_fragment(path)
+        return self.resolve(fragment) if fragment is not None else None
+
     def resolve(self, fragment: Fragment) -> Element | None:
         """Return the element that a path points at, ``None`` when there is none."""
-        if fragment.root >= len(self._roots) or fragment.segments.count("/@") > _DEEPEST:
+        root, head = fragment
+        if root >= len(self._roots) or head.count("/@") > _DEEPEST:
             return None
-        head, missing = fragment.segments, []
-        element = self._found.get((fragment.root, head))
+        missing = []
+        element = self._resolved.get(fragment)
         while element is None and head:
             head, _, last = head.rpartition("/@")
             missing.append(last)
-            element = self._found.get((fragment.root, head))
-        element = self._roots[fragment.root] if element is None else element
+            element = self._resolved.get((root, head))
+        element = self._roots[root] if element is None else element
         for segment in reversed(missing):
             child = self._step(element, segment)
             if child is None:
@@ -155,7 +156,7 @@ class References:
             head = f"{head}/@{segment}"
             # Leaves are asked for once or twice; only what has children is worth a table entry.
             if len(child):
-                self._found[fragment.root, head] = child
+                self._resolved[root, head] = child
             element = child
         return element
 
@@ -168,34 +169,28 @@ class References:
         if fragment.root >= len(self._roots):
             return f"the file has {len(self._roots)} roots, the index {fragment.root} is too large"
         element = self._roots[fragment.root]
-        segments = fragment.segments.split("/@")[1:]
-        for depth, segment in enumerate(segments):
+        for segment in fragment.segments.split("/@")[1:]:
             child = self._step(element, segment)
             if child is None:
-                suggestion = self._suggestion(fragment.root, segments[:depth], segments[depth:])
-                return self._missing(element, segment) + suggestion
+                return self._explain_segment(element, segment)
             element = child
         return "it exists"
 
     @cached_property
     def _ids(self) -> dict[str, list[Element]]:
-        found: dict[str, list[Element]] = {}
+        ids: dict[str, list[Element]] = {}
         query = 'descendant-or-self::*[@*[local-name()="id" and contains(namespace-uri(), "XMI")]]'
-        for root in self._roots:
-            for element in select(root, query):
-                for key, value in element.attrib.items():
-                    if str(key).endswith("}id"):
-                        found.setdefault(str(value), []).append(element)
-        return found
+        for element in (element for root in self._roots for element in select(root, query)):
+            for key, value in element.attrib.items():
+                if str(key).endswith("}id"):
+                    ids.setdefault(str(value), []).append(element)
+        return ids
 
     def _children(self, parent: Element) -> _Children:
         entry = self._index.get(parent)
         if entry is None:
             entry = self._index[parent] = _Children(parent)
         return entry
-
-    def _root_path(self, root: Element) -> str:
-        return "/" if len(self._roots) == 1 else f"/{self._root_index[root]}"
 
     def _step(self, parent: Element, segment: str) -> Element | None:
         # from behind: an element that EMF did not write may have points in its name
@@ -208,45 +203,21 @@ class References:
         similar = children.by_folded.get(fold(name), ())
         if index >= len(similar):
             return None
-        there = feature_of(similar[index])
-        right = is_misprint(there) and not is_misprint(name)
-        self.misprints[(there, name) if right else (name, there)] += 1
+        printed = feature_of(similar[index])
+        is_file_wrong = is_misprint(printed) and not is_misprint(name)
+        self.misprints[(printed, name) if is_file_wrong else (name, printed)] += 1
         return similar[index]
 
-    def _missing(self, parent: Element, segment: str) -> str:
+    def _explain_segment(self, parent: Element, segment: str) -> str:
         name, _, digits = segment.partition(".")
-        here = self.path(parent)
-        by_name = self._children(parent).by_name
-        count = len(by_name.get(name, ()))
-        if count:
-            last = count - 1
-            return f'{here} has {count} "{name}", the index {digits} is out of range (0 to {last})'
+        path, by_name = self.path(parent), self._children(parent).by_name
+        if name in by_name:
+            count = len(by_name[name])
+            range_ = f"the index {digits} is out of range (0 to {count - 1})"
+            return f'{path} has {count} "{name}", {range_}'
         if not by_name:
-            return f'{here} has no "{name}", it has no children'
+            return f'{path} has no "{name}", it has no children'
         features = [f'"{other}" ({len(group)})' for other, group in by_name.items()]
-        shown = features[:8] + (["others"] if len(features) > 8 else [])
-        there = " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
-        return f'{here} has no "{name}", it has {there}'
-
-    def _suggestion(self, root: int, good: Sequence[str], rest: Sequence[str]) -> str:
-        """Return the one existing path that results from inserting one segment, as a question."""
-        found: set[str] = set()
-        for depth in range(len(good) + 1):
-            prefix = "".join(f"/@{s}" for s in good[:depth])
-            parent = self.resolve(Fragment(root, prefix))
-            if parent is None:
-                continue
-            for segment in self._segments(parent):
-                tail = "".join(f"/@{s}" for s in (*good[depth:], *rest))
-                element = self.resolve(Fragment(root, f"{prefix}{segment}{tail}"))
-                if element is not None:
-                    found.add(self.path(element))
-                if len(found) > 1:
-                    return ""
-        return f"; did you mean {found.pop()}?" if found else ""
-
-    def _segments(self, parent: Element) -> Iterator[str]:
-        """Yield the segments to the children, within a budget: a broken file may hold millions."""
-        segments = self._children(parent).segments.values()
-        self._budget -= len(segments)
-        return iter(segments if self._budget >= 0 else ())
+        features = features[:8] + (["others"] if len(features) > 8 else [])
+        listed = " and ".join(filter(None, (", ".join(features[:-1]), features[-1])))
+        return f'{path} has no "{name}", it has {listed}'

@@ -6,137 +6,87 @@ Unlike reading, a survey visits every element of the file.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import PurePath
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.eddi_xml import vocabulary as word
-from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, ExtensionMap, extension_maps
-from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, feature_of, select
+from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
+from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
-    from eddi_scaffold.eddi_xml.parsing import Element
-
-Counts = Mapping[str, int]
-
-
-@dataclass(frozen=True)
-class FoundModel:
-    """One model of any kind.
-
-    Attributes:
-        kind: name of the monitor kind that it is for (``consert``, ``fault_tree``, ...).
-        name: its name, or the stem of the file.
-        path: canonical fragment path.
-        line: line of its element.
-        counts: how many of what it holds.
-    """
-
-    kind: str
-    name: str
-    path: str
-    line: int | None
-    counts: Counts
-
-
-@dataclass(frozen=True)
-class FoundPackage:
-    """A package, with the class that the file states."""
-
-    class_name: str
-    name: str
-    path: str
-    line: int | None
-
-
-@dataclass(frozen=True)
-class Survey:
-    """Everything in one file.
-
-    Attributes:
-        models: in document order, those of our own maps last.
-        packages: the roots and the packages in them, in document order.
-        elements: number of elements, with the document element.
-        references: number of references, counted by their form in any attribute.
-        unresolved: how many of them point at nothing.
-    """
-
-    models: tuple[FoundModel, ...]
-    packages: tuple[FoundPackage, ...]
-    elements: int
-    references: int
-    unresolved: int
-
-    def as_json(self) -> dict[str, object]:
-        """Return the stable JSON form of ``show --json``."""
-        return {
-            "models": [dict(vars(model)) for model in self.models],
-            "packages": [
-                {"class": p.class_name, "name": p.name, "path": p.path, "line": p.line}
-                for p in self.packages
-            ],
-            "elements": self.elements,
-            "references": {"total": self.references, "unresolved": self.unresolved},
-        }
-
 
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
 """Kinds of models that monitors are made of."""
 
 
-def survey(document: EddiDocument) -> Survey:
-    """Visit every element of a document."""
+def survey(document: EddiDocument) -> dict[str, Any]:
+    """Visit every element of a document, and return what ``show --json`` prints.
+
+    ``models`` are in document order, those of our own maps last; ``packages`` the roots and the
+    packages in them; ``elements`` and ``references`` are numbers, also of the unresolved ones.
+    """
     references = References(document.roots)  # its own: it must not disturb a reader's remarks
-    models: list[FoundModel] = []
+    models: list[dict[str, Any]] = []
     elements = total = unresolved = 0
     for element in document.document.iter():
         elements += 1
         kind = kind_of_model(document, element)
         if kind is not None:
-            models.append(_model(document, element, kind))
-        for value in element.values():
-            if "/@" not in value:
-                continue
-            for token in str(value).split():
-                fragment = parse_fragment(token.removeprefix("#")) if "/@" in token else None
-                if fragment is not None:
-                    total += 1
-                    unresolved += references.resolve(fragment) is None
-    models += [_of_map(extension_map) for extension_map in extension_maps(document, EVENTS, SAFEML)]
-    packages = tuple(_package(document, element) for element in document.packages())
-    return Survey(tuple(models), packages, elements, total, unresolved)
+            name = name_of(document, element) or PurePath(document.name).stem
+            counts = {
+                key: count(document, element)
+                if callable(count)
+                else _count(document, element, count)
+                for key, count in _COUNTS[kind].items()
+            }
+            models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
+        # a reference shows by its form, in any attribute
+        texts = (str(value) for value in element.values() if "/@" in value)
+        for token in (token for text in texts for token in text.split() if "/@" in token):
+            fragment = parse_fragment(token.removeprefix("#"))
+            if fragment is not None:
+                total += 1
+                unresolved += references.resolve(fragment) is None
+    for extension_map in extension_maps(document, EVENTS, SAFEML):
+        counts = {"settings": len(extension_map.values)}
+        if extension_map.key == EVENTS:
+            tags = {"events": "EVENT", "variables": "VAR"}
+            counts = {name: len(extension_map.of(tag)) for name, tag in tags.items()}
+        kind = extension_map.key.removeprefix("eddi.").removesuffix("s")
+        at = _at(document, extension_map.element)
+        name = extension_map.model or ""
+        models.append({"kind": kind, "name": name, **at, "counts": counts})
+    packages = [
+        {
+            "class": document.class_or_feature(package),
+            "name": name_of(document, package),
+            **_at(document, package),
+        }
+        for package in document.packages()
+    ]
+    return {
+        "models": models,
+        "packages": packages,
+        "elements": elements,
+        "references": {"total": total, "unresolved": unresolved},
+    }
 
 
-def _model(document: EddiDocument, element: Element, kind: str) -> FoundModel:
+def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
     place = document.place(element)
-    name = name_of(document, element) or PurePath(document.name).stem
-    return FoundModel(kind, name, place.path or "/", place.line, _COUNTS[kind](document, element))
-
-
-def _of_map(one: ExtensionMap) -> FoundModel:
-    """Return the model that a map of ours describes."""
-    counts = {"events": len(one.of("EVENT")), "variables": len(one.of("VAR"))}
-    counts = counts if one.key == EVENTS else {"settings": len(one.values)}
-    name = one.key.removeprefix("eddi.").removesuffix("s")
-    return FoundModel(name, one.model or "", one.place.path or "/", one.place.line, counts)
-
-
-def _package(document: EddiDocument, element: Element) -> FoundPackage:
-    place = document.place(element)
-    stated = document.class_of(element).printed or feature_of(element)
-    return FoundPackage(stated, name_of(document, element), place.path or "/", place.line)
+    return {"path": place.path or "/", "line": place.line}
 
 
 def name_of(document: EddiDocument, element: Element) -> str:
     """Return the name; in SACM it is an object with a content, often of the part only."""
-    stated = document.attribute(element, Spelling("name"))
-    if stated is not None:
-        return stated
-    here = '*[local-name()="name"]/@content'
-    contents = select(element, here) or select(element, f"*/{here}")
+    name = document.attribute(element, names.NAME)
+    if name is not None:
+        return name
+    query = '*[local-name()="name"]/@content'
+    contents = select(element, query) or select(element, f"*/{query}")
     return str(contents[0]) if contents else ""
 
 
@@ -164,24 +114,32 @@ _BY_FEATURE = {
 
 def kind_of_model(document: EddiDocument, element: Element) -> str | None:
     """Return the kind of the model that an element is, ``None`` when it is none."""
-    stated = element.get(XSI_TYPE)
+    class_name = element.get(XSI_TYPE)
     feature = fold(feature_of(element))
-    kind = _BY_CLASS.get(fold(stated.rpartition(":")[2])) if stated is not None else None
+    kind = _BY_CLASS.get(fold(class_name.rpartition(":")[2])) if class_name is not None else None
     kind = kind or _BY_FEATURE.get(feature)
     if kind is None and feature in _BY_CLASS and document.is_root(element):
         kind = _BY_CLASS[feature]
     if kind == "state_machine" and is_chain(document, element):
         return "markov_chain"
     if kind == "consert" and not document.is_root(element):
-        kind = kind if _holds_conserts(document, element.getparent()) else None
-    if kind == "assurance_case" and _is_nested(element):
-        return None
+        return kind if _holds_conserts(document, element.getparent()) else None
+    if kind == "assurance_case":
+        outer = (fold(feature_of(ancestor)) for ancestor in element.iterancestors())
+        return None if any("assurancecasepackage" in feature for feature in outer) else kind
     return kind
+
+
+def _holds_conserts(document: EddiDocument, parent: Element | None) -> bool:
+    if parent is None:
+        return False
+    is_package = document.class_of(parent).name == names.PACKAGE_CLASS
+    return is_package or names.CONFIGURATIONS.accepts(feature_of(parent))
 
 
 def is_chain(document: EddiDocument, machine: Element) -> bool:
     """Tell whether every transition has a rate, and none a trigger."""
-    transitions = document.children(machine, word.TRANSITIONS)
+    transitions = document.children(machine, names.TRANSITIONS)
     return bool(transitions) and all(
         has_rate(document, transition) and not has_trigger(document, transition)
         for transition in transitions
@@ -190,127 +148,111 @@ def is_chain(document: EddiDocument, machine: Element) -> bool:
 
 def has_rate(document: EddiDocument, transition: Element) -> bool:
     """Tell whether a transition has a rate; EMF may write the zero that was not given."""
-    if (document.attribute(transition, word.RATE) or "").strip("0. "):
+    if (document.attribute(transition, names.RATE) or "").strip("0. "):
         return True
-    laws = document.children(transition, word.RATE_DISTRIBUTION)
+    laws = document.children(transition, names.RATE_DISTRIBUTION)
     return any(not is_none(document, law) for law in laws)
 
 
 def has_trigger(document: EddiDocument, transition: Element) -> bool:
     """Tell whether a transition waits for an event."""
-    given = (document.attribute(transition, word.TRIGGERS) or "").strip()
-    return bool(given or document.children(transition, word.TRIGGERS))
+    triggers = (document.attribute(transition, names.TRIGGERS) or "").strip()
+    return bool(triggers or document.children(transition, names.TRIGGERS))
 
 
 def is_none(document: EddiDocument, distribution: Element) -> bool:
     """Tell whether a distribution says that there is none."""
-    stated = (document.attribute(distribution, word.DISTRIBUTION_TYPE) or "").strip().casefold()
-    return stated in ("", "none") and not document.children(distribution, word.PARAMETERS)
+    type_ = (document.attribute(distribution, names.DISTRIBUTION_TYPE) or "").strip().casefold()
+    return type_ in ("", "none") and not document.children(distribution, names.PARAMETERS)
 
 
-def _holds_conserts(document: EddiDocument, parent: Element | None) -> bool:
-    if parent is None:
-        return False
-    is_package = document.class_of(parent).name == "consertpackage"
-    return is_package or fold(feature_of(parent)) in ("configurations", "configuration")
+def _count(document: EddiDocument, element: Element, path: tuple[Spelling, ...]) -> int:
+    """Return how many elements there are at the end of a path of features."""
+    elements = [element]
+    for spelling in path:
+        elements = [c for element in elements for c in document.children(element, spelling)]
+    return len(elements)
 
 
-def _is_nested(element: Element) -> bool:
-    return any("assurancecasepackage" in fold(feature_of(a)) for a in element.iterancestors())
-
-
-def _count(document: EddiDocument, element: Element, *names: str) -> int:
-    return len(document.children(element, Spelling(names[0], names[1:])))
-
-
-def _consert(document: EddiDocument, element: Element) -> Counts:
-    return {
-        "guarantees": _count(document, element, "guarantees"),
-        "demands": _count(document, element, "demands"),
-        "evidence": _count(document, element, "runtimeEvidence", "runtimeEvidences"),
-        "gates": _count(document, element, "consertGates", "gates"),
-        "tree_propagations": _count(
-            document, element, "guaranteePropagation", "guaranteePropagations"
-        ),
-        "required_services": _services(document, element, "demands", "requiredService"),
-        "provided_services": _services(document, element, "guarantees", "providedService"),
-    }
-
-
-def _services(document: EddiDocument, element: Element, feature: str, link: str) -> int:
+def _services(feature: Spelling, link: Spelling, listed: Spelling) -> Count:
     """Count the services that a ConSert refers to, or that its configuration holds."""
-    tokens = {
-        token
-        for member in document.children(element, Spelling(feature))
-        for token in (document.attribute(member, Spelling(link)) or "").split()
-    }
-    parent = element.getparent()
-    if parent is None or fold(feature_of(parent)) not in ("configurations", "configuration"):
-        return len(tokens)
-    return _count(document, parent, f"{link}s") or len(tokens)
+
+    def count(document: EddiDocument, element: Element) -> int:
+        tokens = {
+            token
+            for member in document.children(element, feature)
+            for token in (document.attribute(member, link) or "").split()
+        }
+        parent = element.getparent()
+        if parent is None or not names.CONFIGURATIONS.accepts(feature_of(parent)):
+            return len(tokens)
+        return len(document.children(parent, listed)) or len(tokens)
+
+    return count
 
 
-def _bayesian_network(document: EddiDocument, element: Element) -> Counts:
-    nodes = document.children(element, Spelling("nodes"))
-    return {
-        "nodes": len(nodes),
-        "states": sum(_count(document, node, "nodeStates") for node in nodes),
-        "connections": _count(document, element, "causalConnections"),
-        "rows": sum(
-            _count(document, node, "conditionalProbabilityDistributions") for node in nodes
+def _basic_events(document: EddiDocument, tree: Element) -> int:
+    causes = document.children(tree, names.CAUSES)
+    types = [document.attribute(cause, names.CAUSE_TYPE) or "" for cause in causes]
+    return sum(fold(type_) == "basicevent" for type_ in types)
+
+
+def _gates(document: EddiDocument, tree: Element) -> int:
+    causes = document.children(tree, names.CAUSES)
+    return sum(document.class_of(cause).name == "gate" for cause in causes)
+
+
+def _below(feature: str, class_name: str = "") -> Count:
+    """Count the elements in a feature at any depth, of one class or of all."""
+
+    def count(document: EddiDocument, element: Element) -> int:
+        below = select(element, f'descendant::*[local-name()="{feature}"]')
+        return sum(class_name in ("", document.class_of(each).name) for each in below)
+
+    return count
+
+
+Count = Callable[["EddiDocument", Element], int]
+_FAILURES = (names.FAILURES,)
+_CHAIN: Mapping[str, tuple[Spelling, ...]] = {
+    "states": (names.STATES,),
+    "transitions": (names.TRANSITIONS,),
+    "failures": _FAILURES,
+}
+_COUNTS: Mapping[str, Mapping[str, Count | tuple[Spelling, ...]]] = {
+    "consert": {
+        "guarantees": (names.GUARANTEES,),
+        "demands": (names.DEMANDS,),
+        "evidence": (names.EVIDENCE,),
+        "gates": (names.GATES,),
+        "tree_propagations": (names.PROPAGATIONS,),
+        "required_services": _services(
+            names.DEMANDS, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES
         ),
-    }
-
-
-def _fault_tree(document: EddiDocument, element: Element) -> Counts:
-    causes = document.children(element, Spelling("causes"))
-    kinds = [document.attribute(cause, Spelling("causeType")) or "" for cause in causes]
-    return {
-        "causes": len(causes),
-        "basic_events": sum(fold(kind) == "basicevent" for kind in kinds),
-        "gates": sum(document.class_of(cause).name == "gate" for cause in causes),
-        "failures": _count(document, element, "failures"),
-    }
-
-
-def _markov_chain(document: EddiDocument, element: Element) -> Counts:
-    return {
-        "states": _count(document, element, "states"),
-        "transitions": len(document.children(element, word.TRANSITIONS)),
-        "failures": _count(document, element, "failures"),
-    }
-
-
-def _fmea(document: EddiDocument, element: Element) -> Counts:
-    return {
-        "entries": _count(document, element, "entries"),
-        "failures": _count(document, element, "failures"),
-    }
-
-
-def _failure_model(document: EddiDocument, element: Element) -> Counts:
-    return {"failures": _count(document, element, "failures")}
-
-
-def _assurance_case(document: EddiDocument, element: Element) -> Counts:
-    arguments = select(element, 'descendant::*[local-name()="argumentationElement"]')
-    classes = [document.class_of(argument).name for argument in arguments]
-    artifacts = select(element, 'descendant::*[local-name()="artifactElement"]')
-    return {
-        "argumentation_elements": len(arguments),
-        "claims": classes.count("claim"),
-        "artifact_references": classes.count("artifactreference"),
-        "artifact_elements": len(artifacts),
-    }
-
-
-_COUNTS: Mapping[str, Callable[[EddiDocument, Element], Counts]] = {
-    "consert": _consert,
-    "bayesian_network": _bayesian_network,
-    "fault_tree": _fault_tree,
-    "markov_chain": _markov_chain,
-    "state_machine": _markov_chain,
-    "fmea": _fmea,
-    "failure_model": _failure_model,
-    "assurance_case": _assurance_case,
+        "provided_services": _services(
+            names.GUARANTEES, names.PROVIDED_SERVICE, names.PROVIDED_SERVICES
+        ),
+    },
+    "bayesian_network": {
+        "nodes": (names.NODES,),
+        "states": (names.NODES, names.NODE_STATES),
+        "connections": (names.CONNECTIONS,),
+        "rows": (names.NODES, names.ROWS),
+    },
+    "fault_tree": {
+        "causes": (names.CAUSES,),
+        "basic_events": _basic_events,
+        "gates": _gates,
+        "failures": _FAILURES,
+    },
+    "markov_chain": _CHAIN,
+    "state_machine": _CHAIN,
+    "fmea": {"entries": (Spelling("entries"),), "failures": _FAILURES},
+    "failure_model": {"failures": _FAILURES},
+    "assurance_case": {
+        "argumentation_elements": _below("argumentationElement"),
+        "claims": _below("argumentationElement", "claim"),
+        "artifact_references": _below("argumentationElement", "artifactreference"),
+        "artifact_elements": _below("artifactElement"),
+    },
 }

@@ -106,8 +106,6 @@ REQUIRED_SERVICE = Spelling("requiredService")
 PROVIDED_SERVICE = Spelling("providedService")
 DEFAULT = Spelling("isDefaultGuarantee", ("default",))
 RANKING = Spelling("ranking")
-SERVICE_DEMANDS = Spelling("demands")
-SERVICE_GUARANTEES = Spelling("guarantees")
 
 # what other packages say of a ConSert and its parts; links, not content
 EVENTS = Spelling("events")

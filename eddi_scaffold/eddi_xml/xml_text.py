@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import codecs
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 HEAD_BYTES = 1 << 16
 """How much of a file is looked at before it is parsed."""
 
-_ENCODINGS = (
-    (codecs.BOM_UTF8, "utf-8"),
-    (codecs.BOM_UTF16_LE, "utf-16-le"),
-    (codecs.BOM_UTF16_BE, "utf-16-be"),
-    (b"<\0", "utf-16-le"),
-    (b"\0<", "utf-16-be"),
+_STARTS = (
+    (codecs.BOM_UTF8, 3, "latin-1"),
+    (codecs.BOM_UTF16_LE, 2, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, 2, "utf-16-be"),
+    (b"<\0", 0, "utf-16-le"),
+    (b"\0<", 0, "utf-16-be"),
+    (b"", 0, "latin-1"),
 )
+"""First bytes -> length of the byte order mark, encoding."""
 _DECLARATION = re.compile(r"<\?xml\s")
-_ROOT_NAME = re.compile(r"<[^\s/>]+")
+_PROLOG = re.compile(r"(?:[^<]|<!--.*?-->|<\?.*?\?>)*", re.DOTALL)
+"""Up to a document type declaration or the document element. Nothing may follow in this pattern:
+it would try every way to divide the comments."""
+_ROOT_NAME = re.compile(r"<[^\s/>!?]+")
 
 
-@dataclass(frozen=True)
-class Head:
+class Head(NamedTuple):
     """The first bytes of a document, decoded far enough to see its markup.
 
     Attributes:
@@ -35,59 +39,40 @@ class Head:
     offset: int
     encoding: str
 
-    def byte_offset(self, index: int) -> int:
-        """Return the offset in the file of a character of ``text``."""
-        return self.offset + len(self.text[:index].encode(self.encoding))
-
     def line_of(self, index: int) -> int:
         """Return the line, counted from 1, of a character of ``text``."""
         return self.text.count("\n", 0, index) + 1
 
+    @property
+    def prolog_end(self) -> int:
+        """The index in ``text`` behind comments and processing instructions."""
+        prolog = _PROLOG.match(self.text)
+        return prolog.end() if prolog is not None else 0
+
+    @property
+    def doctype_line(self) -> int | None:
+        """The line of a document type declaration, ``None`` when there is none."""
+        is_there = self.text.startswith("<!DOCTYPE", self.prolog_end)
+        return self.line_of(self.prolog_end) if is_there else None
+
+    @property
+    def root_name_end(self) -> int | None:
+        """The byte offset behind the name of the document element."""
+        name = _ROOT_NAME.match(self.text, self.prolog_end)
+        if name is None:
+            return None
+        return self.offset + len(self.text[: name.end()].encode(self.encoding))
+
 
 def read_head(data: bytes) -> Head:
     """Decode the first bytes of a document."""
-    for mark, encoding in _ENCODINGS:
-        if data.startswith(mark):
-            offset = 0 if mark[0] in b"<\0" else len(mark)
-            codec = "latin-1" if encoding == "utf-8" else encoding
-            return Head(data[offset:HEAD_BYTES].decode(codec, "ignore"), offset, codec)
-    return Head(data[:HEAD_BYTES].decode("latin-1"), 0, "latin-1")
+    length, encoding = next(row[1:] for row in _STARTS if data.startswith(row[0]))
+    return Head(data[length:HEAD_BYTES].decode(encoding, "ignore"), length, encoding)
 
 
 def looks_like_xml(data: bytes) -> bool:
     """Return whether the first character that is not white space is ``<``."""
     return read_head(data[:HEAD_BYTES]).text.lstrip().startswith("<")
-
-
-def prolog_end(text: str) -> int:
-    """Return the index of the first ``<`` that starts neither a comment nor an instruction.
-
-    That is the document element or a document type declaration; ``len(text)`` when there is none.
-    """
-    position = 0
-    while True:
-        position = text.find("<", position)
-        if position < 0:
-            return len(text)
-        for start, end in (("<!--", "-->"), ("<?", "?>")):
-            if text.startswith(start, position):
-                found = text.find(end, position + len(start))
-                position = found + len(end) if found >= 0 else len(text)
-                break
-        else:
-            return position
-
-
-def doctype_line(head: Head) -> int | None:
-    """Return the line of a document type declaration, ``None`` when there is none."""
-    start = prolog_end(head.text)
-    return head.line_of(start) if head.text.startswith("<!DOCTYPE", start) else None
-
-
-def root_name_end(head: Head) -> int | None:
-    """Return the byte offset behind the name of the document element."""
-    match = _ROOT_NAME.match(head.text, prolog_end(head.text))
-    return head.byte_offset(match.end()) if match else None
 
 
 def syntax_hint(head: Head, message: str) -> str | None:
@@ -105,6 +90,4 @@ def syntax_hint(head: Head, message: str) -> str | None:
         return "quote missing in the XML declaration"
     if "Premature end of data" in message or "EndTag: '</' not found" in message:
         return "the file is cut off: the end tag of the first element is missing"
-    if not text.lstrip().startswith("<"):
-        return "this is not an XML file"
-    return None
+    return None if text.lstrip().startswith("<") else "this is not an XML file"

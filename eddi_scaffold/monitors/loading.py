@@ -23,12 +23,12 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
 from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.extensions import check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
-from eddi_scaffold.eddi_xml.observers import observed
+from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import select
-from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.eddi_xml.unread import (
     check_features,
     event_monitors,
@@ -142,15 +142,15 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         if kind.in_eddi and any(select(root, kind.in_eddi) for root in document.roots):
             reading = kind.model_class.read_eddi(document, source, default_guarantees)
             models += reading.models
-            problems += reading.problems
-    seen = observed(document)
+            problems = [*problems, *reading.problems]
+    seen = Observed(document)
     problems = [*dict.fromkeys([*problems, *check_features(document)]), *seen.problems]
     links = links_of(document, seen) if models else {}
     models = [
         replace(
             model,
             links=links_in(document, model.place, links),
-            observes=seen.by_model(document, model.place.path),
+            observes=seen.by_model(model.place.path),
         )
         for model in models
     ]

@@ -13,8 +13,8 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
+from eddi_scaffold.eddi_xml.document import read_document
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.unread import foreign, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
@@ -31,8 +31,8 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
         document, problems = read_document(source)
         if document is None:
             return {"models": []}, problems
-        left_out = [element.as_json() for element in unread(document)]
-        return {**survey(document).as_json(), "unread": left_out}, problems
+        left_out = [one.as_json() for one in unread(document)]
+        return {**survey(document), "unread": left_out}, problems
     reading = read_models(source)
     models = [
         {

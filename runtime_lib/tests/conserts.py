@@ -5,12 +5,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
     ConSert,
-    ConSertOptions,
     Demand,
     Evidence,
     Gate,
@@ -20,6 +19,7 @@ from eddi_scaffold.kinds.consert.model import (
     ProvidedService,
     Range,
 )
+from eddi_scaffold.kinds.consert.options import ConSertOptions
 from runtime_lib.tests.bound_models import bound_input, bound_model
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import in_order
-from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds.consert.read_eddi import read_eddi
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from eddi_scaffold.common.problems import Problem
-    from eddi_scaffold.kinds.consert.model import ConSert
+    from eddi_scaffold.kinds.consert.consert import ConSert
 
 MODELS = Path(__file__).parent / "models"
 ROVER = (MODELS / "rover.xml").read_text(encoding="utf-8")
@@ -29,7 +29,7 @@ def read(data: bytes | str, *marks: str) -> tuple[tuple[ConSert, ...], list[Prob
     document, problems = read_document(source)
     if document is None:
         return (), in_order(problems)
-    survey(document).as_json()
+    survey(document)
     conserts, more = read_eddi(document, source, marks)
     return conserts, in_order([*problems, *more])
 

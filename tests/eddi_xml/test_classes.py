@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from eddi_scaffold.eddi_xml.reading import read_stream
+from eddi_scaffold.eddi_xml.document import read_stream
 
 TEXT = """<i:DDIPackage xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
  xmlns:f="http://www.deis-project.eu/ode/failureLogic" xmlns:a="http://x/argumentation"
@@ -53,14 +53,11 @@ TerminologyPackage AssertedInference AssertedContext ArtifactReference
 """
 
 
-@pytest.mark.parametrize("name", PUBLIC.split())
-def test_what_the_public_metamodel_has_in_the_failure_logic_is_known(name: str) -> None:
-    assert said("f:FailureLogicPackage", f"f:{name}") == []
-
-
-@pytest.mark.parametrize("name", OTHERS.split())
-def test_no_class_of_the_public_metamodel_is_taken_for_a_slip(name: str) -> None:
-    assert not [one for one in said("a:ArgumentPackage", f"a:{name}") if '"M"' in one]
+def test_no_class_of_the_public_metamodel_is_taken_for_a_slip() -> None:
+    for name in PUBLIC.split():
+        assert said("f:FailureLogicPackage", f"f:{name}") == []
+    for name in OTHERS.split():
+        assert not [one for one in said("a:ArgumentPackage", f"a:{name}") if '"M"' in one]
 
 
 @pytest.mark.parametrize(

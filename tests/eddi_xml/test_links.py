@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
 from eddi_scaffold.eddi_xml.links import links_of
-from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.unread import unread
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
@@ -112,16 +111,6 @@ def test_a_guarantee_that_is_published_by_another_name_has_its_links() -> None:
     renamed = replace(facts, claims=claims).to_json()
     rows = trace_of({**made.answers, "facts_json": renamed}).rows
     assert [row.links[0].through for row in rows if row.element == "guarantee"] == ["MotorFit"]
-
-
-def test_what_refers_to_a_value_of_a_map() -> None:
-    """A map of any key, with nothing in it: there is no name of an event."""
-    values = '<keyValueMaps key="k"><values/></keyValueMaps><failures name="F" '
-    at = f"{TREE}/@keyValueMaps.0/@values.0"
-    text = ROVER.replace('<failures name="F" ', values).replace(
-        'name="R1" ', f'name="R1" of="{at}" '
-    )
-    assert linked(text)[at] == ["R1", "Collision", "Brake"]
 
 
 def test_many_references_are_cut_off() -> None:

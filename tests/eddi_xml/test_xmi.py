@@ -7,78 +7,39 @@ import io
 import pytest
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.parsing import Limits, load
-from eddi_scaffold.eddi_xml.reading import read_document
 from tests.eddi_xml.eddi_texts import ROVER, codes, read, texts
 
 BOM = b"\xef\xbb\xbf"
 
 
-@pytest.mark.parametrize(
-    ("data", "line", "hint"),
-    [
-        (
-            b'<?xml version="1.0 encoding="UTF-8"?>\n<a/>',
-            """m.xml:1: error X001: not well-formed: String not closed expecting " or '""",
-            "quote missing in the XML declaration",
-        ),
-        (
-            b'<?xml version="1.0"?>\n<a>\n  <b c="1">\n  </d>\n</a>',
-            "m.xml:4: error X001: not well-formed: Opening and ending tag mismatch: b line 3 and d",
-            None,
-        ),
-        (
-            b"<a>\n  <b/>\n",
-            "m.xml:3: error X001: not well-formed: Premature end of data in tag a line 1",
-            "the file is cut off: the end tag of the first element is missing",
-        ),
-        (
-            b'<!-- licence -->\n<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
-            (
-                "m.xml:2: error X001: not well-formed: "
-                "XML declaration allowed only at the start of the document"
-            ),
-            (
-                "the XML declaration must be the first thing in the file; "
-                "move the text before it below it"
-            ),
-        ),
-        (
-            b"<!-- licence -->\n" + BOM + b'<?xml version="1.0" encoding="UTF-8"?>\n<a/>',
-            "m.xml:2: error X001: not well-formed: Start tag expected, '<' not found",
-            (
-                "the XML declaration must be the first thing in the file; "
-                "move the text before it below it"
-            ),
-        ),
-        (
-            b'<a xmlns="drone">\n  <b/>\n</c>',  # the parser warns of the name first
-            "m.xml:3: error X001: not well-formed: Opening and ending tag mismatch: a line 1 and c",
-            None,
-        ),
-        (b"", "m.xml:1: error X001: not well-formed: Document is empty", "the file is empty"),
-        (
-            b"guarantees: []\n",
-            "m.xml:1: error X001: not well-formed: Start tag expected, '<' not found",
-            "this is not an XML file",
-        ),
-        (
-            b'<a b="1" b="2"/>',
-            "m.xml:1: error X001: not well-formed: Attribute b redefined",
-            None,
-        ),
-        (
-            b'<?xml version="1.0" encoding="ASCII"?><a b="\xc3\xa9"/>',
-            "m.xml:1: error X001: not well-formed: Invalid bytes in character encoding",
-            None,
-        ),
-    ],
-)
-def test_not_well_formed(data: bytes, line: str, hint: str | None) -> None:
-    _, problems = read(data)
-    assert texts(problems) == [line]
-    assert problems[0].hint == hint
-    assert problems[0].place.col is not None
+DECLARATION = "the XML declaration must be the first thing in the file"
+CUT_OFF = "the file is cut off: the end tag of the first element is missing"
+MISMATCH = "Opening and ending tag mismatch: "
+START = "Start tag expected, '<' not found"
+BROKEN = [
+    (b'<?xml version="1.0 encoding="UTF-8"?>\n<a/>', 1, "String not closed", "quote missing"),
+    (b"<a>\n  <b>\n  </d>\n</a>", 3, f"{MISMATCH}b line 2 and d", None),
+    (b"<a>\n  <b/>\n", 3, "Premature end of data in tag a line 1", CUT_OFF),
+    (b'<!-- c -->\n<?xml version="1.0"?>\n<a/>', 2, "XML declaration allowed only", DECLARATION),
+    (b"<!-- c -->\n" + BOM + b'<?xml version="1.0"?>\n<a/>', 2, START, DECLARATION),
+    # the parser warns of the name first
+    (b'<a xmlns="drone">\n  <b/>\n</c>', 3, f"{MISMATCH}a line 1 and c", None),
+    (b"", 1, "Document is empty", "the file is empty"),
+    (b"guarantees: []\n", 1, START, "this is not an XML file"),
+    (b'<a b="1" b="2"/>', 1, "Attribute b redefined", None),
+    (b'<?xml version="1.0" encoding="ASCII"?><a b="\xc3\xa9"/>', 1, "Invalid bytes", None),
+]
+
+
+@pytest.mark.parametrize(("data", "line", "reason", "hint"), BROKEN)
+def test_not_well_formed(data: bytes, line: int, reason: str, hint: str | None) -> None:
+    (problem,) = read(data)[1]
+    assert (problem.code, problem.level, problem.place.line) == ("X001", "error", line)
+    assert problem.message.startswith(f"not well-formed: {reason}")
+    assert problem.hint is None if hint is None else str(problem.hint).startswith(hint)
+    assert problem.place.col is not None
 
 
 @pytest.mark.parametrize("value", ['"Arm/>\n<c/>', "'Arm/>\n</a>", '"Arm/>\n'])
@@ -121,10 +82,6 @@ ATTACKS = {
     "depth": (b"<a>" * 5000 + b"</a>" * 5000, "X003"),
     "long attribute": (b'<a b="' + b"x" * 10_500_000 + b'"/>', "X003"),
     "long text": (b"<a>" + b"x" * 10_500_000 + b"</a>", "X003"),
-    "many attributes": (
-        b"<a><b " + b" ".join(b'a%d=""' % i for i in range(2000)) + b"/></a>",
-        "X003",
-    ),
 }
 
 
@@ -140,6 +97,10 @@ def test_attacks_are_refused(name: str) -> None:
 def test_a_doctype_far_behind_is_refused_after_parsing() -> None:
     data = b"<!--" + b"x" * 100_000 + b"-->\n<!DOCTYPE r><r/>"
     assert [p.code for p in read(data)[1]] == ["X001"]
+
+
+def test_many_comments_before_the_root_take_no_time() -> None:
+    assert read(b"<!---->" * 9000 + b"<r/>")[1] == []
 
 
 def test_xinclude_is_not_followed() -> None:
@@ -159,15 +120,6 @@ def test_the_size_is_checked_before_parsing() -> None:
     assert texts(problems) == [
         "m.xml:None: error X003: the size of the file in bytes is 100, more than the limit of 99"
     ]
-
-
-def test_limits_name_value_and_limit() -> None:
-    data = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1001)) + b"/></r>"
-    assert texts(read(data)[1]) == [
-        "m.xml:2: error X003: the number of attributes is 1001, more than the limit of 1000"
-    ]
-    fewer = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1000)) + b"/></r>"
-    assert read(fewer)[1] == []
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "ascii"])

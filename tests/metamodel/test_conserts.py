@@ -10,13 +10,13 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     CategoricalDimension,
     ConSert,
     Dimension,
 )
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.kinds.consert.running import monitor_of
@@ -60,9 +60,9 @@ def test_content(file: str, want: dict[str, Any]) -> None:
     assert list(gates.items()) == list(want["gates"].items())
     edges = [[edge.source, edge.target] for edge in read.tree_propagations]
     assert [edge for edge in edges if edge[0] != want.get("invariant")] == want["edges"]
-    provided = {id_: s.id for s in read.provided_services for id_ in s.guarantees}
+    provided = {id_: s.id for s in read.provided_services for id_ in s.members}
     assert provided == stated(want["guarantees"], "service")
-    required = {id_: s.id for s in read.required_services for id_ in s.demands}
+    required = {id_: s.id for s in read.required_services for id_ in s.members}
     assert required == stated(want["demands"], "service")
 
 

@@ -11,7 +11,7 @@ from lxml import etree
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
-from eddi_scaffold.eddi_xml.reading import read_document
+from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.survey import MONITORED, survey
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.trial import at_start
@@ -91,4 +91,4 @@ def test_damaged_files_are_a_model_or_a_diagnostic_with_a_line(file: str) -> Non
         if not reading.models and not problems:
             document, _ = read_document(Source(file, changed))
             assert document is not None
-            assert not {one.kind for one in survey(document).models} & MONITORED, seed
+            assert not {model["kind"] for model in survey(document)["models"]} & MONITORED, seed

@@ -14,7 +14,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.model import ConSert
+from eddi_scaffold.kinds.consert.consert import ConSert
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     CategoricalDimension,
     NumericDimension,

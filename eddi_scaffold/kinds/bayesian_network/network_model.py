@@ -13,8 +13,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import (
     CrossCheck,
     EditableModule,
@@ -243,10 +243,10 @@ def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem
     is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
     clean, problems = without_doctype(source) if is_bif else (source, [])
     with clean.open() as stream:
-        tree, faults = load(stream, source.name)
+        root, faults = load(stream, source.name)
     problems = problems or faults
-    if tree is None:
+    if root is None:
         return None, problems
     read = read_xmlbif if is_bif or suffix in (".xmlbif", ".bifxml") else read_xdsl
-    network, more = read(tree.document, source.name, source.stem)
+    network, more = read(root, source.name, source.stem)
     return network, [*problems, *more]

@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary
-from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.findings import EddiFindings
+from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.bayesian_network.checks import check_network

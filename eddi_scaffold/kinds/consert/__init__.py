@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.kinds import Kind
-from eddi_scaffold.kinds.consert.options import KEYS
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
+
+OPTION_KEYS = ("guarantee_ids", "debounce", "filter")
+"""Keys of ``Model:`` in a configuration."""
 
 GUARANTEE = "string id\nbool active\n"
 
@@ -129,7 +131,7 @@ KIND = Kind(
     model="consert_model.ConSertModel",
     topic="guarantees",
     in_eddi=".",  # its reader says what is misspelt, too
-    options=KEYS,
+    options=OPTION_KEYS,
     without_input="no guarantee that needs it becomes active",
 )
 """What the generator knows of ConSerts."""

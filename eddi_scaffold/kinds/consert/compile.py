@@ -8,20 +8,18 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from eddi_scaffold.common.graphs import in_order, reached
-from eddi_scaffold.kinds.consert.graph import inputs_of, written_paths
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
     ConSert,
-    ConSertOptions,
     Demand,
     Evidence,
-    Gate,
-    Guarantee,
     Range,
 )
-from eddi_scaffold.kinds.consert.ranges import exact, range_text
+from eddi_scaffold.kinds.consert.graph import written_paths
+from eddi_scaffold.kinds.consert.options import ConSertOptions
+from eddi_scaffold.kinds.consert.ranges import exact
 from eddi_scaffold.program.input_expressions import BoundInput, inlined
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -114,19 +112,16 @@ class _Compilation:
 
     def __init__(self, consert: ConSert, options: ConSertOptions, declaration: Declaration) -> None:
         self.consert, self.options, self.declaration = consert, options, declaration
-        nodes: Sequence[Evidence | Demand] = (*consert.evidence, *consert.demands)
-        leaves = {node.id: node for node in nodes}
+        leaves = {node.id: node for node in consert.leaf_nodes}
         self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]
-        inner: Sequence[Gate | Guarantee] = (*consert.gates, *consert.guarantees)
-        self.paths = {node.id: node.place.path or "" for node in nodes}
-        self.paths |= {node.id: node.place.path or "" for node in inner}
-        self.sources = inputs_of(consert)
-        self.is_and = {node.id: True for node in consert.guarantees}
-        self.is_and |= {gate.id: gate.function == "And" for gate in consert.gates}
+        self.paths = {node.id: node.place.path or "" for node in consert.nodes}
+        self.sources = consert.inputs
+        self.ors = {gate.id for gate in consert.gates if gate.function == "Or"}
         self.inner = in_order(
             {
-                node.id: tuple(source for source in self.sources[node.id] if source not in leaves)
-                for node in inner
+                id_: tuple(source for source in sources if source not in leaves)
+                for id_, sources in self.sources.items()
+                if id_ not in leaves
             }
         )
         self.names = [*(leaf.id for leaf in self.leaves), *self.inner]
@@ -167,28 +162,24 @@ class _Compilation:
 
         for k, leaf in enumerate(self.leaves):
             operations.append(Operation("variable", (), leaf.type, k, leaf.id))
-            raw, words = len(operations) - 1, self._about(leaf.id)
-            add(Operation(leaf.judgement, (raw,), BOOL, leaf.covered, words), leaf.id)
-        if filter_ := self.options.filter:
-            for leaf in self.leaves:
-                words = f"{filter_} {self._about(leaf.id)}"
-                steps = self.options.filter_steps
-                add(Operation(filter_, (values[leaf.id],), BOOL, steps, words), leaf.id)
+            raw, about = len(operations) - 1, self._about(leaf.id)
+            add(Operation(leaf.judgement, (raw,), BOOL, leaf.covered, about), leaf.id)
+        filter_, steps = self.options.filter, self.options.filter_steps
+        for leaf in self.leaves if filter_ else ():
+            about = f"{filter_} {self._about(leaf.id)}"
+            add(Operation(filter_, (values[leaf.id],), BOOL, steps, about), leaf.id)
         guarantees = [guarantee.id for guarantee in self.consert.guarantees]
         needed = reached(self.sources, guarantees)
-        for name in self.inner:
-            if name not in needed:
-                continue
-            is_and, args = self.is_and[name], tuple(values[one] for one in self.sources[name])
+        for name in (name for name in self.inner if name in needed):
+            gate = "Or" if name in self.ors else "And"
+            args = tuple(values[source] for source in self.sources[name])
+            about = self._about(name)
             if len(args) > 1:
-                op, title = ("and", "And") if is_and else ("or", "Or")
-                add(Operation(op, args, BOOL, None, f"{title} {self._about(name)}"), name)
+                add(Operation(gate.lower(), args, BOOL, None, f"{gate} {about}"), name)
             elif args:
                 values[name] = args[0]
             else:
-                operations.append(
-                    Operation("truth", (), BOOL, 2 if is_and else 0, self._about(name))
-                )
+                operations.append(Operation("truth", (), BOOL, 2 if gate == "And" else 0, about))
                 values[name] = len(operations) - 1
         results = (
             Result(self.options.published(name), values[name], about=self._about(name))
@@ -222,12 +213,12 @@ class _Compilation:
             rows.append(call("consert.Guarantee", [text_literal(guarantee.id)], **keywords))
         yield from assignment("guarantees", tuple_of(rows), 4)
         if services := self.consert.provided_services:
-            parts = (literal((service.id, service.guarantees)) for service in services)
+            parts = (literal((service.id, service.members)) for service in services)
             yield from assignment("services", tuple_of(parts), 4)
 
     def _graph(self) -> Iterator[Item]:
         for name in self.inner:
-            gate = text_literal("And" if self.is_and[name] else "Or")
+            gate = text_literal("Or" if name in self.ors else "And")
             sources = literal(tuple(self.numbers[source] for source in self.sources[name]))
             row = tuple_of([text_literal(name), gate, sources])
             yield Item(row, behind=str(self.numbers[name]))
@@ -272,7 +263,7 @@ def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
         constructor = call("consert.Categorical", map(text_literal, texts))
         return Leaf(node.id, TEXT, "is_covered", texts, constructor, f"good: {' or '.join(texts)}")
     ranges = tuple(_interval(covered, input_.factor) for covered in dimension.covered)
-    text = " or ".join(map(range_text, dimension.covered))
+    text = " or ".join(covered.text() for covered in dimension.covered)
     text += f" {dimension.uom}" if dimension.uom else ""
     if input_.factor is not None:
         ends = (f"[{r.start:.9g}, {r.end:.9g}{']' if r.closed else ')'}" for r in ranges)

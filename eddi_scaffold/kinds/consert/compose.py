@@ -6,39 +6,28 @@ not matter, and units are converted exactly.
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles
-from eddi_scaffold.common.problems import Problem, SimilarNames, problem
-from eddi_scaffold.kinds.consert.graph import constants
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, problem
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     CategoricalDimension,
+    ConSert,
+    Demand,
     Dimension,
+    Guarantee,
     NumericDimension,
+    Service,
 )
-from eddi_scaffold.kinds.consert.ranges import common, is_inside, range_text, span
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping, Sequence
-
-    from eddi_scaffold.kinds.consert.model import ConSert, Demand, Guarantee
-    from eddi_scaffold.kinds.consert.ranges import Interval
+from eddi_scaffold.kinds.consert.graph import constants
+from eddi_scaffold.kinds.consert.ranges import Interval, common, is_inside, span
 
 Ref = tuple[str, str]
 """Instance name and id."""
-_KINDS = {
-    BinaryDimension: "Binary",
-    CategoricalDimension: "Categorical",
-    NumericDimension: "Numeric",
-}
-_RELATIONS = {
-    "Demand": "is not inside",
-    "Guarantee": "is not inside",
-    "Intersection": "has nothing in common with",
-}
 
 
 @dataclass(frozen=True)
@@ -54,8 +43,7 @@ class Composition:
             where several instances have a demand of that id.
         unmatched_services: ids of required services that no ConSert in the set provides, likewise.
         reasons: one sentence for each obstacle.
-        problems: instance names that are used twice (C007), services that a file allocates to one
-            that does not do (X009).
+        problems: services that a file allocates to one that does not do (X009).
     """
 
     composable: bool
@@ -82,9 +70,7 @@ class Composition:
             "unmatched_demands": list(self.unmatched_demands),
             "unmatched_services": list(self.unmatched_services),
             "reasons": list(self.reasons),
-            "warnings": [
-                problem.message for problem in self.problems if problem.level == "warning"
-            ],
+            "warnings": [problem.message for problem in self.problems],
         }
 
     def as_text(self) -> list[str]:
@@ -102,25 +88,26 @@ class Composition:
         ]
 
 
-@dataclass(frozen=True)
-class _Offer:
-    """A guarantee that another ConSert could lean on."""
-
-    instance: str
-    guarantee: Guarantee
-    services: frozenset[str]
-
-
 @dataclass
 class _Need:
-    """A demand or a required service, with the instances that can meet it."""
+    """A demand or a required service.
+
+    Attributes:
+        types: of the service, and of the dimensions of a demand.
+        reason: why it is not met.
+        met_by: instance that can meet it -> guarantees of it that do.
+    """
 
     instance: str
     id: str
-    met_by: dict[str, list[str]] = field(default_factory=dict)
+    is_demand: bool
+    types: Sequence[str]
     reason: str = ""
-    is_demand: bool = True
-    types: tuple[str, ...] = ()
+    met_by: dict[str, list[str]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        return f"{self.instance}/{self.id}"
 
 
 def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
@@ -128,221 +115,202 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
 
     Args:
         instances: name and checked model of each; a model may be there several times.
+
+    Raises:
+        EddiError: two instances have one name (C007).
     """
     names = [name for name, _ in instances]
-    repeated = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    problems = tuple(
-        problem("C007.same_instances", number=names.count(name), name=name) for name in repeated
-    )
-    if problems:
-        return Composition(
-            composable=False,
-            order=(),
-            bindings={},
-            unmatched_demands=(),
-            unmatched_services=(),
-            reasons=tuple(problem.message for problem in problems),
-            problems=problems,
-        )
-    offers = [offer for name, consert in instances for offer in _offers(name, consert)]
-    needs = [need for name, consert in instances for need in _needs(name, consert, offers)]
-    provided = {
-        (service.functional_service_type, name)
-        for name, consert in instances
-        for service in consert.provided_services
-    }
-    needs += [need for name, consert in instances for need in _services(name, consert, provided)]
-    rounds = _accept(names, needs)
-    unmet = [need for need in needs if not need.met_by]
-    return Composition(
-        composable=len(rounds) == len(instances),
-        order=tuple(rounds),
-        bindings=_bindings(needs, rounds),
-        unmatched_demands=_ids(needs, unmet, is_demand=True),
-        unmatched_services=_ids(needs, unmet, is_demand=False),
-        reasons=(*_with_near_names(unmet, offers, provided), *_waiting(instances, needs, rounds)),
-        problems=tuple(_allocations(instances, needs)),
-    )
+    repeated = next((name for name in names if names.count(name) > 1), None)
+    if repeated is not None:
+        raise EddiError(problem("C007.instances", name=repeated))
+    return _Composer(instances).composition()
 
 
-def _allocations(
-    instances: Sequence[tuple[str, ConSert]], needs: Sequence[_Need]
-) -> Iterator[Problem]:
-    """Yield where a file allocates a service to one that does not fulfil all of its demands."""
-    met_by = {(need.instance, need.id): need.met_by for need in needs if need.is_demand}
-    services = [
-        (name, provided_service)
-        for name, consert in instances
-        for provided_service in consert.provided_services
-    ]
-    at = {service.place: (name, service) for name, service in services}
-    by_required = {
-        place: (name, service) for name, service in services for place in service.allocated
-    }
-    for name, consert in instances:
-        for service in consert.required_services:
-            pairs = [at[place] for place in service.allocated if place in at]
-            pairs += [by_required[service.place]] if service.place in by_required else []
-            for other, provided in dict(pairs).items():
-                guarantees = set(provided.guarantees)
-                unmet = [
-                    d
-                    for d in service.demands
-                    if guarantees.isdisjoint(met_by[name, d].get(other, ()))
-                ]
-                if unmet:
-                    what = f"{name}/{service.id} is allocated to {other}/{provided.id}"
-                    yield problem("X009.unmet", service.place, subject=what, unmet=", ".join(unmet))
-
-
-def _with_near_names(
-    unmet: Sequence[_Need], offers: Sequence[_Offer], provided: Collection[tuple[str, str]]
-) -> Iterator[str]:
-    """Yield why needs are not met; a type that nobody has may be a slip."""
-    known = {type_ for type_, _ in provided}
-    known |= {dimension.type for offer in offers for dimension in offer.guarantee.dimensions}
-    near = SimilarNames(known)
-    for need in unmet:
-        hints = [near.hint(type_) for type_ in need.types if type_ not in known]
-        yield "; ".join(filter(None, (need.reason, *hints)))
-
-
-def _offers(instance: str, consert: ConSert) -> list[_Offer]:
-    types: dict[str, set[str]] = {}
-    for service in consert.provided_services:
-        for id_ in service.guarantees:
-            types.setdefault(id_, set()).add(service.functional_service_type)
-    values = constants(consert)
-    return [
-        _Offer(instance, guarantee, frozenset(types.get(guarantee.id, ())))
-        for guarantee in consert.guarantees
-        if values[guarantee.id] is not False  # what can never hold fulfils nothing
-    ]
-
-
-def _needs(instance: str, consert: ConSert, offers: Sequence[_Offer]) -> Iterator[_Need]:
-    for demand in consert.demands:
-        types = [
-            service.functional_service_type
-            for service in consert.required_services
-            if demand.id in service.demands
-        ]
-        need = _Need(instance, demand.id)
-        need.types = (*types, *(dimension.type for dimension in demand.dimensions))
-        others = [offer for offer in offers if offer.instance != instance]
-        candidates = [
-            offer for offer in others if not types or not offer.services.isdisjoint(types)
-        ]
-        misses = _judge(need, demand, candidates)
-        need.reason = f"demand {_name(need)} is not fulfilled: " + _nearest(misses, types)
-        yield need
-
-
-def _judge(need: _Need, demand: Demand, candidates: Sequence[_Offer]) -> list[Mismatch]:
-    misses: list[Mismatch] = []
-    for offer in candidates:
-        difference = mismatch(offer.guarantee, demand, f"{offer.instance}/{offer.guarantee.id}")
-        if difference is None:
-            need.met_by.setdefault(offer.instance, []).append(offer.guarantee.id)
-        else:
-            misses.append(difference)
-    return misses
-
-
-def _nearest(misses: Sequence[Mismatch], types: Sequence[str]) -> str:
-    if misses:
-        return min(misses, key=lambda miss: miss.distance).text
-    if types:
-        return f"no other ConSert guarantees anything in a service of type {' or '.join(types)}"
-    return "no other ConSert guarantees anything"
-
-
-def _services(instance: str, consert: ConSert, provided: set[tuple[str, str]]) -> Iterator[_Need]:
-    for service in consert.required_services:
-        type_ = service.functional_service_type
-        need = _Need(instance, service.id, is_demand=False)
-        need.types = (type_,)
-        need.met_by = {
-            other: []
-            for service_type, other in sorted(provided)
-            if service_type == type_ and other != instance
+class _Composer:
+    def __init__(self, instances: Sequence[tuple[str, ConSert]]) -> None:
+        self.instances = instances
+        self.provided = {
+            (service.functional_service_type, name)
+            for name, consert in instances
+            for service in consert.provided_services
         }
-        text = f"required service {_name(need)} is not provided: no other ConSert provides "
-        need.reason = f"{text}a service of type {type_}"
-        yield need
+        self.offers: list[tuple[str, Guarantee, Mapping[str, None]]] = []
+        for name, consert in instances:
+            types, values = service_types(consert.provided_services), constants(consert)
+            for guarantee in consert.guarantees:
+                if values[guarantee.id] is not False:  # what can never hold fulfils nothing
+                    self.offers.append((name, guarantee, types.get(guarantee.id, {})))
+        self.needs: list[_Need] = []
+        for name, consert in instances:
+            types = service_types(consert.required_services)
+            for demand in consert.demands:
+                self.needs.append(self._demand(name, demand, types.get(demand.id, {})))
+        for name, consert in instances:
+            for service in consert.required_services:
+                self.needs.append(self._service(name, service.id, service.functional_service_type))
+        self.rounds = self._rounds()
 
-
-def _accept(names: Sequence[str], needs: Sequence[_Need]) -> dict[str, int]:
-    """Accept in rounds what needs only what has been accepted; instance -> its round."""
-    open_needs: dict[str, list[_Need]] = {name: [] for name in names}
-    for need in needs:
-        open_needs[need.instance].append(need)
-    rounds: dict[str, int] = {}
-    number = 0
-    while True:
-        ready = [
-            name
-            for name, own in open_needs.items()
-            if name not in rounds and all(_is_met(need, rounds) for need in own)
-        ]
-        if not ready:
-            return rounds
-        rounds |= dict.fromkeys(ready, number)
-        number += 1
-
-
-def _is_met(need: _Need, accepted: Mapping[str, int]) -> bool:
-    return any(name in accepted for name in need.met_by)
-
-
-def _bindings(needs: Sequence[_Need], rounds: Mapping[str, int]) -> dict[Ref, tuple[Ref, ...]]:
-    """Bind demands to guarantees of earlier rounds, so that no ConSert leans on itself."""
-    return {
-        (need.instance, need.id): tuple(
-            (other, id_)
-            for other, ids in need.met_by.items()
-            if other in rounds and rounds[other] < rounds.get(need.instance, len(rounds))
-            for id_ in ids
+    def composition(self) -> Composition:
+        return Composition(
+            composable=len(self.rounds) == len(self.instances),
+            order=tuple(self.rounds),
+            # to guarantees of earlier rounds, so that no ConSert leans on itself
+            bindings={
+                (need.instance, need.id): tuple(
+                    (other, id_)
+                    for other, ids in need.met_by.items()
+                    if self._round(other) < self._round(need.instance)
+                    for id_ in ids
+                )
+                for need in self.needs
+                if need.is_demand and need.met_by
+            },
+            unmatched_demands=tuple(self._unmatched(is_demand=True)),
+            unmatched_services=tuple(self._unmatched(is_demand=False)),
+            reasons=(*self._unmet_reasons(), *self._waiting_reasons()),
+            problems=tuple(self._wrong_allocations()),
         )
-        for need in needs
-        if need.is_demand and need.met_by
-    }
+
+    def _demand(self, instance: str, demand: Demand, types: Mapping[str, None]) -> _Need:
+        dimension_types = (dimension.type for dimension in demand.dimensions)
+        need = _Need(instance, demand.id, is_demand=True, types=[*types, *dimension_types])
+        mismatches = []
+        for other, guarantee, offered_types in self.offers:
+            if other == instance or (types and types.keys().isdisjoint(offered_types)):
+                continue
+            difference = _mismatch(guarantee, demand, f"{other}/{guarantee.id}")
+            if difference is None:
+                need.met_by.setdefault(other, []).append(guarantee.id)
+            else:
+                mismatches.append(difference)
+        reason = "no other ConSert guarantees anything"
+        if mismatches:
+            reason = min(mismatches, key=lambda mismatch: mismatch.distance).text
+        elif types:
+            reason += f" in a service of type {' or '.join(types)}"
+        need.reason = f"demand {need.name} is not fulfilled: {reason}"
+        return need
+
+    def _service(self, instance: str, id_: str, type_: str) -> _Need:
+        need = _Need(instance, id_, is_demand=False, types=[type_])
+        for other_type, other in sorted(self.provided):
+            if other_type == type_ and other != instance:
+                need.met_by[other] = []
+        reason = f"no other ConSert provides a service of type {type_}"
+        need.reason = f"required service {need.name} is not provided: {reason}"
+        return need
+
+    def _rounds(self) -> dict[str, int]:
+        """Accept in rounds what needs only what has been accepted; instance -> its round."""
+        needs: dict[str, list[_Need]] = {name: [] for name, _ in self.instances}
+        for need in self.needs:
+            needs[need.instance].append(need)
+        rounds: dict[str, int] = {}
+        while True:
+            ready = [
+                name
+                for name, own in needs.items()
+                if name not in rounds and all(not rounds.keys().isdisjoint(n.met_by) for n in own)
+            ]
+            if not ready:
+                return rounds
+            rounds |= dict.fromkeys(ready, len(rounds))
+
+    def _round(self, instance: str) -> int:
+        return self.rounds.get(instance, len(self.instances))
+
+    def _unmatched(self, *, is_demand: bool) -> Iterator[str]:
+        needs = [need for need in self.needs if need.is_demand == is_demand]
+        ids = [need.id for need in needs]
+        for need in needs:
+            if not need.met_by:
+                yield need.id if ids.count(need.id) == 1 else need.name
+
+    def _unmet_reasons(self) -> Iterator[str]:
+        """Yield why needs are not met; a type that nobody has may be a slip."""
+        known = {type_ for type_, _ in self.provided}
+        for _, guarantee, _ in self.offers:
+            known |= {dimension.type for dimension in guarantee.dimensions}
+        similar = SimilarNames(known)
+        for need in self.needs:
+            if not need.met_by:
+                hints = [similar.hint(type_) for type_ in need.types if type_ not in known]
+                yield "; ".join(filter(None, (need.reason, *hints)))
+
+    def _waiting_reasons(self) -> Iterator[str]:
+        """Yield which ConSerts wait for others that cannot be accepted, or for each other."""
+        waits: dict[str, tuple[str, ...]] = {name: () for name, _ in self.instances}
+        for need in self.needs:
+            if need.instance not in self.rounds and self.rounds.keys().isdisjoint(need.met_by):
+                waits[need.instance] = (*waits[need.instance], *need.met_by)
+        for name, others in waits.items():
+            if others:
+                names = " or ".join(dict.fromkeys(others))
+                yield f"{name} waits for {names}, which cannot be accepted"
+        for cycle in cycles(waits):
+            chain = " -> ".join([*cycle, cycle[0]])
+            yield f"these ConSerts wait for each other (provider -> user): {chain}"
+
+    def _wrong_allocations(self) -> Iterator[Problem]:
+        """Yield where a file allocates a service to one that does not fulfil all of its demands."""
+        met_by = {(need.instance, need.id): need.met_by for need in self.needs if need.is_demand}
+        provided = [
+            (name, s) for name, consert in self.instances for s in consert.provided_services
+        ]
+        at = {service.place: (name, service) for name, service in provided}
+        by_required = {place: pair for pair in provided for place in pair[1].allocated}
+        for name, consert in self.instances:
+            for service in consert.required_services:
+                pairs = [at[place] for place in service.allocated if place in at]
+                pairs += [by_required[service.place]] if service.place in by_required else []
+                for other, provider in dict(pairs).items():
+                    unmet = [
+                        id_
+                        for id_ in service.members
+                        if set(provider.members).isdisjoint(met_by[name, id_].get(other, ()))
+                    ]
+                    if unmet:
+                        what = f"{name}/{service.id} is allocated to {other}/{provider.id}"
+                        text = ", ".join(unmet)
+                        yield problem("X009.unmet", service.place, subject=what, unmet=text)
 
 
-def _ids(needs: Sequence[_Need], unmet: Sequence[_Need], *, is_demand: bool) -> tuple[str, ...]:
-    ids = [need.id for need in needs if need.is_demand == is_demand]
-    return tuple(
-        need.id if ids.count(need.id) == 1 else _name(need)
-        for need in unmet
-        if need.is_demand == is_demand
-    )
+def service_types(
+    services: Sequence[Service],
+) -> Mapping[str, Mapping[str, None]]:
+    """Return demand or guarantee -> types of the services that group it."""
+    types: dict[str, dict[str, None]] = defaultdict(dict)
+    for service in services:
+        for id_ in service.members:
+            types[id_][service.functional_service_type] = None
+    return types
 
 
-def _name(need: _Need) -> str:
-    return f"{need.instance}/{need.id}"
+def why_not_fulfilled(
+    provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str
+) -> str | None:
+    """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
 
-
-def _waiting(
-    instances: Sequence[tuple[str, ConSert]],
-    needs: Sequence[_Need],
-    rounds: Mapping[str, int],
-) -> Iterator[str]:
-    """Report ConSerts that wait for others that cannot be accepted, or for each other."""
-    waits: dict[str, tuple[str, ...]] = {name: () for name, _ in instances}
-    for need in needs:
-        if need.instance not in rounds and not _is_met(need, rounds):
-            waits[need.instance] = (*waits[need.instance], *need.met_by)
-    for name, others in waits.items():
-        if others:
-            names = " or ".join(dict.fromkeys(others))
-            yield f"{name} waits for {names}, which cannot be accepted"
-    for cycle in cycles(waits):
-        chain = " -> ".join([*cycle, cycle[0]])
-        yield f"these ConSerts wait for each other (provider -> user): {chain}"
+    Evidence asks for nothing that a guarantee could fulfil; it is not judged.
+    """
+    demand = next((demand for demand in user.demands if demand.id == demand_id), None)
+    guarantee = next((known for known in provider.guarantees if known.id == guarantee_id), None)
+    if demand is None or guarantee is None:
+        return None
+    name = f"{provider.name}/{guarantee_id}"
+    required = service_types(user.required_services).get(demand_id, {}).keys()
+    provided = service_types(provider.provided_services).get(guarantee_id, {}).keys()
+    if required and required.isdisjoint(provided):
+        types = " or ".join(sorted(required))
+        return f"{name} is not in a service of type {types}, which {demand_id} requires"
+    if constants(provider)[guarantee_id] is False:
+        return f"{name} can never be active"
+    difference = _mismatch(guarantee, demand, name)
+    return None if difference is None else difference.text
 
 
 @dataclass(frozen=True)
-class Mismatch:
+class _Mismatch:
     """Why a guarantee does not fulfil a demand.
 
     Attributes:
@@ -354,7 +322,7 @@ class Mismatch:
     text: str
 
 
-def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None:
+def _mismatch(guarantee: Guarantee, demand: Demand, name: str) -> _Mismatch | None:
     """Compare a guarantee with a demand.
 
     Every dimension of the demand needs one of the guarantee with the same kind and type, whose
@@ -369,86 +337,83 @@ def mismatch(guarantee: Guarantee, demand: Demand, name: str) -> Mismatch | None
     Returns:
         ``None`` when the guarantee fulfils the demand.
     """
-    missing = [
-        min((_reason(d, g, name, demand.id) for g in guarantee.dimensions), key=lambda r: r[0])
-        if guarantee.dimensions
-        else (3, f"{name} has no dimension")
-        for d in demand.dimensions
-        if not any(fits(g, d) for g in guarantee.dimensions)
-    ]
+    missing: list[tuple[int, str]] = []
+    for dimension in demand.dimensions:
+        reasons = [(3, f"{name} has no dimension")] if not guarantee.dimensions else []
+        for offered in guarantee.dimensions:
+            reason = _difference(offered, dimension, name, demand.id)
+            if reason is None:
+                break
+            reasons.append(reason)
+        else:
+            missing.append(min(reasons, key=lambda reason: reason[0]))
     if not missing:
         return None
-    return Mismatch((len(missing), sum(rank for rank, _ in missing)), missing[0][1])
+    return _Mismatch((len(missing), sum(rank for rank, _ in missing)), missing[0][1])
 
 
-def fits(offered: Dimension, demanded: Dimension) -> bool:
-    """Return whether a dimension of a guarantee satisfies one of a demand."""
-    if type(offered) is not type(demanded) or offered.type != demanded.type:
-        return False
-    if isinstance(offered, BinaryDimension) or isinstance(demanded, BinaryDimension):
-        return offered == demanded
-    if offered.subset not in (None, demanded.subset):
-        return False
-    if isinstance(offered, NumericDimension) and isinstance(demanded, NumericDimension):
-        if units.factor(offered.uom, demanded.uom) is None:
-            return False
-        needed, covered = _spans(demanded), _spans(offered)
-        if demanded.subset == "Intersection":
-            return common(needed, covered)
-        inside = is_inside(needed, covered), is_inside(covered, needed)
-    else:
-        demanded_set, offered_set = set(demanded.covered), set(offered.covered)
-        if demanded.subset == "Intersection":
-            return not demanded_set.isdisjoint(offered_set)
-        inside = demanded_set <= offered_set, offered_set <= demanded_set
-    return {"Demand": inside[0], "Guarantee": inside[1]}.get(demanded.subset or "", all(inside))
-
-
-def _spans(dimension: NumericDimension) -> list[Interval]:
-    unit = units.find(dimension.uom) or units.RATIO
-    return [span(range_, unit.factor) for range_ in dimension.covered]
-
-
-def _reason(demanded: Dimension, offered: Dimension, name: str, demand: str) -> tuple[int, str]:
+def _difference(
+    offered: Dimension, demanded: Dimension, name: str, demand: str
+) -> tuple[int, str] | None:
     """Explain why a dimension does not fit; the rank grows with the difference."""
     title = f"dimension {demanded.type}"
+    kind = type(demanded).__name__.removesuffix("Dimension")
     if type(offered) is not type(demanded) or offered.type != demanded.type:
-        kind = _KINDS[type(demanded)]
         return 3, f"{name} has no {kind} {title}"
     if isinstance(demanded, BinaryDimension) or isinstance(offered, BinaryDimension):
-        value = str(isinstance(demanded, BinaryDimension) and demanded.value).lower()
-        return 3, f"{name} has no Binary {title} of the value {value}"
+        value = str(not isinstance(demanded, BinaryDimension) or demanded.value).lower()
+        no_value = 3, f"{name} has no Binary {title} of the value {value}"
+        return None if offered == demanded else no_value
     if offered.subset not in (None, demanded.subset):
-        text = (
-            f"{title}: the subset is {offered.subset} in {name} and {demanded.subset} in {demand}"
-        )
-        return 2, text
-    if _has_other_quantity(offered, demanded):
-        return (
-            2,
-            f"{title}: {_unit(offered)} of {name} and {_unit(demanded)} of {demand} do not compare",
-        )
-    sides = [f"{_covered(demanded)} of {demand}", f"{_covered(offered)} of {name}"]
-    relation = _RELATIONS.get(demanded.subset or "", "does not equal")
+        subsets = f"{offered.subset} in {name} and {demanded.subset} in {demand}"
+        return 2, f"{title}: the subset is {subsets}"
+    their_units = [_unit(offered), _unit(demanded)]
+    if units.factor(*their_units) is None:
+        texts = [f"the unit {unit}" if unit else "the ratio" for unit in their_units]
+        return 2, f"{title}: {texts[0]} of {name} and {texts[1]} of {demand} do not compare"
+    relation = _wrong_relation(offered, demanded)
+    if relation is None:
+        return None
+    sides = [f"{demanded.covered_text} of {demand}", f"{offered.covered_text} of {name}"]
     if demanded.subset == "Guarantee":
         sides.reverse()
     return 1, f"{title}: {sides[0]} {relation} {sides[1]}"
 
 
-def _has_other_quantity(offered: Dimension, demanded: Dimension) -> bool:
-    return (
-        isinstance(offered, NumericDimension)
-        and isinstance(demanded, NumericDimension)
-        and units.factor(offered.uom, demanded.uom) is None
-    )
+def _unit(dimension: CategoricalDimension | NumericDimension) -> str | None:
+    return dimension.uom if isinstance(dimension, NumericDimension) else None
 
 
-def _unit(dimension: Dimension) -> str:
-    uom = dimension.uom if isinstance(dimension, NumericDimension) else None
-    return f"the unit {uom}" if uom else "the ratio"
+def _wrong_relation(
+    offered: CategoricalDimension | NumericDimension,
+    demanded: CategoricalDimension | NumericDimension,
+) -> str | None:
+    """Return how the covered values lie to each other where the demand wants it otherwise."""
+    needed, covered = _Values(demanded), _Values(offered)
+    if demanded.subset == "Intersection":
+        return None if needed.meet(covered) else "has nothing in common with"
+    if demanded.subset == "Demand":
+        return None if needed.are_in(covered) else "is not inside"
+    if demanded.subset == "Guarantee":
+        return None if covered.are_in(needed) else "is not inside"
+    is_equal = needed.are_in(covered) and covered.are_in(needed)
+    return None if is_equal else "does not equal"
 
 
-def _covered(dimension: CategoricalDimension | NumericDimension) -> str:
-    if isinstance(dimension, CategoricalDimension):
-        return f"{{{', '.join(dimension.covered)}}}"
-    return " or ".join(range_text(range_, dimension.uom) for range_ in dimension.covered)
+class _Values:
+    """What a dimension covers: texts, or exact ranges in the basic unit."""
+
+    def __init__(self, dimension: CategoricalDimension | NumericDimension) -> None:
+        self.texts: set[str] = set()
+        self.spans: list[Interval] = []
+        if isinstance(dimension, CategoricalDimension):
+            self.texts = set(dimension.covered)
+        else:
+            unit = units.find(dimension.uom) or units.RATIO
+            self.spans = [span(covered, unit.factor) for covered in dimension.covered]
+
+    def meet(self, other: _Values) -> bool:
+        return bool(self.texts & other.texts) or common(self.spans, other.spans)
+
+    def are_in(self, other: _Values) -> bool:
+        return self.texts <= other.texts and is_inside(self.spans, other.spans)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any, ClassVar
 
 from eddi_scaffold.common import units
@@ -19,22 +18,22 @@ from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResul
 from eddi_scaffold.kinds.consert import read_eddi, show
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compile import compile_consert
-from eddi_scaffold.kinds.consert.compose import mismatch
-from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
-from eddi_scaffold.kinds.consert.graph import constants, inputs_of, leaves_of
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
+from eddi_scaffold.kinds.consert.consert import (
     NAME,
     BinaryDimension,
-    CategoricalDimension,
     ConSert,
-    ConSertOptions,
-    Dimension,
+    Demand,
     Evidence,
+    NumericDimension,
 )
 from eddi_scaffold.kinds.consert.names import published_class
-from eddi_scaffold.kinds.consert.options import read_options
-from eddi_scaffold.kinds.consert.read_yaml import read_draft
-from eddi_scaffold.kinds.consert.show import covered_text
+from eddi_scaffold.kinds.consert.options import (
+    ConSertOptions,
+    read_options,
+    with_default_guarantees,
+)
+from eddi_scaffold.kinds.consert.read_yaml import read_yaml
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 from eddi_scaffold.kinds.consert.write_yaml import to_yaml
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -71,7 +70,7 @@ class ConSertModel(Model):
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        draft, problems = read_draft(source)
+        draft, problems = read_yaml(source)
         reading = _models(() if draft is None else (draft,), problems, source, default_guarantees)
         if has_errors(problems):  # the draft was only good for finding more
             return ReadResult((), reading.problems)
@@ -114,19 +113,7 @@ class ConSertModel(Model):
         A demand is a Boolean at run time, whatever its dimensions: that it fits has been decided
         when the ConSerts were composed.
         """
-        demands = (
-            ModelInput(
-                demand.id,
-                "bool",
-                description=demand.description,
-                covered="; ".join(covered_text(dimension) for dimension in demand.dimensions),
-                is_good=_is_true,
-                is_demand=True,
-                uses=(Use(_is_true),),
-            )
-            for demand in self.data.demands
-        )
-        return (*demands, *(_evidence_input(evidence) for evidence in self.data.evidence))
+        return [*map(_input_of, self.data.demands), *map(_input_of, self.data.evidence)]
 
     def companion_messages(self) -> Mapping[str, str]:
         return {"status": "ConSertStatus"}
@@ -139,7 +126,7 @@ class ConSertModel(Model):
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return each guarantee, by its id in messages, with the leaves that it rests on."""
-        sources, leaves = inputs_of(self.data), frozenset(leaves_of(self.data))
+        sources, leaves = self.data.inputs, frozenset(self.data.leaves)
         return [
             Claim(
                 self.options.published(guarantee.id),
@@ -160,26 +147,28 @@ class ConSertModel(Model):
     def elements(self) -> Sequence[Element]:
         """Return what has a place, then the services."""
         consert = self.data
-        nodes = [
-            *(("demand", demand.id, demand.place) for demand in consert.demands),
-            *(("evidence", evidence.id, evidence.place) for evidence in consert.evidence),
-            *(("gate", gate.id, gate.place) for gate in consert.gates),
-        ]
+        groups = (consert.demands, consert.evidence, consert.gates, consert.guarantees)
+        nodes = [node for group in groups for node in group]
         return [
-            *(Element(name, id_, None, place.line, place.path) for name, id_, place in nodes),
             *(
-                Element("guarantee", g.id, published_class(g.id), g.place.line, g.place.path)
-                for g in consert.guarantees
+                Element(
+                    node.kind,
+                    node.id,
+                    published_class(node.id) if node.kind == "guarantee" else None,
+                    node.place.line,
+                    node.place.path,
+                )
+                for node in nodes
             ),
-            *(Element("provided service", service.id) for service in consert.provided_services),
-            *(Element("required service", service.id) for service in consert.required_services),
+            *(Element(service.kind, service.id) for service in consert.provided_services),
+            *(Element(service.kind, service.id) for service in consert.required_services),
         ]
 
     def why_not_fulfilled(self, output: str, user: Model, item: str) -> str | None:
         if not isinstance(user, ConSertModel):
             return None
         guarantee_id = self._published_ids().get(output, output)
-        return _why_not_fulfilled(self.data, guarantee_id, user.data, item)
+        return why_not_fulfilled(self.data, guarantee_id, user.data, item)
 
     def _published_ids(self) -> dict[str, str]:
         """Return the ids that guarantees have in messages -> their ids in the model."""
@@ -189,11 +178,9 @@ class ConSertModel(Model):
 def _models(
     conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
 ) -> ReadResult:
-    marked, unclear = (
-        (conserts, []) if not marks else with_default_guarantees(conserts, marks, source.name)
-    )
+    marked, unclear = with_default_guarantees(conserts, marks if conserts else (), source.name)
     models: list[ConSertModel] = []
-    all_problems = [*problems, *(unclear if conserts else ())]
+    all_problems = [*problems, *unclear]
     for consert in marked:
         checked, more = check_consert(consert)
         all_problems += more
@@ -202,75 +189,25 @@ def _models(
     return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 
-def _evidence_input(evidence: Evidence) -> ModelInput:
-    dimension = evidence.dimension
-    covered, good = covered_text(dimension), partial(_is_covered, dimension)
-    if isinstance(dimension, BinaryDimension | CategoricalDimension):
-        type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
-        return ModelInput(
-            evidence.id,
-            type_,
-            description=evidence.description,
-            covered=covered,
-            is_good=good,
-            uses=(Use(good),),
-        )
+def _input_of(node: Demand | Evidence) -> ModelInput:
+    """Return an input, whose value is good where a dimension covers it; a demand has to hold."""
+    dimension = node.dimension if isinstance(node, Evidence) else BinaryDimension("")
+    number: dict[str, Any] = {}
+    type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
+    if isinstance(dimension, NumericDimension):
+        type_ = "float"
+        number = {
+            "unit": dimension.uom or "",
+            "units": units.convertible(dimension.uom),
+            "starts": tuple(covered.start.value for covered in dimension.covered),
+        }
     return ModelInput(
-        evidence.id,
-        "float",
-        unit=dimension.uom or "",
-        units=units.convertible(dimension.uom),
-        description=evidence.description,
-        covered=covered,
-        is_good=good,
-        starts=tuple(range_.start.value for range_ in dimension.covered),
-        uses=(Use(good),),
+        node.id,
+        type_,
+        description=node.description,
+        covered="; ".join(dimension.text for dimension in node.dimensions),
+        is_good=dimension.covers,
+        is_demand=isinstance(node, Demand),
+        uses=(Use(dimension.covers),),
+        **number,
     )
-
-
-def _is_true(value: object) -> bool:
-    return value is True
-
-
-def _is_covered(dimension: Dimension, value: object) -> bool:
-    if isinstance(dimension, BinaryDimension):
-        return value is dimension.value
-    if isinstance(dimension, CategoricalDimension):
-        return value in dimension.covered
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    return any(
-        range_.start.value < value < range_.end.value
-        or (range_.inclusive and value == range_.end.value)
-        or (range_.start_inclusive and value == range_.start.value)
-        for range_ in dimension.covered
-    )
-
-
-def _why_not_fulfilled(
-    provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str
-) -> str | None:
-    """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
-
-    Evidence asks for nothing that a guarantee could fulfil; it is not judged.
-    """
-    demand = next((demand for demand in user.demands if demand.id == demand_id), None)
-    guarantee = next((known for known in provider.guarantees if known.id == guarantee_id), None)
-    if demand is None or guarantee is None:
-        return None
-    name = f"{provider.name}/{guarantee_id}"
-    required = _services(user.required_services, "demands", demand_id)
-    provided = _services(provider.provided_services, "guarantees", guarantee_id)
-    if required and not required & provided:
-        kinds = " or ".join(sorted(required))
-        return f"{name} is not in a service of type {kinds}, which {demand_id} requires"
-    if constants(provider)[guarantee_id] is False:
-        return f"{name} can never be active"
-    difference = mismatch(guarantee, demand, name)
-    return None if difference is None else difference.text
-
-
-def _services(services: Any, members: str, id_: str) -> set[str]:
-    return {
-        service.functional_service_type for service in services if id_ in getattr(service, members)
-    }

@@ -1,20 +1,47 @@
-"""Options of a ConSert in a configuration: published ids, filters of inputs."""
+"""What a configuration and the command line choose: published ids, filters, default guarantees."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.kinds.consert.model import ConSertOptions
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
+from eddi_scaffold.kinds.consert import OPTION_KEYS
+from eddi_scaffold.kinds.consert.consert import ConSert
+from eddi_scaffold.kinds.consert.names import published_class
+from eddi_scaffold.yaml_text.nodes import shown
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
 
-KEYS = ("guarantee_ids", "debounce", "filter")
 _FILTERS = {"debounce": "regain_after", "majority": "window"}
 _MAX_SAMPLES = 100_000
 """Longest history of a filter; at 1 kHz that is 100 s."""
+
+
+@dataclass(frozen=True)
+class ConSertOptions:
+    """What a configuration chooses.
+
+    Attributes:
+        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
+            names of classes.
+        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
+        filter_steps: over how many steps.
+    """
+
+    guarantee_ids: str = "source"
+    filter: str = ""
+    filter_steps: int = 1
+
+    def published(self, id_: str) -> str:
+        """Return the id of a guarantee in messages."""
+        return published_class(id_) if self.guarantee_ids == "class" else id_
+
+    def hold_s(self, frequency: float) -> float:
+        """Return for how many seconds a majority may hold after it was lost: half its window."""
+        return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
 
 
 def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]]:
@@ -28,17 +55,17 @@ def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]
     if problems:
         return None, problems
     values: Mapping[str, Any] = options.values
-    debounce, filter_ = values.get("debounce"), values.get("filter")
-    if filter_ is None and debounce is not None:
-        filter_ = {"kind": "debounce", "regain_after": debounce}
-    kind = filter_["kind"] if filter_ is not None else "none"
-    steps = filter_.get(_FILTERS[kind], 1) if filter_ is not None and kind != "none" else 1
+    filter_ = values.get("filter") or {"kind": "none"}
+    if values.get("debounce") is not None:
+        filter_ = {"kind": "debounce", "regain_after": values["debounce"]}
+    kind = filter_["kind"]
+    steps = filter_.get(_FILTERS.get(kind), 1)
     ids = values.get("guarantee_ids") or "source"
     return ConSertOptions(ids, kind if steps > 1 else "", steps), []
 
 
 def _wrong(options: Options) -> Iterator[Problem]:
-    ids, debounce, filter_ = (options.values.get(key) for key in KEYS)
+    ids, debounce, filter_ = (options.values.get(key) for key in OPTION_KEYS)
     if ids is not None and ids not in ("source", "class"):
         yield problem("K003.guarantee_ids", options.place("guarantee_ids"))
     if debounce is not None and (type(debounce) is not int or debounce < 1):
@@ -46,17 +73,81 @@ def _wrong(options: Options) -> Iterator[Problem]:
     elif isinstance(debounce, int) and debounce > _MAX_SAMPLES:
         place = options.place("debounce")
         yield problem("K028.steps", place, key="regain_after", limit=_MAX_SAMPLES)
-    if debounce is not None and filter_ is not None:
-        yield problem("K003.debounce_and_filter", options.place("filter"))
     if filter_ is None:
         return
+    place = options.place("filter")
+    if debounce is not None:
+        yield problem("K003.debounce_and_filter", place)
     if not isinstance(filter_, Mapping):
-        yield problem("K003.filter", options.place("filter"))
+        yield problem("K003.filter", place)
         return
     kind = filter_.get("kind")
     key = _FILTERS.get(kind) if isinstance(kind, str) else None
     if key is None and kind != "none":
-        yield problem("K028.filter", options.place("filter"), kind=kind)
+        yield problem("K028.filter", place, kind=kind)
     steps = filter_.get(key, 1) if key is not None else 1
     if type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
-        yield problem("K028.steps", options.place("filter"), key=key, limit=_MAX_SAMPLES)
+        yield problem("K028.steps", place, key=key, limit=_MAX_SAMPLES)
+
+
+def with_default_guarantees(
+    conserts: Sequence[ConSert], marks: Sequence[str], file: str
+) -> tuple[tuple[ConSert, ...], list[Problem]]:
+    """Mark guarantees as default ones, before the ConSerts are checked.
+
+    DEIS 2019 knows default guarantees, which hold always; neither the EDDI nor the YAML of SESAME
+    D7.2 can mark them, and not everybody may change the file.
+
+    Args:
+        conserts: all ConSerts of a file.
+        marks: ``ID``, or ``CONSERT/ID`` where several ConSerts have that id.
+        file: the file, for messages.
+
+    Returns:
+        The ConSerts with their marks; an error (C008) for each mark that fits none or several.
+    """
+    chosen: set[tuple[str, str]] = set()
+    problems: list[Problem] = []
+    for mark in dict.fromkeys(marks):
+        named = _named(conserts, mark)
+        if len(named) == 1:
+            chosen.add(named[0])
+        elif named:
+            fields = {"mark": mark, "names": " or ".join("/".join(pair) for pair in named)}
+            problems.append(problem("C008.several", Place(file), **fields))
+        else:
+            names = [name for pair in _pairs(conserts) for name in (pair[1], "/".join(pair))]
+            fields = {"mark": mark, "guarantee": shown(mark)}
+            hint = did_you_mean(mark, names)
+            problems.append(problem("C008.no_guarantee", Place(file), hint=hint, **fields))
+    marked = []
+    for consert in conserts:
+        guarantees = tuple(
+            replace(node, default=node.default or (consert.name, node.id) in chosen)
+            for node in consert.guarantees
+        )
+        marked.append(replace(consert, guarantees=guarantees) if chosen else consert)
+    return tuple(marked), problems
+
+
+def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) -> set[str]:
+    """Return what is reported of marks that a file lacks and another one of these files has.
+
+    Args:
+        files: the ConSerts of each file.
+        marks: all of the command line.
+    """
+    known = [mark for mark in marks if any(_named(conserts, mark) for conserts in files)]
+    fields = ({"mark": mark, "guarantee": shown(mark)} for mark in known)
+    return {problem("C008.no_guarantee", **each).message for each in fields}
+
+
+def _pairs(conserts: Sequence[ConSert]) -> dict[tuple[str, str], None]:
+    return {(consert.name, node.id): None for consert in conserts for node in consert.guarantees}
+
+
+def _named(conserts: Sequence[ConSert], mark: str) -> list[tuple[str, str]]:
+    """Return ConSert and id of the guarantees that a mark may mean."""
+    pairs = _pairs(conserts)
+    exact = [pair for pair in pairs if "/".join(pair) == mark]
+    return exact or [pair for pair in pairs if pair[1] == mark]

@@ -2,227 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as names
-from eddi_scaffold.eddi_xml.findings import EddiFindings
-from eddi_scaffold.eddi_xml.parsing import stray_texts
+from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
+from eddi_scaffold.eddi_xml.parsing import Element, stray_texts
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
-from eddi_scaffold.kinds.consert.default_guarantees import with_default_guarantees
-from eddi_scaffold.kinds.consert.model import ConSert, ProvidedService, RequiredService
-from eddi_scaffold.kinds.consert.read_eddi_parts import node_name, read_parts
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-
-    from eddi_scaffold.common.files import Source
-    from eddi_scaffold.common.problems import Place, Problem
-    from eddi_scaffold.eddi_xml.document import EddiDocument
-    from eddi_scaffold.eddi_xml.parsing import Element
-    from eddi_scaffold.kinds.consert.read_eddi_parts import ConSertParts
-
-    _Row = tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]
-    """What both kinds of services have: id, type, members, place, to what they are allocated."""
-
-
-def required_services(
-    consert: Element, parts: ConSertParts, findings: EddiFindings
-) -> tuple[RequiredService, ...]:
-    """Return the services that the demands need, in the order of their first use."""
-    demands = findings.document.children(consert, names.DEMANDS)
-    members = _referred(demands, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES, parts, findings)
-    members |= _listed(consert, names.REQUIRED_SERVICES, names.SERVICE_DEMANDS, parts, findings)
-    rows = _rows(members, names.PROVIDED_ELSEWHERE, names.PROVIDED_SERVICES, parts, findings)
-    return tuple(RequiredService(*row) for row in rows)
-
-
-def provided_services(
-    consert: Element, parts: ConSertParts, findings: EddiFindings
-) -> tuple[ProvidedService, ...]:
-    """Return the services that the guarantees provide, in the order of their first use."""
-    guarantees = findings.document.children(consert, names.GUARANTEES)
-    wanted = names.PROVIDED_SERVICES
-    members = _referred(guarantees, names.PROVIDED_SERVICE, wanted, parts, findings)
-    members |= _listed(consert, wanted, names.SERVICE_GUARANTEES, parts, findings)
-    rows = _rows(members, names.ALLOCATED, names.REQUIRED_SERVICES, parts, findings)
-    return tuple(ProvidedService(*row) for row in rows)
-
-
-def _rows(
-    members: Mapping[Element, list[str]],
-    allocation: Spelling,
-    wanted: Spelling,
-    parts: ConSertParts,
-    findings: EddiFindings,
-) -> Iterator[_Row]:
-    """Yield what is known of each service that has a name and a type."""
-    parts.services += members
-    for service, ids in members.items():
-        name = node_name(service, findings)
-        kind = _service_type(service, findings) if name else None
-        if name and kind:
-            place = findings.document.place(service)
-            others = findings.targets(service, allocation, wanted)
-            yield name, kind, tuple(ids), place, tuple(map(findings.document.place, others))
-
-
-def _referred(
-    elements: Iterable[Element],
-    link: Spelling,
-    wanted: Spelling,
-    parts: ConSertParts,
-    findings: EddiFindings,
-) -> dict[Element, list[str]]:
-    """Return the services that elements refer to, with the ids of these elements."""
-    members: dict[Element, list[str]] = {}
-    for element in elements:
-        for service in findings.targets(element, link, wanted):
-            if element in parts.ids:
-                members.setdefault(service, []).append(parts.ids[element])
-    return members
-
-
-def _listed(
-    consert: Element, feature: Spelling, link: Spelling, parts: ConSertParts, findings: EddiFindings
-) -> dict[Element, list[str]]:
-    """Return the services of the configuration around a ConSert, with the ids that they list."""
-    configuration = consert.getparent()
-    document = findings.document
-    if configuration is None or not names.CONFIGURATIONS.accepts(document.feature(configuration)):
-        return {}
-    members: dict[Element, list[str]] = {}
-    for service in document.children(configuration, feature):
-        found, problems, _ = document.targets(service, link)
-        findings.add(*problems)
-        members[service] = []
-        for end in found:
-            if end in parts.ids and link.accepts(document.feature(end)):
-                members[service].append(parts.ids[end])
-            elif end.getparent() is not consert or not link.accepts(document.feature(end)):
-                findings.report(
-                    "X009.other_configuration",
-                    service,
-                    link=link.name,
-                    actual=document.describe(end),
-                )
-    return members
-
-
-def _service_type(service: Element, findings: EddiFindings) -> str | None:
-    child = findings.only(service, names.SERVICE_TYPE)
-    kind = findings.document.attribute(child, names.NAME) if child is not None else None
-    if kind:
-        return kind
-    owner = findings.document.describe(service)
-    findings.report("X010.service_type", service, owner=owner)
-    return None
-
-
-_PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
-_DIMENSION_PARTS = (
-    names.DIMENSION_TYPE,
-    names.PUBLIC_TYPE,
-    names.COVERED,
-    names.SUBSET,
-    names.UNIT,
-    names.PUBLIC_UNIT,
-    names.VALUE,
-    names.START,
-    names.END,
+from eddi_scaffold.kinds.consert.consert import (
+    BinaryDimension,
+    ConSert,
+    Demand,
+    Dimension,
+    Evidence,
+    Gate,
+    GateFunction,
+    Guarantee,
+    Propagation,
+    ProvidedService,
+    RequiredService,
 )
-_BOUNDARY_PARTS = (names.INCLUSIVE, names.VALUE)
-_KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
-    names.CONSERTS: (
-        names.GUARANTEES,
-        names.DEMANDS,
-        names.EVIDENCE,
-        names.GATES,
-        names.PROPAGATIONS,
-        names.INVARIANT,
-        names.SERVICE_CONFIGURATION,
-        names.PROPERTY_TYPES,
-    ),
-    names.GUARANTEES: (
-        names.PROVIDED_SERVICE,
-        names.DEFAULT,
-        names.RANKING,
-        names.REQUIREMENT,
-        *_PROPERTY_PARTS,
-    ),
-    names.DEMANDS: (
-        names.REQUIRED_SERVICE,
-        names.RELATIONS,
-        names.REQUIREMENT,
-        *_PROPERTY_PARTS,
-    ),
-    names.EVIDENCE: (names.EVENTS, names.REQUIREMENT, *_PROPERTY_PARTS),
-    names.GATES: (names.GATE_TYPE,),
-    names.INVARIANT: (names.GATE_TYPE,),
-    names.PROPAGATIONS: (names.SOURCE, names.TARGET),
-    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION, names.REQUIREMENT),
-    names.SAFETY_PROPERTIES: (names.REFINEMENT, names.INTEGRITY_LEVEL),
-    names.DIMENSION: _DIMENSION_PARTS,
-    names.COVERED: (names.VALUE, names.START, names.END, names.INCLUSIVE),
-    names.START: _BOUNDARY_PARTS,
-    names.END: _BOUNDARY_PARTS,
-    names.VALUE: (names.NUMBER, names.NUMBER_TYPE, names.EPSILON),
-    names.RELATIONS: (names.RELATION_TYPE, names.DIMENSION),
-    names.DIMENSION_TYPE: (),
-    names.PUBLIC_TYPE: (),
-    names.REFINEMENT: (),
-}
-"""Feature -> what an object there may have besides the common names."""
+from eddi_scaffold.kinds.consert.options import with_default_guarantees
+from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 
-
-def check_consert_names(consert: Element, findings: EddiFindings) -> None:
-    """Report names below a ConSert that are misspelt or unknown, once per name and file."""
-    waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
-    while waiting:
-        element, feature = waiting.pop()
-        known = (*_KNOWN[feature], *names.COMMON)
-        for key in map(str, element.attrib):
-            if not key.startswith("{"):
-                _match(key, "attribute", known, element, findings)
-        found: list[tuple[Element, Spelling]] = []
-        for child in element.iterchildren():
-            name = local_name(str(child.tag))
-            match = _match(name, "child", known, child, findings)
-            if match is not None and match in _KNOWN:
-                found.append((child, match))
-        waiting += reversed(found)
-
-
-def check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
-    """Report character data around these parts of a file: between objects there should be none."""
-    roots = frozenset(findings.document.roots)
-    texts = [found for root in findings.document.roots for found in stray_texts(root, deep=False)]
-    for top in dict.fromkeys(_top(part, roots) for part in parts):
-        texts += stray_texts(top)
-    for element, text in texts:
-        findings.count("X006.text", element, text=text[:20])
-
-
-def _top(part: Element, roots: Container[Element]) -> Element:
-    """Return the child of a root that a part lies in."""
-    parent = part.getparent()
-    while parent is not None and parent not in roots:
-        part, parent = parent, parent.getparent()
-    return part
-
-
-def _match(
-    name: str, what: str, known: Sequence[Spelling], element: Element, findings: EddiFindings
-) -> Spelling | None:
-    """Return the feature that a printed name means."""
-    match = next((spelling for spelling in known if spelling.accepts(name)), None)
-    if match is None:
-        owner = element.getparent() if what == "child" else element
-        place = findings.document.feature(owner) if owner is not None else "the root"
-        findings.count("X006.unknown", element, subject=what, name=name, owner=place)
-    elif not match.is_exact(name):
-        case = "X006.misprint" if is_misprint(name) else "X006.spelling"
-        findings.count(case, element, subject=what, name=name, meant=match.name)
-    return match
+MAX_NODES = 100_000
+MAX_EDGES = 1_000_000
+_FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
+_NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
 def read_eddi(
@@ -243,95 +50,354 @@ def read_eddi(
     conserts: list[ConSert] = []
     parts: list[Element] = []
     first: dict[str, Element] = {}
-    _check_untyped(document, findings)
+    for package in document.packages():
+        is_untyped = not document.class_of(package).name
+        if is_untyped and document.children(package, names.CONSERTS):
+            findings.report("X010.package_type", package)
     for element in consert_elements(document):
-        _check_class(element, findings)
-        consert, services = _consert(element, source, findings)
-        parts += [element, *services]
-        name = _name(element, source, document)
+        owner = element.getparent()
+        class_name = document.class_of(owner).printed if owner is not None else ""
+        if owner is not None and is_misprint(local_name(class_name)):
+            findings.count("X006.class", owner, class_name=class_name)
+        _check_names(element, findings)
+        reader = _ConSertReader(element, findings)
+        name = document.attribute(element, names.NAME) or source.stem
+        consert = reader.read(name)
+        parts += [element, *reader.services]
         if name in first:
             line = document.place(first[name]).line
             findings.report("C007.duplicate_name", element, name=name, line=line)
         elif consert is not None:
             conserts.append(consert)
         first.setdefault(name, element)
-    if parts:
-        check_stray_text(parts, findings)
-        _count_misprints(parts[0], findings)
-    marked, unclear = with_default_guarantees(
-        conserts, default_guarantees if parts else (), source.name
-    )
+    if not parts:
+        return (), findings.problems()
+    _check_stray_text(parts, findings)
+    for (printed, intended), times in document.references.misprints.items():
+        case = "X006.path_misprint" if is_misprint(printed) else "X006.path_spelling"
+        findings.count(case, parts[0], times, name=printed, meant=intended)
+    marked, unclear = with_default_guarantees(conserts, default_guarantees, source.name)
     return marked, [*findings.problems(), *unclear]
 
 
 def consert_elements(document: EddiDocument) -> Iterator[Element]:
     """Yield the elements that hold a ConSert, of both dialects, in document order."""
     for package in document.packages():
-        stated = document.class_of(package)
-        if stated.name == names.CONSERT_CLASS and document.is_root(package):
+        class_name = document.class_of(package).name
+        if class_name == names.CONSERT_CLASS and document.is_root(package):
             yield package
-        elif stated.name == names.PACKAGE_CLASS:
+        elif class_name == names.PACKAGE_CLASS:
             yield from document.children(package, names.CONSERTS)
-        elif stated.name == names.SYSTEM_CLASS:
+        elif class_name == names.SYSTEM_CLASS:
             for configuration in document.children(package, names.CONFIGURATIONS):
                 yield from document.children(configuration, names.CONSERTS)
 
 
-def _consert(
-    element: Element, source: Source, findings: EddiFindings
-) -> tuple[ConSert | None, list[Element]]:
-    """Read one ConSert; ``None`` when it has an error. Also return its services."""
-    errors = findings.errors
-    check_consert_names(element, findings)
-    parts = read_parts(element, findings)
-    required = required_services(element, parts, findings)
-    provided = provided_services(element, parts, findings)
-    if findings.errors > errors:
-        return None, parts.services
-    consert = ConSert(
-        _name(element, source, findings.document),
-        tuple(parts.guarantees),
-        tuple(parts.demands),
-        tuple(parts.evidence),
-        tuple(parts.gates),
-        tuple(parts.edges),
-        required,
-        provided,
-        findings.document.place(element),
-        _system(element, findings),
-    )
-    return consert, parts.services
+class _ConSertReader:
+    """Reads one ConSert; after an error with placeholders, which nobody sees.
 
+    Attributes:
+        services: elements of its services.
+    """
 
-def _system(element: Element, findings: EddiFindings) -> str:
-    """Return the name of the system whose configuration of services a ConSert is for."""
-    wanted = names.SERVICE_CONFIGURATIONS
-    found = findings.targets(element, names.SERVICE_CONFIGURATION, wanted)
-    systems = [configuration.getparent() for configuration in found]
-    return next((system.get("name") or "" for system in systems if system is not None), "")
+    def __init__(self, element: Element, findings: EddiFindings) -> None:
+        self.element, self.findings = element, findings
+        self.document = findings.document
+        self.dimensions = DimensionReader(findings)
+        self.ids: dict[Element, str] = {}  # of all nodes; holding elements keeps their identity
+        self.services: list[Element] = []
 
+    def read(self, name: str) -> ConSert | None:
+        """Return the ConSert, ``None`` when it has an error."""
+        errors = self.findings.errors
+        children = {part: self.document.children(self.element, part) for part in _NODES}
+        number = sum(len(elements) for elements in children.values())
+        if number > MAX_NODES:
+            self.findings.report("X003.nodes", self.element, number=number, limit=MAX_NODES)
+            return None
+        guarantees = [self._guarantee(element) for element in children[names.GUARANTEES]]
+        demands = [self._demand(element) for element in children[names.DEMANDS]]
+        evidence = [self._evidence(element) for element in children[names.EVIDENCE]]
+        gates = [self._gate(element) for element in children[names.GATES]]
+        invariants = [self._gate(element, "Invariant") for element in children[names.INVARIANT]]
+        edges = self._edges()
+        for gate, element in zip(invariants, children[names.INVARIANT], strict=True):
+            supported = {edge.target for edge in edges}
+            if gate.id not in supported:
+                self.findings.report("X006.unused_invariant", element, id=gate.id)
+                continue
+            # Without the invariant no guarantee that has support.
+            self.findings.count("X006.invariant", element, id=gate.id)
+            gates.append(gate)
+            edges += [
+                Propagation(gate.id, guarantee.id, gate.place)
+                for guarantee in guarantees
+                if not guarantee.default and guarantee.id in supported
+            ]
+        required = self._services(
+            children[names.DEMANDS],
+            names.REQUIRED_SERVICE,
+            names.REQUIRED_SERVICES,
+            names.DEMANDS,
+            (names.PROVIDED_ELSEWHERE, names.PROVIDED_SERVICES),
+        )
+        provided = self._services(
+            children[names.GUARANTEES],
+            names.PROVIDED_SERVICE,
+            names.PROVIDED_SERVICES,
+            names.GUARANTEES,
+            (names.ALLOCATED, names.REQUIRED_SERVICES),
+        )
+        required_services = tuple(RequiredService(*row) for row in required)
+        provided_services = tuple(ProvidedService(*row) for row in provided)
+        if self.findings.errors > errors:
+            return None
+        link, ends = names.SERVICE_CONFIGURATION, names.SERVICE_CONFIGURATIONS
+        targets = self.findings.targets(self.element, link, ends)
+        systems = [system for end in targets if (system := end.getparent()) is not None]
+        return ConSert(
+            name,
+            tuple(guarantees),
+            tuple(demands),
+            tuple(evidence),
+            tuple(gates),
+            tuple(edges),
+            required_services,
+            provided_services,
+            self.document.place(self.element),
+            (systems[0].get("name") or "") if systems else "",
+        )
 
-def _name(element: Element, source: Source, document: EddiDocument) -> str:
-    return document.attribute(element, names.NAME) or source.stem
+    def _name(self, element: Element) -> str:
+        """Return the name of a node or a service; X010 when it has none."""
+        name = self.document.attribute(element, names.NAME)
+        if not name:
+            kind = self.document.describe(element)
+            self.findings.report("X010.name", element, kind=kind)
+        return name or ""
 
+    def _id(self, element: Element) -> str:
+        self.ids[element] = self._name(element)
+        return self.ids[element]
 
-def _check_class(element: Element, findings: EddiFindings) -> None:
-    package = element.getparent()
-    printed = findings.document.class_of(package).printed if package is not None else ""
-    if package is not None and is_misprint(local_name(printed)):
-        findings.count("X006.class", package, class_name=printed)
+    def _description(self, element: Element) -> str | None:
+        return self.document.attribute(element, names.DESCRIPTION) or None
 
+    def _guarantee(self, element: Element) -> Guarantee:
+        return Guarantee(
+            self._id(element),
+            self.dimensions.read(element),
+            self._description(element),
+            bool(self.dimensions.boolean(element, names.DEFAULT)),
+            self._ranking(element),
+            self.document.place(element),
+        )
 
-def _check_untyped(document: EddiDocument, findings: EddiFindings) -> None:
-    """Refuse packages that contain ConSerts and are not declared as ConSert packages."""
-    for package in document.packages():
-        if not document.class_of(package).name and any(
-            names.CONSERTS.accepts(document.feature(child)) for child in package.iterchildren()
+    def _ranking(self, element: Element) -> int | None:
+        text = self.document.attribute(element, names.RANKING)
+        digits = (text or "0").strip().removeprefix("-").removeprefix("+")
+        if not (digits.isascii() and digits.isdigit() and len(digits) <= 9):
+            fields = {"attribute": names.RANKING.name, "text": (text or "")[:60]}
+            self.findings.report("X011.integer", element, **fields)
+            return None
+        return None if text is None else int(text)
+
+    def _demand(self, element: Element) -> Demand:
+        id_, dimensions = self._id(element), self.dimensions.read(element)
+        return Demand(id_, dimensions, self._description(element), self.document.place(element))
+
+    def _evidence(self, element: Element) -> Evidence:
+        id_, place = self._id(element), self.document.place(element)
+        dimensions = self.dimensions.read(element) or self._described(element)
+        has_property = bool(self.document.children(element, names.PROPERTY))
+        if not dimensions and not has_property and not (element.text or "").strip():
+            self.findings.report("X014.no_property", element, name=id_)
+            dimensions = (BinaryDimension(id_, place),)
+        if not dimensions:
+            self.findings.report("C006.no_dimension", element, name=id_)
+        elif len(dimensions) > 1:
+            self.findings.report("C002.dimensions", element, name=id_, number=len(dimensions))
+        dimension = dimensions[0] if dimensions else BinaryDimension("")
+        return Evidence(id_, dimension, self._description(element), place)
+
+    def _described(self, element: Element) -> tuple[Dimension, ...]:
+        """Read the English description: only the older dialect has a dimension there."""
+        if self._configuration() is None:
+            return ()
+        text = self._description(element)
+        if text is None or not text.strip():
+            text = self.document.attribute(element, names.NAME) or ""
+            self.findings.report("X014.no_description", element, text=text)
+        return (self.dimensions.english(text, element),) if text.strip() else ()
+
+    def _gate(self, element: Element, default_name: str = "") -> Gate:
+        id_ = self.document.attribute(element, names.NAME) or default_name or self._name(element)
+        self.ids[element] = id_
+        # EMF omits the first literal of an enumeration, which is AND here (OR in fault trees).
+        text = self.document.attribute(element, names.GATE_TYPE)
+        function = _FUNCTIONS.get(("and" if text is None else text).strip().casefold())
+        if function is None:
+            subject = f'{self.document.attribute_name(element, names.GATE_TYPE)} is "{text}"'
+            self.findings.report("X011.operator", element, subject=subject)
+        return Gate(id_, function or "And", self.document.place(element))
+
+    def _edges(self) -> list[Propagation]:
+        """Read an edge from each source to each target of each propagation, unless too many."""
+        edges: list[Propagation] = []
+        for element in self.document.children(self.element, names.PROPAGATIONS):
+            sources, targets = self._ends(element, names.SOURCE), self._ends(element, names.TARGET)
+            number = len(edges) + len(sources) * len(targets)
+            if number > MAX_EDGES:
+                self.findings.report("X003.edges", element, number=number, limit=MAX_EDGES)
+                break
+            place = self.document.place(element)
+            edges += [
+                Propagation(source, target, place) for source in sources for target in targets
+            ]
+        return edges
+
+    def _ends(self, element: Element, spelling: Spelling) -> list[str]:
+        ends, problems, is_present = self.document.targets(element, spelling)
+        self.findings.add(*problems)
+        if not is_present:
+            owner = self.document.describe(element)
+            self.findings.report("X010.attribute", element, attribute=spelling.name, owner=owner)
+        for end in ends:
+            if end in self.ids:
+                continue
+            where, hint = "which is not a node", None
+            if any(part.accepts(self.document.feature(end)) for part in _NODES):
+                where = "of another ConSert"
+                hint = "ConSerts are connected by services: a demand there, a guarantee here"
+            fields = {"feature": spelling.name, "end": self.document.describe(end), "where": where}
+            self.findings.report("X009.edge", element, hint=hint, **fields)
+        return [self.ids[end] for end in ends if end in self.ids]
+
+    def _services(
+        self,
+        elements: Iterable[Element],
+        link: Spelling,
+        feature: Spelling,
+        member: Spelling,
+        allocations: tuple[Spelling, Spelling],
+    ) -> Iterator[tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]]:
+        """Yield id, type, members, place of services, and to what they are allocated.
+
+        Args:
+            elements: demands or guarantees, which may refer to their services.
+            link: the feature with which they do.
+            feature: where services stand, also those of the configuration around a ConSert.
+            member: the feature in which these list their members.
+            allocations: what refers to services of the other kind, and where these stand.
+        """
+        members: dict[Element, list[str]] = {}
+        for element in elements:
+            for service in self.findings.targets(element, link, feature):
+                members.setdefault(service, []).append(self.ids[element])
+        configuration = self._configuration()
+        for service in (
+            self.document.children(configuration, feature) if configuration is not None else ()
         ):
-            findings.report("X010.package_type", package)
+            ends, problems, _ = self.document.targets(service, member)
+            self.findings.add(*problems)
+            members[service] = []
+            for end in ends:
+                if end in self.ids and member.accepts(self.document.feature(end)):
+                    members[service].append(self.ids[end])
+                else:
+                    fields = {"link": member.name, "actual": self.document.describe(end)}
+                    self.findings.report("X009.other_configuration", service, **fields)
+        self.services += members
+        for service, ids in members.items():
+            child = self.findings.only(service, names.SERVICE_TYPE)
+            type_ = self.document.attribute(child, names.NAME) if child is not None else None
+            if not type_:
+                owner = self.document.describe(service)
+                self.findings.report("X010.service_type", service, owner=owner)
+            others = self.findings.targets(service, *allocations)
+            places = tuple(map(self.document.place, others))
+            place = self.document.place(service)
+            yield self._name(service), type_ or "", tuple(ids), place, places
+
+    def _configuration(self) -> Element | None:
+        """Return the configuration that holds a ConSert of the older dialect."""
+        owner = self.element.getparent()
+        is_older = owner is not None and names.CONFIGURATIONS.accepts(self.document.feature(owner))
+        return owner if is_older else None
 
 
-def _count_misprints(element: Element, findings: EddiFindings) -> None:
-    for (printed, intended), times in findings.document.references.misprints.items():
-        case = "X006.path_misprint" if is_misprint(printed) else "X006.path_spelling"
-        findings.count(case, element, times, name=printed, meant=intended)
+_PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
+_ENDS = (names.START, names.END)
+_DIMENSION_TYPES = (names.DIMENSION_TYPE, names.PUBLIC_TYPE)
+_UNITS = (names.UNIT, names.PUBLIC_UNIT)
+_KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
+    names.CONSERTS: (
+        *(*_NODES, names.PROPAGATIONS),
+        *(names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES),
+    ),
+    names.GUARANTEES: (
+        *(names.PROVIDED_SERVICE, names.DEFAULT, names.RANKING, names.REQUIREMENT),
+        *_PROPERTY_PARTS,
+    ),
+    names.DEMANDS: (
+        *(names.REQUIRED_SERVICE, names.RELATIONS, names.REQUIREMENT),
+        *_PROPERTY_PARTS,
+    ),
+    names.EVIDENCE: (names.EVENTS, names.REQUIREMENT, *_PROPERTY_PARTS),
+    names.GATES: (names.GATE_TYPE,),
+    names.INVARIANT: (names.GATE_TYPE,),
+    names.PROPAGATIONS: (names.SOURCE, names.TARGET),
+    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION, names.REQUIREMENT),
+    names.SAFETY_PROPERTIES: (names.REFINEMENT, names.INTEGRITY_LEVEL),
+    names.DIMENSION: (
+        *(*_DIMENSION_TYPES, names.COVERED, names.SUBSET, *_UNITS, names.VALUE),
+        *_ENDS,
+    ),
+    names.COVERED: (names.VALUE, *_ENDS, names.INCLUSIVE),
+    names.START: (names.INCLUSIVE, names.VALUE),
+    names.END: (names.INCLUSIVE, names.VALUE),
+    names.VALUE: (names.NUMBER, names.NUMBER_TYPE, names.EPSILON),
+    names.RELATIONS: (names.RELATION_TYPE, names.DIMENSION),
+    names.DIMENSION_TYPE: (),
+    names.PUBLIC_TYPE: (),
+    names.REFINEMENT: (),
+}
+"""Feature -> what an object there may have besides the common names."""
+
+
+def _check_names(consert: Element, findings: EddiFindings) -> None:
+    """Report names below a ConSert that are misspelt or unknown, once per name and file."""
+    waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
+    while waiting:
+        element, feature = waiting.pop()
+        known = (*_KNOWN[feature], *names.COMMON)
+        keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
+        parts = [("attribute", key, element) for key in keys]
+        parts += [("child", local_name(str(child.tag)), child) for child in element.iterchildren()]
+        children: list[tuple[Element, Spelling]] = []
+        for kind, name, part in parts:
+            match = next((spelling for spelling in known if spelling.accepts(name)), None)
+            if match is None:
+                owner = findings.document.feature(element)
+                findings.count("X006.unknown", part, subject=kind, name=name, owner=owner)
+                continue
+            if not match.is_exact(name):
+                case = "X006.misprint" if is_misprint(name) else "X006.spelling"
+                findings.count(case, part, subject=kind, name=name, meant=match.name)
+            if kind == "child" and match in _KNOWN:
+                children.append((part, match))
+        waiting += reversed(children)
+
+
+def _check_stray_text(parts: Sequence[Element], findings: EddiFindings) -> None:
+    """Report character data around these parts of a file: between objects there should be none."""
+    roots = frozenset(findings.document.roots)
+    texts = [text for root in findings.document.roots for text in stray_texts(root, deep=False)]
+    tops: dict[Element, None] = {}
+    for part in parts:
+        top, parent = part, part.getparent()
+        while parent is not None and parent not in roots:
+            top, parent = parent, parent.getparent()
+        tops[top] = None
+    for element, text in [*texts, *(text for top in tops for text in stray_texts(top))]:
+        findings.count("X006.text", element, text=text[:20])

@@ -1,17 +1,22 @@
-"""ConSert YAML (SESAME D7.2 Fig 6) -> model: what each key holds, and its place."""
+"""ConSert YAML (SESAME D7.2 Fig 6) -> model: a table of what each map holds, and one reader of it.
+
+A faulty part is reported and becomes ``None``, and so does what needs it.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar, cast
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
 
-from eddi_scaffold.common.problems import Place, Problem, has_errors
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
     ConSert,
     Demand,
-    Dimension,
     Evidence,
     Gate,
     Guarantee,
@@ -20,327 +25,329 @@ from eddi_scaffold.kinds.consert.model import (
     ProvidedService,
     Range,
     RequiredService,
-    Subset,
 )
-from eddi_scaffold.kinds.consert.yaml_shape import Element, Shape
 from eddi_scaffold.yaml_text import nodes as y
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from eddi_scaffold.common.files import Source
-
-
-_Part = TypeVar("_Part")
-
-KINDS = ("Binary", "Categorical", "Numeric")
-RANGES = ("Inclusive", "Exclusive")
-SUBSETS = ("Demand", "Guarantee")
-_FIELDS = {
-    "Binary": (("type",), ()),
-    "Categorical": (("type", "covered", "subset"), ()),
-    "Numeric": (("type", "covered", "subset"), ("uom",)),
-}
+MAX_ID = 128
+_MOST_UNKNOWN_KEYS = 100
+"""Unknown keys of one map that are compared with a missing one."""
 _UNREADABLE = BinaryDimension("")
-"""Stands where a dimension could not be read (an error that stops every command)."""
+"""Stands for a faulty dimension, so that checking goes on with the rest of the file."""
+
+Read = Callable[["_Reader", y.Node, str, str], Any]
+"""Reads a node, given what it is and what it is in, for messages; ``None`` after a problem."""
 
 
-def read_dimensions(shape: Shape, item: Element) -> tuple[Dimension, ...]:
-    """Read the list of dimensions of a guarantee or demand."""
-    node, what = item.get("dimensions"), f"'dimensions' of {item.what}"
-    nodes = None if node is None else shape.items(node, what)
-    if nodes is None:
-        return (_UNREADABLE,)
-    if not nodes:
-        shape.report(
-            "C006.empty_gate",
-            item.place if node is None else node.place,
-            subject=what,
-            type=item.what.split()[0],
-        )
-        return (_UNREADABLE,)
-    return tuple(read_dimension(shape, one, f"a dimension of {item.what}") for one in nodes)
+class _Field(NamedTuple):
+    """A key of a map.
+
+    Attributes:
+        substitute: the value where a faulty one does not keep the map from being read.
+    """
+
+    key: str
+    read: Read
+    is_optional: bool = False
+    substitute: Any = None
 
 
-def read_dimension(shape: Shape, node: y.Node | None, what: str) -> Dimension:
-    """Read one dimension; a placeholder when it is missing or faulty (which is reported)."""
-    if node is None:
-        return _UNREADABLE
-    variant = _variant(shape, node, what, KINDS, "kind of dimension")
-    if variant is None:
-        return _UNREADABLE
-    name, content = variant
-    item = shape.element(content, f"{name!r} in {what}", *_FIELDS[name])
-    if item is None:
-        return _UNREADABLE
-    type_ = shape.text(item, "type") or ""
-    if name == "Binary":
-        return BinaryDimension(type_, node.place)
-    subset = cast("Subset | None", shape.variant(item, "subset", SUBSETS, "subset"))
-    if name == "Categorical":
-        return _categorical(shape, item, type_, subset, node) or _UNREADABLE
-    return _numeric(shape, item, type_, subset, node) or _UNREADABLE
+class _Form(NamedTuple):
+    """What a map holds.
+
+    Attributes:
+        make: takes the values of the fields in their order, and a place.
+        kind: of an element with an id, which messages call ``<kind> '<id>'``.
+    """
+
+    make: Callable[..., Any]
+    fields: tuple[_Field, ...]
+    kind: str = ""
 
 
-def _variant(
-    shape: Shape, node: y.Node, what: str, allowed: tuple[str, ...], title: str
-) -> tuple[str, y.Node] | None:
-    keys = f"one key ({', '.join(allowed)})"
-    if not isinstance(node, y.Map) or len(node.entries) != 1:
-        found = y.describe(node)
-        if isinstance(node, y.Map):
-            found = f"a map with {len(node.entries)} keys"
-        shape.report("C002.map_with_keys", node.place, subject=what, keys=keys, actual=found)
-        return None
-    key, content = node.entries[0]
-    if key.text not in allowed:
-        shape.unknown_variant(key.text, allowed, title, key.place)
-        return None
-    return key.text, content
-
-
-def _covered(
-    shape: Shape, item: Element, read_one: Callable[[Shape, y.Node, str], _Part | None], part: str
-) -> tuple[_Part, ...] | None:
-    node, what = item.get("covered"), f"'covered' of {item.what}"
-    nodes = None if node is None else shape.items(node, what)
-    if node is None or nodes is None:
-        return None
-    if not nodes:
-        shape.report("C006.empty_list", node.place, subject=what)
-    read = [read_one(shape, one, f"a {part} of {item.what}") for one in nodes]
-    kept = tuple(one for one in read if one is not None)
-    return kept if kept and len(kept) == len(read) else None
-
-
-def _categorical(
-    shape: Shape, item: Element, type_: str, subset: Subset | None, node: y.Node
-) -> Dimension | None:
-    categories = _covered(shape, item, _category, "category")
-    if categories is None or subset is None:
-        return None
-    return CategoricalDimension(type_, categories, subset, node.place)
-
-
-def _category(shape: Shape, node: y.Node, what: str) -> str | None:
-    return shape.scalar(node, what)
-
-
-def _numeric(
-    shape: Shape, item: Element, type_: str, subset: Subset | None, node: y.Node
-) -> Dimension | None:
-    ranges = _covered(shape, item, _range, "range")
-    uom = shape.optional_text(item, "uom")
-    if ranges is None or subset is None:
-        return None
-    return NumericDimension(type_, ranges, subset, uom, node.place)
-
-
-def _range(shape: Shape, node: y.Node, what: str) -> Range | None:
-    variant = _variant(shape, node, what, RANGES, "kind of range")
-    if variant is None:
-        return None
-    name, content = variant
-    ends = _ends(shape, content, f"{name!r} in {what}")
-    if ends is None:
-        return None
-    first, last = _bound(shape, ends[0], "start", what), _bound(shape, ends[1], "end", what)
-    if first is None or last is None:
-        return None
-    return Range(first, last, name == "Inclusive", node.place)
-
-
-def _ends(shape: Shape, node: y.Node, what: str) -> tuple[y.Node, y.Node] | None:
-    if isinstance(node, y.Items) and len(node.items) == 2:
-        return node.items[0], node.items[1]
-    item = shape.element(node, what, ("start", "end"))
-    if item is None:
-        return None
-    start, end = item.get("start"), item.get("end")
-    return None if start is None or end is None else (start, end)
-
-
-def _bound(shape: Shape, node: y.Node, key: str, what: str) -> Bound | None:
-    number = y.as_number(node)
-    if number is not None:
-        return Bound(number.text, number.value)
-    hint = None
-    if isinstance(node, y.Scalar):
-        unquoted = y.as_number(y.Scalar(node.text, plain=True))
-        hint = f"write {node.text} without quotes" if unquoted is not None else None
-    shape.report("C002.number", node.place, hint=hint, key=key, subject=what, node=y.describe(node))
-    return None
-
-
-SECTIONS = (
-    "guarantees",
-    "demands",
-    "evidence",
-    "gates",
-    "tree_propagations",
-    "required_services",
-    "provided_services",
-)
-"""The mandatory keys of the top level, in the order of SESAME D7.2 Fig 6."""
-
-GATE_FUNCTIONS = ("And", "Or")
-
-_Item = TypeVar("_Item")
-
-
-def read_consert(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
-    """Read one ConSert.
+def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
+    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
 
     Args:
         source: the YAML file.
         name: name of the ConSert; the stem of the file when ``None``.
 
     Returns:
-        The ConSert, ``None`` when anything is wrong with its shape (C001 to C006, C016); and
-        all problems.
-    """
-    consert, problems = read_draft(source, name)
-    return (None if has_errors(problems) else consert), problems
-
-
-def read_draft(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
-    """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
-
-    Returns:
-        A ConSert in which faulty parts are left out or replaced, ``None`` when an id or an edge
-        could not be read (checking would report its consequences); and all problems.
+        A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
+        read (checking would report its consequences); and all problems (C001 to C006).
     """
     root, problems = y.read_map(source, "C001")
     if root is None:
         return None, problems
-    shape = Shape()
-    top = shape.element(root, "the ConSert", SECTIONS, lists=True)
-    sections = {key: _Section(shape, top, key) for key in SECTIONS}
-    consert = ConSert(
-        name=source.stem if name is None else name,
-        guarantees=sections["guarantees"].read(_guarantee),
-        demands=sections["demands"].read(_demand),
-        evidence=sections["evidence"].read(_evidence),
-        gates=sections["gates"].read(_gate),
-        tree_propagations=sections["tree_propagations"].read(_propagation),
-        required_services=sections["required_services"].read(_required),
-        provided_services=sections["provided_services"].read(_provided),
-        place=Place(source.name, root.place.line, root.place.col),
-    )
-    whole = all(section.whole for section in sections.values())
-    return (consert if whole else None), [*problems, *shape.problems]
+    reader = _Reader()
+    form = _Form(partial(ConSert, source.stem if name is None else name), _SECTIONS)
+    consert = reader.element(root, "the ConSert", form)
+    return consert, [*problems, *reader.problems]
 
 
-class _Section:
-    """One list of the top level.
+class _Reader:
+    """Reads maps by their forms, and collects what is wrong with them."""
 
-    Attributes:
-        whole: every element of the list could be read far enough to be referred to.
+    def __init__(self) -> None:
+        self.problems: list[Problem] = []
+
+    def report(
+        self, case: str, node: y.Node, /, *, hint: str | None = None, **fields: object
+    ) -> None:
+        """Add an error at a node."""
+        self.problems.append(problem(case, node.place, hint=hint, **fields))
+
+    def element(self, node: y.Node, what: str, form: _Form, place: Place | None = None) -> Any:
+        """Read a map."""
+        if not isinstance(node, y.Map):
+            self.report("C002.map", node, subject=what, node=y.describe(node))
+            return None
+        place = place or node.place
+        id_ = node.get("id") if form.kind else None
+        if id_ is not None:
+            place, text = id_.place, y.as_text(id_)
+            if text is not None:
+                what = f"{form.kind} {y.shown(text)}"
+        self._check_keys(node, what, form)
+        values, is_faulty = [], False
+        for field in form.fields:
+            child = node.get(field.key)
+            value = child and field.read(self, child, f"{field.key!r} of {what}", what)
+            value = field.substitute if value is None else value
+            is_faulty |= value is None and not field.is_optional
+            values.append(value)
+        return None if is_faulty else form.make(*values, place=place)
+
+    def _check_keys(self, node: y.Map, what: str, form: _Form) -> None:
+        keys, known = node.keys(), {field.key: field for field in form.fields}
+        present, unknown = set(keys), [key for key in keys if key not in known]
+        meant: set[str] = set()
+        for key, field in known.items():
+            if key in present or field.is_optional:
+                continue
+            similar = most_similar(key, unknown[:_MOST_UNKNOWN_KEYS])
+            hint = f"write `{key}: []` for none" if form.fields is _SECTIONS else None
+            if similar is not None:
+                meant.add(similar)
+                hint = f"the key {y.shown(similar)} is there: did you mean {key!r}?"
+                if (similar, key) == ("dimension", "dimensions"):
+                    hint = "the key 'dimension' is there: use `dimensions: [...]`"
+            self.report("C002.no_key", node, hint=hint, subject=what, key=key)
+        absent = [key for key in known if key not in present]
+        for index, (name, _) in enumerate(node.entries):
+            if name.text not in known and name.text not in meant:
+                hint = _comma_hint(node, index) or did_you_mean(name.text, absent)
+                self.report(
+                    "C002.unknown_key", name, hint=hint, name=y.shown(name.text), subject=what
+                )
+
+    def unknown_word(
+        self, word: y.Scalar, title: str, known: tuple[str, ...], hint: str | None = None
+    ) -> None:
+        """Report a word outside of a closed set."""
+        self.report(
+            "C002.unknown_word",
+            word,
+            hint=hint or did_you_mean(word.text, known),
+            kind=title,
+            word=y.shown(word.text),
+            allowed=", ".join(known),
+        )
+
+
+def _comma_hint(node: y.Map, index: int) -> str | None:
+    """Return what to do where a decimal comma has made a key: ``{start: 1,5}``."""
+    name, value = node.entries[index]
+    if index == 0 or not (name.text.isdecimal() and y.is_null(value)):
+        return None
+    key, before = node.entries[index - 1]
+    if not isinstance(before, y.Scalar) or y.as_integer(before) is None:
+        return None
+    return f"a decimal point, not a comma: `{key.text}: {before.text}.{name.text}`"
+
+
+def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
+    text = y.as_text(node)
+    if text is None:
+        hint = None
+        if isinstance(node, y.Scalar) and node.text:
+            hint = f'if the text "{node.text}" is meant, put it in quotes'
+        reader.report("C002.text", node, hint=hint, subject=what, node=y.describe(node))
+    return text
+
+
+def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
+    text = _text(reader, node, what, owner)
+    if text is not None and len(text) > MAX_ID:
+        reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
+    return text
+
+
+def _or_null(read: Read) -> Read:
+    def read_or_null(reader: _Reader, node: y.Node, what: str, owner: str) -> Any:
+        return None if y.is_null(node) else read(reader, node, what, owner)
+
+    return read_or_null
+
+
+def _boolean(reader: _Reader, node: y.Node, what: str, _owner: str) -> bool | None:
+    value = y.as_bool(node)
+    if value is None:
+        reader.report("C002.boolean", node, subject=what, node=y.describe(node))
+    return value
+
+
+def _integer(reader: _Reader, node: y.Node, what: str, _owner: str) -> int | None:
+    value = y.as_integer(node)
+    if value is None:
+        reader.report("C002.integer", node, subject=what, node=y.describe(node))
+    return value
+
+
+def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> Bound | None:
+    number = y.as_number(node)
+    if number is not None:
+        return Bound(number.text, number.value)
+    hint = None
+    if isinstance(node, y.Scalar) and y.as_number(y.Scalar(node.text, plain=True)) is not None:
+        hint = f"write {node.text} without quotes"
+    reader.report("C002.number", node, hint=hint, subject=what, node=y.describe(node))
+    return None
+
+
+def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
+    def read_word(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
+        text = _text(reader, node, what, owner)
+        if text is None or text in known:
+            return text
+        assert isinstance(node, y.Scalar)
+        reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
+        return None
+
+    return read_word
+
+
+def _list_of(
+    read: Read, item: str, *, may_be_empty: bool = False, substitute: object = None
+) -> Read:
+    """Return what reads a list, of which a faulty item is replaced, or makes all of it faulty.
+
+    Args:
+        read: reads an item.
+        item: what it is, by its ``number``, by ``what`` the list is, or by what the list is in.
+        may_be_empty: it may have no item.
+        substitute: of a faulty item.
     """
 
-    def __init__(self, shape: Shape, top: Element | None, key: str) -> None:
-        self._shape, self._key = shape, key
-        node = None if top is None else top.get(key)
-        self._nodes = None if node is None else shape.items(node, f"{key!r}")
-        self.whole = self._nodes is not None
+    def read_list(reader: _Reader, node: y.Node, what: str, owner: str) -> tuple[Any, ...] | None:
+        if not isinstance(node, y.Items):
+            hint = "write [] for an empty list" if y.is_null(node) else None
+            reader.report("C002.list", node, hint=hint, subject=what, node=y.describe(node))
+            return None
+        if not node.items and not may_be_empty:
+            reader.report("C006.empty_list", node, subject=what)
+            return None
+        items = []
+        for number, child in enumerate(node.items, 1):
+            title = item.format(number=number, what=what, owner=owner)
+            value = read(reader, child, title, owner)
+            items.append(substitute if value is None else value)
+        return None if None in items else tuple(items)
 
-    def read(self, read_one: Callable[[Shape, y.Node, str], _Item | None]) -> tuple[_Item, ...]:
-        read = [
-            read_one(self._shape, node, f"item {number} of {self._key!r}")
-            for number, node in enumerate(self._nodes or (), 1)
-        ]
-        kept = tuple(item for item in read if item is not None)
-        self.whole = self.whole and len(kept) == len(read)
-        return kept
-
-
-def _guarantee(shape: Shape, node: y.Node, what: str) -> Guarantee | None:
-    item = shape.element(
-        node, what, ("id", "dimensions"), ("description", "default", "ranking"), kind="guarantee"
-    )
-    if item is None or item.id is None:
-        return None
-    return Guarantee(
-        item.id,
-        read_dimensions(shape, item),
-        shape.optional_text(item, "description"),
-        shape.boolean(item, "default", otherwise=False),
-        shape.integer(item, "ranking"),
-        item.place,
-    )
+    return read_list
 
 
-def _demand(shape: Shape, node: y.Node, what: str) -> Demand | None:
-    item = shape.element(node, what, ("id", "dimensions"), ("description",), kind="demand")
-    if item is None or item.id is None:
-        return None
-    description = shape.optional_text(item, "description")
-    return Demand(item.id, read_dimensions(shape, item), description, item.place)
+def _variant_of(title: str, forms: Mapping[str, _Form]) -> Read:
+    """Return what reads a map with one key, which tells what it holds."""
+    known = tuple(forms)
+
+    def read_variant(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+        if not isinstance(node, y.Map) or len(node.entries) != 1:
+            actual = y.describe(node)
+            if isinstance(node, y.Map):
+                actual += f" with {len(node.entries)} keys"
+            keys = f"one key ({', '.join(known)})"
+            reader.report("C002.map_with_keys", node, subject=what, keys=keys, actual=actual)
+            return None
+        key, content = node.entries[0]
+        if key.text not in known:
+            reader.unknown_word(key, title, known)
+            return None
+        form = forms[key.text]
+        if form.fields is _ENDS and isinstance(content, y.Items) and len(content.items) == 2:
+            ends = zip(("start", "end"), content.items, strict=True)
+            content = y.Map(tuple((y.Scalar(end, plain=True), value) for end, value in ends))
+        return reader.element(content, f"{key.text!r} in {what}", form, node.place)
+
+    return read_variant
 
 
-def _evidence(shape: Shape, node: y.Node, what: str) -> Evidence | None:
-    item = shape.element(node, what, ("id", "dimension"), ("description",), kind="evidence")
-    if item is None or item.id is None:
-        return None
-    dimension = read_dimension(shape, item.get("dimension"), f"'dimension' of {item.what}")
-    return Evidence(item.id, dimension, shape.optional_text(item, "description"), item.place)
-
-
-def _gate(shape: Shape, node: y.Node, what: str) -> Gate | None:
-    item = shape.element(node, what, ("id", "function"), kind="gate")
-    if item is None or item.id is None:
-        return None
-    function = shape.variant(item, "function", GATE_FUNCTIONS, "gate function", _GATE_HINTS)
-    return Gate(item.id, "Or" if function == "Or" else "And", item.place)
-
-
-_GATE_HINTS = dict.fromkeys(
-    ("not", "xor", "nand", "nor"),
-    "a ConSert has no negation: describe the negated property as evidence",
+_TYPE = _Field("type", _text)
+_SUBSET = _Field("subset", _word_of("subset", ("Demand", "Guarantee")))
+_ENDS = (_Field("start", _bound), _Field("end", _bound))
+_RANGE = _variant_of(
+    "kind of range",
+    {
+        "Inclusive": _Form(partial(Range, inclusive=True), _ENDS),
+        "Exclusive": _Form(partial(Range, inclusive=False), _ENDS),
+    },
 )
+_CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
+_RANGES = _Field("covered", _list_of(_RANGE, "a range of {owner}"))
+_UOM = _Field("uom", _or_null(_text), is_optional=True)
+_DIMENSION = _variant_of(
+    "kind of dimension",
+    {
+        "Binary": _Form(BinaryDimension, (_TYPE,)),
+        "Categorical": _Form(CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
+        "Numeric": _Form(NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
+    },
+)
+_ID = _Field("id", _id)
+_DESCRIPTION = _Field("description", _or_null(_text), is_optional=True)
+_DIMENSIONS = _Field(
+    "dimensions",
+    _list_of(_DIMENSION, "a dimension of {owner}", substitute=_UNREADABLE),
+    substitute=(_UNREADABLE,),
+)
+_DEFAULT = _Field("default", _boolean, is_optional=True, substitute=False)
+_RANKING = _Field("ranking", _or_null(_integer), is_optional=True)
+_NO_NEGATION = "a ConSert has no negation: describe the negated property as evidence"
+_FUNCTION = _word_of(
+    "gate function", ("And", "Or"), dict.fromkeys(("not", "xor", "nand", "nor"), _NO_NEGATION)
+)
+_SERVICE_TYPE = _Field("functional_service_type", _text)
+_IDS = _list_of(_text, "a member of {what}", may_be_empty=True)
+_ELEMENTS = {
+    "guarantees": _Form(
+        Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
+    ),
+    "demands": _Form(Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
+    "evidence": _Form(
+        Evidence,
+        (_ID, _Field("dimension", _DIMENSION, substitute=_UNREADABLE), _DESCRIPTION),
+        "evidence",
+    ),
+    "gates": _Form(Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
+    "tree_propagations": _Form(Propagation, (_Field("from", _text), _Field("to", _text))),
+    "required_services": _Form(
+        RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
+    ),
+    "provided_services": _Form(
+        ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
+    ),
+}
 
 
-def _propagation(shape: Shape, node: y.Node, what: str) -> Propagation | None:
-    item = shape.element(node, what, ("from", "to"))
-    if item is None:
-        return None
-    source, target = shape.text(item, "from"), shape.text(item, "to")
-    if source is None or target is None:
-        return None
-    return Propagation(source, target, item.place)
+def _section(key: str, form: _Form) -> _Field:
+    def read_element(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+        return reader.element(node, what, form)
+
+    def read_section(reader: _Reader, node: y.Node, _what: str, owner: str) -> Any:
+        return read_elements(reader, node, repr(key), owner)
+
+    read_elements = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
+    return _Field(key, read_section)
 
 
-def _required(shape: Shape, node: y.Node, what: str) -> RequiredService | None:
-    service = _service(shape, node, what, "demands")
-    return None if service is None else RequiredService(*service)
-
-
-def _provided(shape: Shape, node: y.Node, what: str) -> ProvidedService | None:
-    service = _service(shape, node, what, "guarantees")
-    return None if service is None else ProvidedService(*service)
-
-
-def _service(
-    shape: Shape, node: y.Node, what: str, members: str
-) -> tuple[str, str, tuple[str, ...], Place] | None:
-    keys = ("id", "functional_service_type", members)
-    item = shape.element(node, what, keys, kind="service")
-    if item is None:
-        return None
-    type_ = shape.text(item, "functional_service_type")
-    names = _names(shape, item, members)
-    if item.id is None or type_ is None or names is None:
-        return None
-    return item.id, type_, names, item.place
-
-
-def _names(shape: Shape, item: Element, key: str) -> tuple[str, ...] | None:
-    node = item.get(key)
-    nodes: Sequence[y.Node] | None = None
-    if node is not None:
-        nodes = shape.items(node, f"{key!r} of {item.what}")
-    if nodes is None:
-        return None
-    read = [shape.scalar(one, f"a member of {key!r} of {item.what}") for one in nodes]
-    names = tuple(name for name in read if name is not None)
-    return names if len(names) == len(read) else None
+_SECTIONS = tuple(_section(key, form) for key, form in _ELEMENTS.items())
+"""The mandatory keys of the top level, in the order of SESAME D7.2 Fig 6."""

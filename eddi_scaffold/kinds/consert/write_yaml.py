@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Place, Problem, in_order, problem
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.common.problems import EddiError, Problem, in_order, problem
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
     CategoricalDimension,
@@ -14,14 +15,12 @@ from eddi_scaffold.kinds.consert.model import (
     Demand,
     Dimension,
     Evidence,
+    Gate,
     Guarantee,
     NumericDimension,
+    Service,
 )
-from eddi_scaffold.kinds.consert.ranges import range_text
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 
 def to_yaml(consert: ConSert) -> str:
@@ -30,110 +29,89 @@ def to_yaml(consert: ConSert) -> str:
     Raises:
         EddiError: an EDDI says something of it that this format cannot say (G004).
     """
-    problems = list(_unsayable(consert))
+    problems = list(_losses(consert))
     if problems:
         raise EddiError(*in_order(problems))
-    return "---\n" + dump_plain(as_plain(consert))
-
-
-def _unsayable(consert: ConSert) -> Iterator[Problem]:
-    """Yield an error for each thing that an EDDI can say and YAML cannot."""
-    nodes: tuple[Evidence | Demand | Guarantee, ...]
-    nodes = (*consert.guarantees, *consert.demands, *consert.evidence)
-    for node in nodes:
-        is_evidence = isinstance(node, Evidence)
-        dimensions = (node.dimension,) if isinstance(node, Evidence) else node.dimensions
-        if not dimensions:
-            yield _lost(f"{node.id!r} has no dimension", node.place)
-        for dimension in dimensions:
-            what = f"dimension {dimension.type!r} of {node.id!r}"
-            if isinstance(dimension, BinaryDimension):
-                if not dimension.value:
-                    yield _lost(f"{what} is good when it is false", dimension.place)
-                continue
-            if dimension.subset not in ("Demand", "Guarantee") and not is_evidence:
-                relation = (
-                    "no direction"
-                    if dimension.subset is None
-                    else f"the relation {dimension.subset}"
-                )
-                yield _lost(f"{what} has {relation}", dimension.place)
-            if isinstance(dimension, NumericDimension):
-                for covered in dimension.covered:
-                    if not covered.start_inclusive:
-                        text = range_text(covered, dimension.uom)
-                        yield _lost(f"the start of {text} of {what} lies outside", dimension.place)
-
-
-def _lost(what: str, place: Place) -> Problem:
-    return problem("G004.yaml", place, subject=what)
-
-
-def as_plain(consert: ConSert) -> Mapping[str, Any]:
-    """Return a ConSert as the plain data of its YAML file, keys in the order of D7.2 Fig 6."""
-    return {
-        "guarantees": [_guarantee(guarantee) for guarantee in consert.guarantees],
-        "demands": [_node(demand) | _dimensions(demand) for demand in consert.demands],
-        "evidence": [_node(e) | {"dimension": _dimension(e.dimension)} for e in consert.evidence],
+    plain = {
+        "guarantees": [_node(guarantee) for guarantee in consert.guarantees],
+        "demands": [_node(demand) for demand in consert.demands],
+        "evidence": [_node(evidence) for evidence in consert.evidence],
         "gates": [{"id": gate.id, "function": gate.function} for gate in consert.gates],
         "tree_propagations": [
-            {"from": edge.source, "to": edge.target} for edge in consert.tree_propagations
+            {"from": e.source, "to": e.target} for e in consert.tree_propagations
         ],
-        "required_services": [
-            {
-                "id": service.id,
-                "functional_service_type": service.functional_service_type,
-                "demands": service.demands,
-            }
-            for service in consert.required_services
-        ],
-        "provided_services": [
-            {
-                "id": service.id,
-                "functional_service_type": service.functional_service_type,
-                "guarantees": service.guarantees,
-            }
-            for service in consert.provided_services
-        ],
+        "required_services": [_service(service) for service in consert.required_services],
+        "provided_services": [_service(service) for service in consert.provided_services],
     }
+    return "---\n" + dump_plain(plain)
 
 
-def _node(node: Evidence | Demand | Guarantee) -> dict[str, Any]:
-    return {"id": node.id} | ({"description": node.description} if node.description else {})
+def _losses(consert: ConSert) -> Iterator[Problem]:
+    """Yield an error for each thing that an EDDI can say and YAML cannot."""
+    for node in consert.nodes:
+        if isinstance(node, Gate):
+            continue
+        if not node.dimensions:
+            yield problem("G004.yaml", node.place, subject=f"{node.id!r} has no dimension")
+        for dimension in node.dimensions:
+            what = f"dimension {dimension.type!r} of {node.id!r}"
+            for loss in _losses_of_dimension(dimension, what, isinstance(node, Evidence)):
+                yield problem("G004.yaml", dimension.place, subject=loss)
 
 
-def _dimensions(node: Demand | Guarantee) -> dict[str, Any]:
-    return {"dimensions": [_dimension(dimension) for dimension in node.dimensions]}
+def _losses_of_dimension(dimension: Dimension, what: str, is_evidence: bool) -> Iterator[str]:
+    if isinstance(dimension, BinaryDimension):
+        if not dimension.value:
+            yield f"{what} is good when it is false"
+        return
+    if dimension.subset not in ("Demand", "Guarantee") and not is_evidence:
+        yield f"{what} has " + (
+            f"the relation {dimension.subset}" if dimension.subset else "no direction"
+        )
+    if isinstance(dimension, NumericDimension):
+        for covered in dimension.covered:
+            if not covered.start_inclusive:
+                yield f"the start of {covered.text(dimension.uom)} of {what} lies outside"
 
 
-def _guarantee(guarantee: Guarantee) -> dict[str, Any]:
-    plain = _node(guarantee) | _dimensions(guarantee)
-    if guarantee.default:
-        plain["default"] = True
-    if guarantee.ranking is not None:
-        plain["ranking"] = guarantee.ranking
+def _node(node: Evidence | Demand | Guarantee) -> Mapping[str, Any]:
+    plain: dict[str, Any] = {"id": node.id}
+    if node.description:
+        plain["description"] = node.description
+    if isinstance(node, Evidence):
+        return plain | {"dimension": _dimension(node.dimension)}
+    plain["dimensions"] = [_dimension(dimension) for dimension in node.dimensions]
+    if isinstance(node, Guarantee):
+        plain |= {"default": True} if node.default else {}
+        plain |= {"ranking": node.ranking} if node.ranking is not None else {}
     return plain
 
 
-def _dimension(dimension: Dimension) -> dict[str, Any]:
+def _service(service: Service) -> Mapping[str, Any]:
+    return {
+        "id": service.id,
+        "functional_service_type": service.functional_service_type,
+        f"{service.member_kind}s": service.members,
+    }
+
+
+def _dimension(dimension: Dimension) -> Mapping[str, Any]:
     if isinstance(dimension, BinaryDimension):
         return {"Binary": {"type": dimension.type}}
-    head: dict[str, Any] = {"type": dimension.type}
-    subset = dimension.subset or "Demand"  # of evidence, where it means nothing
+    plain: dict[str, Any] = {"type": dimension.type, "covered": dimension.covered}
+    plain["subset"] = dimension.subset or "Demand"  # of evidence, where it means nothing
     if isinstance(dimension, CategoricalDimension):
-        content = head | {"covered": dimension.covered, "subset": subset}
-        return {"Categorical": content}
-    covered = [
+        return {"Categorical": plain}
+    plain["covered"] = [
         {
-            "Inclusive" if one.inclusive else "Exclusive": {
-                "start": _bound(one.start),
-                "end": _bound(one.end),
+            "Inclusive" if covered.inclusive else "Exclusive": {
+                "start": _bound(covered.start),
+                "end": _bound(covered.end),
             }
         }
-        for one in dimension.covered
+        for covered in dimension.covered
     ]
-    content = head | {"covered": covered, "subset": subset}
-    return {"Numeric": content | ({} if dimension.uom is None else {"uom": dimension.uom})}
+    return {"Numeric": plain if dimension.uom is None else plain | {"uom": dimension.uom}}
 
 
 def _bound(bound: Bound) -> Verbatim:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
@@ -10,7 +10,6 @@ from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Mea
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.conditions.analysis import Analysis, analyse
 from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.tokens import line_and_column
 from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
@@ -18,7 +17,15 @@ from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.event import read_eddi
 from eddi_scaffold.kinds.event.compile import compile_events
-from eddi_scaffold.kinds.event.events import NAME, Events, commented, input_of, read_text, uses_of
+from eddi_scaffold.kinds.event.events import (
+    NAME,
+    Events,
+    analysed,
+    commented,
+    input_of,
+    read_text,
+    uses_of,
+)
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
@@ -108,11 +115,7 @@ class EventModel(Model):
         if configured is None:
             raise EddiError(*problems)
         comments = dict(commented(self.data.text))
-        limits = {
-            input_.name: input_.timeout / 1e9
-            for input_ in configured.data.analysis.inputs
-            if input_.timeout
-        }
+        limits = configured.input_timeouts()
         return ModelDraft(
             [
                 replace(input_, description=comments.get(input_.id), timeout=limits.get(input_.id))
@@ -124,19 +127,21 @@ class EventModel(Model):
         """Bring the events to the frequency of the configuration."""
         events = self.data
         rate = events.rate if options.frequency is None else options.frequency
-        placed = events.placed
-        locate = placed.locate(events.text) if placed is not None else None
         try:
-            analysis = analyse(events.text, rate=rate, name=self.source.name, locate=locate)
+            analysis, problems = analysed(events.text, self.source.name, events.placed, rate)
         except EddiError as failure:
             return None, list(failure.problems)
         if analysis.form is None:
-            errors = [problem for problem in analysis.problems if problem.level == "error"]
-            return None, [placed.told(error) if placed is not None else error for error in errors]
+            return None, [error for error in problems if error.level == "error"]
         configured = replace(self, data=replace(events, analysis=analysis, rate=rate))
-        return configured, [] if options.frequency is None else list(
-            self._check_topic(analysis, options.parts)
-        )
+        if options.frequency is None or None not in options.parts or len(analysis.events) < 2:
+            return configured, []
+        # The latest message of a topic may be that of another event.
+        place = self.place
+        if events.placed is None:  # a file: the second event, the first is no mistake
+            line, column = line_and_column(events.text)(analysis.events[1].at)
+            place = replace(place, line=line, col=column)
+        return configured, [problem("W005", place, events=len(analysis.events))]
 
     def inputs(self) -> Sequence[ModelInput]:
         """Return an input for each variable, in the order of their first use."""
@@ -220,12 +225,3 @@ class EventModel(Model):
         form = self.data.analysis.form
         assert form is not None
         return form
-
-    def _check_topic(self, analysis: Analysis, parts: Sequence[str | None]) -> Iterable[Problem]:
-        """Warn where the latest message of a topic may be that of another event."""
-        if len(analysis.events) > 1 and None in parts:
-            place = self.place
-            if self.data.placed is None:  # a file: the second event, the first is no mistake
-                line, column = line_and_column(self.data.text)(analysis.events[1].at)
-                place = replace(place, line=line, col=column)
-            yield problem("W005", place, events=len(analysis.events))

@@ -26,7 +26,7 @@ _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 
 @dataclass(frozen=True)
-class Placed:
+class EddiLines:
     """Where the lines of a text stand in an EDDI.
 
     Attributes:
@@ -39,19 +39,19 @@ class Placed:
 
     def locate(self, text: str) -> Locate:
         """Return offset -> place of the value, with the column in its text."""
-        of = line_and_column(text)
+        line_and_column_of = line_and_column(text)
 
         def place(offset: int) -> Place:
-            line, column = of(offset)
+            line, column = line_and_column_of(offset)
             if line > len(self.lines):
                 return self.place
-            tag, at = self.lines[line - 1]
-            return replace(at, col=max(1, column - len(tag) - 1))
+            tag, place = self.lines[line - 1]
+            return replace(place, col=max(1, column - len(tag) - 1))
 
         return place
 
-    def told(self, problem: Problem) -> Problem:
-        """Return a problem as it is told: XML has no columns, so the text names the one."""
+    def without_column(self, problem: Problem) -> Problem:
+        """Return a problem that names its column in the text: XML has none."""
         tag = next((tag for tag, at in self.lines if at.path == problem.place.path), None)
         if tag is None or problem.place.col is None:
             return problem
@@ -73,11 +73,11 @@ class Events:
     text: str = field(compare=False)
     analysis: Analysis
     rate: float
-    placed: Placed | None = field(default=None, compare=False)
+    placed: EddiLines | None = field(default=None, compare=False)
 
 
 def read_text(
-    text: str, name: str, placed: Placed | None = None, rate: float | None = None
+    text: str, name: str, placed: EddiLines | None = None, rate: float | None = None
 ) -> tuple[Events | None, list[Problem]]:
     """Read a text of events.
 
@@ -87,16 +87,27 @@ def read_text(
         placed: where they stand in an EDDI.
         rate: steps per second without a configuration.
     """
-    locate = placed.locate(text) if placed is not None else None
-    analysis = analyse(text, any_rate=True, name=name, locate=locate)
+    analysis, problems = analysed(text, name, placed, None)
     place = placed.place if placed is not None else Place(name, 1, 1)
-    numbers = (
+    problems += [
         problem("E007.event_number", place) for event in analysis.events if event.type != "bool"
-    )
-    problems = [*analysis.problems, *numbers]
-    problems = [placed.told(problem) for problem in problems] if placed is not None else problems
+    ]
     events = Events(text, analysis, DEFAULT_RATE if rate is None else rate, placed)
     return None if has_errors(problems) else events, problems
+
+
+def analysed(
+    text: str, name: str, placed: EddiLines | None, rate: float | None
+) -> tuple[Analysis, list[Problem]]:
+    """Return the analysis of a text at a rate, or before there is one, and its problems.
+
+    Raises:
+        EddiError: the rate is not a positive number up to 1e9 (E005).
+    """
+    locate = placed.locate(text) if placed is not None else None
+    analysis = analyse(text, rate=rate, any_rate=rate is None, name=name, locate=locate)
+    problems = list(analysis.problems)
+    return analysis, problems if placed is None else list(map(placed.without_column, problems))
 
 
 def commented(text: str) -> Iterator[tuple[str, str]]:

@@ -20,7 +20,7 @@ from eddi_scaffold.eddi_xml.extensions import (
     extension_maps,
     unknown_tags,
 )
-from eddi_scaffold.kinds.event.events import DEFAULT_RATE, Events, Placed, read_text
+from eddi_scaffold.kinds.event.events import DEFAULT_RATE, EddiLines, Events, read_text
 
 if TYPE_CHECKING:
     from eddi_scaffold.eddi_xml.document import EddiDocument
@@ -51,7 +51,7 @@ def read_eddi(
             for value in lines
         )
         rate = next((_rate(value.text) for value in extension_map.of(FREQUENCY)), None)
-        placed = Placed(tuple((value.tag, value.place) for value in lines), extension_map.place)
+        placed = EddiLines(tuple((value.tag, value.place) for value in lines), extension_map.place)
         events, more = read_text(text, source.name, placed, rate)
         problems += more
         if events is not None:

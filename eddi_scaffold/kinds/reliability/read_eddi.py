@@ -9,8 +9,7 @@ from itertools import count
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as word
-from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.findings import EddiFindings
+from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.survey import has_rate, kind_of_model
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES, Spelling, fold

@@ -14,7 +14,7 @@ from eddi_scaffold.common.units import (
     rate_factor,
 )
 from eddi_scaffold.eddi_xml import vocabulary as word
-from eddi_scaffold.eddi_xml.findings import EddiFindings
+from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, only, select
 from eddi_scaffold.eddi_xml.survey import is_none
 from eddi_scaffold.eddi_xml.vocabulary import Spelling

@@ -11,9 +11,8 @@ from eddi_scaffold.common.claims import Claim, Element, Meanings
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
-from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, recognises
 from eddi_scaffold.eddi_xml.parsing import load
-from eddi_scaffold.eddi_xml.reading import read_document, recognises
 from eddi_scaffold.kinds import (
     TODO,
     JsonValue,
@@ -60,10 +59,10 @@ class ReliabilityModel(Model):
         """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
         if not source.name.lower().endswith((".yml", ".yaml")):
             with source.open() as stream:
-                tree, problems = load(stream, source.name)
-            if tree is None:
+                element, problems = load(stream, source.name)
+            if element is None:
                 return ReadResult((), tuple(problems))
-            systems, more = read_open_psa(tree.document, source.name, source.stem)
+            systems, more = read_open_psa(element, source.name, source.stem)
             return cls._result(systems, source, in_order([*problems, *more]))
         root, problems = read_map(source, "R001")
         models: tuple[ReliabilityModel, ...] = ()

@@ -10,7 +10,7 @@ from eddi_runtime.testing import inputs
 
 from eddi_scaffold.kinds.consert.compile import STRAIGHT_LINE_LIMIT
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.model import ConSertOptions
+from eddi_scaffold.kinds.consert.options import ConSertOptions
 from eddi_scaffold.program.monitor_text import Declaration
 from runtime_lib.tests.bound_models import DIGEST, BoundModel, bound_input
 

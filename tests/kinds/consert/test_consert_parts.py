@@ -8,54 +8,23 @@ import pytest
 
 from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds import Options, kinds
+from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.consert import KIND, MESSAGES
+from eddi_scaffold.kinds.consert.consert import (
+    BinaryDimension,
+    Bound,
+    ConSert,
+    Guarantee,
+    Range,
+)
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
-from eddi_scaffold.kinds.consert.model import Bound, ConSertOptions, Range
+from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_guarantees
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 
 
-def test_the_kind_is_found():
-    assert kinds()["consert"] is KIND
-
-
 def test_export_writes_the_layout_of_d72():
     assert read(ROVER).export() == {"Rover.yml": ROVER}
-
-
-def test_export_of_an_empty_list_and_a_strange_name():
-    text = ROVER.partition("gates:\n")[0].replace("demands:", "demands:", 1)
-    text += "gates: []\ntree_propagations: []\nrequired_services: []\nprovided_services: []\n"
-    consert = ConSertModel.read_file(Source("a/../b c.yml", text.encode()), ()).models[0]
-    ((name, written),) = consert.export().items()
-    assert name == "b_c.yml"
-    assert "gates: []\n" in written
-
-
-def test_counts_and_outline():
-    model = read(ROVER)
-    assert dict(model.counts()) == {
-        "guarantees": 3,
-        "demands": 1,
-        "evidence": 2,
-        "gates": 1,
-        "tree_propagations": 5,
-        "required_services": 1,
-        "provided_services": 1,
-    }
-    assert list(model.outline()) == [
-        "guarantee FastDrive: Driving",
-        "  And Both",
-        "    evidence Distance: Clearance in [0.5, inf) or [-1, 0]",
-        "    demand MapKnown: MapAge in {new, 1e3, no}",
-        "  evidence Lidar: Healthy",
-        "guarantee SlowDrive: Driving; Speed in [0, 1.50] m/s",
-        "  evidence Lidar: Healthy",
-        "guarantee StandStill: Standing (default)",
-        "requires Mapping (MapService): MapKnown",
-        "provides Drive (Motion): FastDrive, SlowDrive, StandStill",
-    ]
 
 
 def test_inputs_are_demands_then_evidence():
@@ -74,16 +43,6 @@ def test_inputs_are_demands_then_evidence():
     assert (lidar.id, lidar.type, lidar.unit, lidar.units) == ("Lidar", "bool", None, None)
     assert lidar.description == 'The lidar\'s "self test": passed'
     assert all(given.safety for given in (demand, distance, lidar))
-
-
-def test_units_of_a_velocity():
-    text = ROVER.replace('        uom: ""\n', "        uom: kilometer_per_hour\n")
-    distance = read(text).inputs()[1]
-    assert distance.unit == "kilometer_per_hour"
-    assert distance.units == {
-        **dict.fromkeys(("km/h", "kilometer_per_hour", "kmph"), (1, 1)),
-        **dict.fromkeys(("m/s", "meter_per_second", "mps"), (18, 5)),
-    }
 
 
 def test_a_range_without_a_double_is_empty():
@@ -181,3 +140,17 @@ def test_a_deep_chain_is_cut_in_the_outline():
     )
     lines = read(text).outline()
     assert "  " * 30 + "Or g29 ..." in lines
+
+
+def test_a_mark_is_of_one_guarantee_though_names_have_slashes():
+    dimension = (BinaryDimension("T"),)
+
+    def consert(name, id_):
+        return ConSert(name, (Guarantee(id_, dimension),), (), (), (), (), (), ())
+
+    marked, problems = with_default_guarantees(
+        [consert("a", "b/c"), consert("a/b", "c")], ["c"], "m"
+    )
+    assert [node.default for one in marked for node in one.guarantees] == [False, True]
+    _, problems = with_default_guarantees(marked, ["a/b/c"], "m")
+    assert [problem.case for problem in problems] == ["C008.several"]

@@ -7,7 +7,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.model import BinaryDimension, Bound, NumericDimension, Range
+from eddi_scaffold.kinds.consert.consert import BinaryDimension, Bound, NumericDimension, Range
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import read_english
 from tests.data_files import data_file
 
@@ -25,7 +25,7 @@ def test_texts_of_the_oracle_agree() -> None:
         if "text" not in entry or "error" in entry:
             continue
         want = by_id[entry["same_as"]] if "same_as" in entry else entry
-        dimension = read_english(str(entry["text"])).dimension
+        dimension = read_english(str(entry["text"]))[0]
         assert dimension.type == want["type"]
         assert isinstance(dimension, BinaryDimension) == bool(want.get("binary"))
         if isinstance(dimension, NumericDimension):
@@ -39,21 +39,21 @@ def test_texts_of_the_oracle_agree() -> None:
 
 
 def test_a_lower_bound_is_open_upwards() -> None:
-    at_least = read_english("Distance >= 5.7 m").dimension
+    at_least = read_english("Distance >= 5.7 m")[0]
     assert at_least == NumericDimension(
         "Distance",
         (Range(Bound("5.7", 5.7), Bound("inf", math.inf), inclusive=True),),
         "Guarantee",
         "m",
     )
-    above = read_english("Distance > 5.7 m").dimension
+    above = read_english("Distance > 5.7 m")[0]
     assert isinstance(above, NumericDimension)
     assert above.covered[0].start.value == math.nextafter(5.7, math.inf)
     assert float(above.covered[0].start.text) == above.covered[0].start.value
 
 
 def test_a_bound_without_unit_is_numeric_without_unit() -> None:
-    dimension = read_english("FooBar < 5").dimension
+    dimension = read_english("FooBar < 5")[0]
     assert dimension == NumericDimension(
         "FooBar", (Range(Bound("0.0", 0.0), Bound("5", 5.0), inclusive=False),), "Guarantee", None
     )
@@ -68,20 +68,13 @@ def test_a_bound_without_unit_is_numeric_without_unit() -> None:
         ("Delay == 3 ms", "Delay3Ms", "there is no operator <=, >=, <, > or bound to"),
         ("Delay <== 3 ms", "Delay3Ms", '"= 3 ms" is not a number with a unit'),
         ("< 3 ms", "3Ms", "there is nothing before the operator"),
+        (" \r\nWifi Module is healthy : ASIL D \n", "WifiModuleIsHealthy", None),
     ],
 )
 def test_a_bound_that_cannot_be_read_is_binary_with_a_remark(
-    text: str, kind: str, remark: str
+    text: str, kind: str, remark: str | None
 ) -> None:
-    read = read_english(text)
-    assert read.dimension == BinaryDimension(kind)
-    assert read.remark == remark
-
-
-def test_the_integrity_level_is_kept_apart() -> None:
-    read = read_english(" \r\nWifi Module is healthy : ASIL D \n")
-    assert read.dimension == BinaryDimension("WifiModuleIsHealthy")
-    assert (read.integrity_level, read.remark) == ("ASIL D", None)
+    assert read_english(text) == (BinaryDimension(kind), remark)
 
 
 @given(st.text())

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import re
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds.consert.graph import constants, path_sets
-from eddi_scaffold.kinds.consert.model import (
+from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     ConSert,
     Evidence,
@@ -17,6 +18,7 @@ from eddi_scaffold.kinds.consert.model import (
     Propagation,
     ProvidedService,
 )
+from eddi_scaffold.kinds.consert.graph import constants, path_sets
 from eddi_scaffold.kinds.consert.static_checks import static_checks
 
 B = BinaryDimension("T")
@@ -35,69 +37,46 @@ def consert(guarantees, gates, edges, leaves="abc", services=()):
     )
 
 
-def found(model):
-    return [(problem.level, problem.code, problem.message) for problem in static_checks(model)]
-
-
-def test_constants():
-    model = consert(["T", "F"], [("t", "And"), ("f", "Or")], "t>T f>F a>F a>t2", services=[])
-    assert found(model) == [
-        ("warning", "S001", "guarantee 'T' is always active, whatever the evidence"),
-        ("warning", "S001", "guarantee 'F' is never active, whatever the evidence"),
-        ("info", "S002", "no guarantee depends on 'a', although it is connected"),
-    ]
-
-
-def test_redundant_leaf_and_gate():
-    model = consert(["G"], [("o", "Or")], "a>o b>o a>G o>G")
-    assert found(model) == [
-        ("info", "S002", "no guarantee depends on 'b', although it is connected"),
-        ("info", "S002", "gate 'o' changes nothing given the other inputs"),
-    ]
-
-
-def test_equal_functions_and_implication():
-    model = consert(["G", "H", "I"], [], "a>G a>H b>H a>I b>I", services=["GHI"])
-    assert found(model) == [
-        ("info", "S003", "guarantees 'H' and 'I' are active under the same conditions"),
-        ("info", "S003", "guarantee 'H' implies 'G'"),
-        ("info", "S003", "guarantee 'I' implies 'G'"),
-        (
-            "info",
-            "S007",
-            (
-                "provided service 'S0' needs 'a' in every case: "
-                "without it no guarantee of the service is active"
-            ),
+PAIRS = [(f"l{n}", f"r{n}") for n in range(12)]
+LADDER = " ".join(f"l{n}>o{n} r{n}>o{n} o{n}>G" for n in range(12))
+RANKED = (Guarantee("W", (B,), ranking=1), Guarantee("S", (B,), ranking=2))
+DEFAULTS = tuple(Guarantee(id_, (B,), default=True) for id_ in "DE")
+CASES = {
+    "constants": (
+        consert(["T", "F"], [("t", "And"), ("f", "Or")], "t>T f>F a>F a>t2"),
+        ["S001 T", "S001 F", "S002.element a"],
+    ),
+    "redundancy": (
+        consert(["G"], [("o", "Or")], "a>o b>o a>G o>G"),
+        ["S002.element b", "S002.gate o"],
+    ),
+    "equal functions and implication": (
+        consert("GHI", [], "a>G a>H b>H a>I b>I", services=["GHI"]),
+        ["S003.same H I", "S003.implies H G", "S003.implies I G", "S007 S0 a"],
+    ),
+    "ranking against implication, and two defaults": (
+        consert([*RANKED, *DEFAULTS], [("o", "Or")], "a>o b>o o>W a>S b>S", services=["WSDE"]),
+        ["S005.defaults S0 D E", "S003.implies S W", "S005.dominated S W S"],
+    ),
+    "too many sets": (
+        consert(
+            ["G"],
+            [(f"o{n}", "Or") for n in range(12)],
+            LADDER,
+            leaves=[leaf for pair in PAIRS for leaf in pair],
         ),
-    ]
+        ["S000 G"],
+    ),
+}
 
 
-def test_ranking_against_implication_and_two_defaults():
-    weak, strong = Guarantee("W", (B,), ranking=1), Guarantee("S", (B,), ranking=2)
-    defaults = [Guarantee(id_, (B,), default=True) for id_ in "DE"]
-    model = consert(
-        [weak, strong, *defaults], [("o", "Or")], "a>o b>o o>W a>S b>S", services=["WSDE"]
-    )
-    assert found(model) == [
-        ("warning", "S005", "provided service 'S0' has several default guarantees: 'D', 'E'"),
-        ("info", "S003", "guarantee 'S' implies 'W'"),
-        (
-            "warning",
-            "S005",
-            "guarantee 'S' implies 'W', which is ranked better: 'S' is never the best",
-        ),
-    ]
-
-
-def test_beyond_the_cap_nothing_is_said():
-    pairs = [(f"l{n}", f"r{n}") for n in range(12)]
-    gates = [(f"o{n}", "Or") for n in range(12)]
-    edges = " ".join(f"l{n}>o{n} r{n}>o{n} o{n}>G" for n in range(12))
-    model = consert(["G"], gates, edges, leaves=[leaf for pair in pairs for leaf in pair])
-    assert found(model) == [
-        ("info", "S000", "guarantee 'G' has more than 256 minimal sets of evidence: not compared")
-    ]
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_found(name):
+    model, expected = CASES[name]
+    problems = static_checks(model)
+    ids = [re.findall(r"'(\w+)'", problem.message) for problem in problems]
+    found = [" ".join([p.case, *names]) for p, names in zip(problems, ids, strict=True)]
+    assert found == expected
 
 
 @st.composite

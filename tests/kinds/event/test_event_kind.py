@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import ROOT, run
+from tests.cli.command import run
 
 TEXT = """\
 VAR temp : NUMBER UNIT degC RANGE -40 .. 200 TIMEOUT 1s
@@ -40,18 +37,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "eddi_config.yml").write_text(CONFIG)
     (tmp_path / "values.csv").write_text(CSV)
     return tmp_path
-
-
-def test_check_and_show(folder: Path) -> None:
-    assert run("check", "overheat.events", "eddi_config.yml", cwd=folder).status == 0
-    shown = run("show", "overheat.events", cwd=folder)
-    assert shown.out == (
-        "Event overheat\n"
-        "  event hot (EVIDENCE): ((AVERAGE(temp, 500ms) > 100 degC) AND TIME(warning, 500ms))\n"
-        "  event cold (HAZARD): (temp < 10)\n"
-    )
-    assert run("export", "overheat.events", "-o", "out", cwd=folder).status == 0
-    assert (folder / "out" / "overheat.events").read_text() == TEXT
 
 
 def test_what_the_rate_decides_is_checked_with_it(folder: Path) -> None:
@@ -116,41 +101,6 @@ def test_units_of_a_configuration(folder: Path) -> None:
     (folder / "eddi_config.yml").write_text(config)
     result = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
     assert "[K022]" in result.err
-
-
-def test_a_plain_package(folder: Path) -> None:
-    done = run("generate", "--platform", "plain", "-o", "out", "-m", "overheat.events", cwd=folder)
-    assert done.status == 0, done.err
-    program = (
-        "from overheat.EDDIMonitor import EDDIMonitor\n"
-        "from types import SimpleNamespace as N\n"
-        "monitor = EDDIMonitor()\n"
-        "rows = [monitor.execute_step(N(temp=120.0, warning=True), k * 10**8) for k in range(6)]\n"
-        "assert [row[0]['verdict'] for row in rows] == [None] * 4 + [True] * 2, rows\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(folder / "out")}
-    package = folder / "out" / "overheat"
-    found = sorted(path.name for path in package.iterdir())
-    assert "EDDIMonitor.py" in found
-    subprocess.run(
-        [sys.executable, "-c", program],
-        check=True,
-        cwd=folder,
-        env={**environment, "PYTHONPATH": f"{folder / 'out'}:{ROOT / 'runtime_lib' / 'src'}"},
-    )
-
-
-def test_the_model_is_the_same_every_time(folder: Path) -> None:
-    texts = set()
-    for _ in range(2):
-        (monitor,), problems = monitors_of(
-            folder / "overheat.events", [folder / "eddi_config.yml"], None, ()
-        )
-        assert [problem.code for problem in problems] == ["W005"]
-        assert monitor.compiled.monitor(monitor.id).kind == "event"
-        texts.add(monitor.compiled.text)
-    (text,) = texts
-    assert "500ms" not in text  # nothing of the text becomes code
 
 
 SCAN = """\

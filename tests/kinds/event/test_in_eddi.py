@@ -61,13 +61,6 @@ def test_another_tool_may_write_the_file() -> None:
     assert one["motor_watch"].source.sha256 == other["motor_watch"].source.sha256
 
 
-def test_the_digest_is_that_of_the_events() -> None:
-    moved = LANDING.replace("<systems name=", "<systems name='Other'/>\n<systems name=", 1)
-    changed = LANDING.replace("> 80 degC", "> 90 degC")
-    digests = [models(text)["motor_watch"].source.sha256 for text in (LANDING, moved, changed)]
-    assert digests[0] == digests[1] != digests[2]
-
-
 def test_the_frequency_counts_without_a_configuration() -> None:
     for text, rate in ((LANDING, 10.0), (LANDING.replace('"10"', '"50"'), 50.0)):
         configured, _ = models(text)["motor_watch"].configure(Options())

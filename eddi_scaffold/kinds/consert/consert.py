@@ -8,10 +8,11 @@ Places do not count in comparisons: two files with the same content hold equal C
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import cached_property
+from typing import ClassVar, Literal
 
+from eddi_scaffold.common.graphs import Graph
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.consert.names import published_class
 
 NAME = "consert"
 
@@ -50,6 +51,23 @@ class Range:
     place: Place = field(default=Place(), compare=False)
     start_inclusive: bool = True
 
+    def text(self, unit: str | None = None) -> str:
+        """Return it for people: ``[0, 5] m``, ``[0, 5)``."""
+        opening, closing = (
+            "[" if self.start_inclusive else "(",
+            "]" if self.inclusive else ")",
+        )
+        ends = f"{opening}{self.start.text}, {self.end.text}{closing}"
+        return f"{ends} {unit}" if unit else ends
+
+    def covers(self, value: float) -> bool:
+        """Return whether a number lies inside."""
+        return (
+            self.start.value < value < self.end.value
+            or (self.inclusive and value == self.end.value)
+            or (self.start_inclusive and value == self.start.value)
+        )
+
 
 @dataclass(frozen=True)
 class BinaryDimension:
@@ -63,6 +81,15 @@ class BinaryDimension:
     place: Place = field(default=Place(), compare=False)
     value: bool = True
 
+    @property
+    def text(self) -> str:
+        """What is good, in one line."""
+        return self.type if self.value else f"{self.type} is false"
+
+    def covers(self, value: object) -> bool:
+        """Return whether a value at run time is good."""
+        return value is self.value
+
 
 @dataclass(frozen=True)
 class CategoricalDimension:
@@ -72,6 +99,24 @@ class CategoricalDimension:
     covered: tuple[str, ...]
     subset: Subset | None
     place: Place = field(default=Place(), compare=False)
+
+    def __post_init__(self) -> None:
+        """Keep each value once."""
+        object.__setattr__(self, "covered", tuple(dict.fromkeys(self.covered)))
+
+    @property
+    def covered_text(self) -> str:
+        """The values: ``{low, middle}``."""
+        return f"{{{', '.join(self.covered)}}}"
+
+    @property
+    def text(self) -> str:
+        """What is good, in one line: ``Risk in {low, middle}``."""
+        return f"{self.type} in {self.covered_text}"
+
+    def covers(self, value: object) -> bool:
+        """Return whether a value at run time is good."""
+        return value in self.covered
 
 
 @dataclass(frozen=True)
@@ -88,6 +133,22 @@ class NumericDimension:
     uom: str | None
     place: Place = field(default=Place(), compare=False)
 
+    @property
+    def covered_text(self) -> str:
+        """The ranges: ``[0, 5) m or [7, 9] m``."""
+        return " or ".join(covered.text(self.uom) for covered in self.covered)
+
+    @property
+    def text(self) -> str:
+        """What is good, in one line: ``Distance in [0, 5) m``."""
+        return f"{self.type} in {self.covered_text}"
+
+    def covers(self, value: object) -> bool:
+        """Return whether a value at run time is good."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return False
+        return any(covered.covers(value) for covered in self.covered)
+
 
 Dimension = BinaryDimension | CategoricalDimension | NumericDimension
 
@@ -96,16 +157,23 @@ Dimension = BinaryDimension | CategoricalDimension | NumericDimension
 class Evidence:
     """Runtime evidence: one property that is observed on this system while it runs."""
 
+    kind: ClassVar[str] = "evidence"
     id: str
     dimension: Dimension
     description: str | None = None
     place: Place = field(default=Place(), compare=False)
+
+    @property
+    def dimensions(self) -> tuple[Dimension, ...]:
+        """Its dimension, as other nodes have several."""
+        return (self.dimension,)
 
 
 @dataclass(frozen=True)
 class Demand:
     """A guarantee expected from another system."""
 
+    kind: ClassVar[str] = "demand"
     id: str
     dimensions: tuple[Dimension, ...]
     description: str | None = None
@@ -121,6 +189,7 @@ class Guarantee:
         ranking: lowest is best; ``None`` when not given.
     """
 
+    kind: ClassVar[str] = "guarantee"
     id: str
     dimensions: tuple[Dimension, ...]
     description: str | None = None
@@ -133,9 +202,13 @@ class Guarantee:
 class Gate:
     """A Boolean function over its inputs."""
 
+    kind: ClassVar[str] = "gate"
     id: str
     function: GateFunction
     place: Place = field(default=Place(), compare=False)
+
+
+Node = Evidence | Demand | Gate | Guarantee
 
 
 @dataclass(frozen=True)
@@ -149,32 +222,57 @@ class Propagation:
 
 @dataclass(frozen=True)
 class RequiredService:
-    """A service expected from another system, with the ids of the demands it groups.
+    """A service expected from another system, with the ids of the demands that it groups.
 
     Attributes:
         allocated: places of the services that are to provide it, as the file says.
     """
 
+    kind: ClassVar[str] = "required service"
+    member_kind: ClassVar[str] = "demand"
     id: str
     functional_service_type: str
     demands: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
     allocated: tuple[Place, ...] = field(default=(), compare=False)
 
+    def __post_init__(self) -> None:
+        """Keep each member once."""
+        object.__setattr__(self, "demands", tuple(dict.fromkeys(self.demands)))
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """What it groups."""
+        return self.demands
+
 
 @dataclass(frozen=True)
 class ProvidedService:
-    """A service offered to other systems, with the ids of the guarantees it groups.
+    """A service offered to other systems, with the ids of the guarantees that it groups.
 
     Attributes:
         allocated: places of the services that it is to provide, as the file says.
     """
 
+    kind: ClassVar[str] = "provided service"
+    member_kind: ClassVar[str] = "guarantee"
     id: str
     functional_service_type: str
     guarantees: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
     allocated: tuple[Place, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        """Keep each member once."""
+        object.__setattr__(self, "guarantees", tuple(dict.fromkeys(self.guarantees)))
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """What it groups."""
+        return self.guarantees
+
+
+Service = RequiredService | ProvidedService
 
 
 @dataclass(frozen=True)
@@ -196,26 +294,32 @@ class ConSert:
     place: Place = field(default=Place(), compare=False)
     system: str = ""
 
+    @property
+    def leaf_nodes(self) -> tuple[Evidence | Demand, ...]:
+        """What comes from outside."""
+        return (*self.evidence, *self.demands)
 
-@dataclass(frozen=True)
-class ConSertOptions:
-    """What a configuration chooses.
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """All nodes, what comes from outside first."""
+        return (*self.evidence, *self.demands, *self.gates, *self.guarantees)
 
-    Attributes:
-        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
-            names of classes.
-        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
-        filter_steps: over how many steps.
-    """
+    @property
+    def services(self) -> tuple[Service, ...]:
+        """All services."""
+        return (*self.required_services, *self.provided_services)
 
-    guarantee_ids: str = "source"
-    filter: str = ""
-    filter_steps: int = 1
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        """The ids of evidence, then of demands."""
+        return tuple(node.id for node in self.leaf_nodes)
 
-    def published(self, id_: str) -> str:
-        """Return the id of a guarantee in messages."""
-        return published_class(id_) if self.guarantee_ids == "class" else id_
-
-    def hold_s(self, frequency: float) -> float:
-        """Return for how many seconds a majority may hold after it was lost: half its window."""
-        return self.filter_steps // 2 / frequency if self.filter == "majority" else 0.0
+    @cached_property
+    def inputs(self) -> Graph:
+        """What supports each node; without edges from or to unknown ids, and into leaves."""
+        inputs: dict[str, dict[str, None]] = {node.id: {} for node in self.nodes}
+        leaves = set(self.leaves)
+        for edge in self.tree_propagations:
+            if edge.source in inputs and edge.target in inputs and edge.target not in leaves:
+                inputs[edge.target][edge.source] = None
+        return {id_: tuple(sources) for id_, sources in inputs.items()}
