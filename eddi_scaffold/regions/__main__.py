@@ -107,7 +107,6 @@ def run(plan: Plan) -> int:
 
 
 def _written(stream: TextIO, lines: Iterable[str]) -> bool:
-    """Write lines; return whether there are any."""
     text = "".join(f"{line}\n" for line in lines)
     stream.write(text)
     return bool(text)

@@ -227,7 +227,6 @@ class _Sync:
                 self.last.append(Step(name, None))
 
     def _keep_region(self, body: Body) -> str:
-        """Plan to keep a region with its markers; return where it is then."""
         id_, region = body.region.id, body.region
         begin = with_tail(region.begin, id_, tail_of(region.digests, region.was))
         text = f"{begin}\n{region.body}{with_tail(region.end, id_, '')}\n"
