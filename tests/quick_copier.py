@@ -77,14 +77,14 @@ def _fork(
             os.chdir(local.cwd)
             os.environ.clear()
             os.environ.update(env)
-            sys.argv = [*command[1:]]
+            sys.argv = [word for word in command[1:] if word != "-IS"]
             if command[1] == "-m":
                 _, status = Context().run(CopierApp.run, [*command[2:]], exit=False)
             else:
                 ours = [name for name in sys.modules if name.split(".")[0] == "eddi_scaffold"]
                 for name in ours:  # the template brings its own
                     del sys.modules[name]
-                runpy.run_path(command[1], run_name="__main__")
+                runpy.run_path(sys.argv[0], run_name="__main__")
         except SystemExit as end:
             status = end.code
         except BaseException:  # noqa: BLE001

@@ -44,7 +44,7 @@ def adopt(
     from eddi_scaffold.cli.reporting import destination, finish
     from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.adopting.adopt import adopt as adopted
-    from eddi_scaffold.packages.adopting.writing import write_adopted
+    from eddi_scaffold.packages.adopting.adopt import write_adopted
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import DEFAULT, DEFAULT_IN_FOLDER, chosen
@@ -57,8 +57,10 @@ def adopt(
     for note in proposal.notes:
         console.say(note)
     with alone(() if dry_run else [packages_root(target, place)]):
-        result = write_adopted(proposal, target, place, own_template(), dry_run=dry_run)
-    console.problems(result.problems)
-    for note in result.notes:
-        console.say(note)
-    finish(result.outcome, dry_run=dry_run)
+        outcome, problems, report = write_adopted(
+            proposal, target, place, own_template(), dry_run=dry_run
+        )
+    console.problems(problems)
+    for line in report:
+        console.say(line)
+    finish(outcome, dry_run=dry_run)

@@ -89,8 +89,7 @@ def generate(
     from eddi_scaffold.packages.assembly import assemble, monitors_of
     from eddi_scaffold.packages.generation import write_packages
     from eddi_scaffold.packages.handwritten import unwritten
-    from eddi_scaffold.packages.identity import left_behind
-    from eddi_scaffold.packages.renaming import read_renames
+    from eddi_scaffold.packages.renaming import left_behind, read_renames
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.workspace import alone, packages_root
     from eddi_scaffold.platforms import choices, chosen

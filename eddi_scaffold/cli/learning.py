@@ -20,16 +20,17 @@ def example(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
-    from eddi_scaffold.packages.examples import described, example_files, names
+    from eddi_scaffold.packages.examples import described, example_files
     from eddi_scaffold.packages.transaction import write
 
+    names = list(described())
     if name == "list":
-        width = max(map(len, names()), default=0)
+        width = max(map(len, names), default=0)
         for known, heading in described().items():
             console.data(f"{known.ljust(width)}  {heading}")
         return
-    if name not in names():
-        hint = did_you_mean(name, names()) or f"examples: {', '.join(names())}"
+    if name not in names:
+        hint = did_you_mean(name, names) or f"examples: {', '.join(names)}"
         raise EddiError(problem("G008.example", hint=hint, name=name))
     target = folder or Path(name)
     if target.exists() and (not target.is_dir() or any(target.iterdir())):

@@ -40,13 +40,13 @@ def regions(
         console.success(f"accepted {region_id}")
     entries = inventory(path)
     if as_json:
-        console.json({"regions": [entry.as_json() for entry in entries]})
+        keys = ("id", "file", "line", "state", "notes")
+        console.json({"regions": [{key: getattr(one, key) for key in keys} for one in entries]})
     else:
         for entry in entries:
-            status = entry.status
-            place = f"{entry.file}:{status.line}" if status.line else entry.file
-            console.data(f"{status.state:9} {status.id}  {place}")
-            for note in status.notes:
+            place = f"{entry.file}:{entry.line}" if entry.line else entry.file
+            console.data(f"{entry.state:9} {entry.id}  {place}")
+            for note in entry.notes:
                 console.data(f"          {note}")
-    if check and any(entry.status.review for entry in entries):
+    if check and any(entry.review for entry in entries):
         raise typer.Exit(exit_status.LOOK)

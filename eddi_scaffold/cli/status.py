@@ -29,12 +29,15 @@ def status(
     Example: eddi-scaffold status -w catkin_ws
     """
     from eddi_scaffold.cli.console import console
-    from eddi_scaffold.packages.drift import drift_of
-    from eddi_scaffold.packages.upgrading import groups, refuse_for_several
+    from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.upgrading import groups, refuse_for_several, states_of
 
     chosen = groups(workspace, packages or [])
     refuse_for_several(chosen, model, config or [])
-    reports = [report for group in chosen for report in drift_of(group, model, config or [])]
+    template = own_template()
+    reports = [
+        state for group in chosen for state in states_of(group, model, config or [], template)
+    ]
     if as_json:
         console.json({"packages": [report.as_json() for report in reports]})
     else:

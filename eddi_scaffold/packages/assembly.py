@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -19,11 +20,9 @@ from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package
 from eddi_scaffold.deployments.topics import absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
-from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models, select_models
 from eddi_scaffold.packages.handwritten import without_written_inputs
-from eddi_scaffold.packages.renaming import aside
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.packages.workspace import check_answers, existing
 from eddi_scaffold.platforms import (
@@ -39,19 +38,12 @@ from eddi_scaffold.regions.package import manifest_of
 
 @dataclass(frozen=True)
 class PackagePlan:
-    """What is to be rendered.
+    """What is to be rendered."""
 
-    Attributes:
-        packages: all packages of the command.
-        monitors: folders of the monitor packages among them.
-        problems: warnings and infos about models and configurations.
-        present: package -> answers of those that are there already.
-    """
-
-    packages: Sequence[PackageAnswers]
-    monitors: Sequence[str]
-    problems: Sequence[Problem]
-    present: Mapping[str, Mapping[str, Any]]
+    packages: Sequence[PackageAnswers]  # all packages of the command
+    monitors: Sequence[str]  # folders of the monitor packages among them
+    problems: Sequence[Problem]  # warnings and infos about models and configurations
+    present: Mapping[str, Mapping[str, Any]]  # package -> answers of those that are there already
 
 
 def monitors_of(
@@ -84,51 +76,45 @@ def monitors_of(
     """
     if not model_file and not config_files:
         raise EddiError(problem("G015.none"))
-    models: Sequence[Model] = ()
-    problems: list[Problem] = []
-    for path in [model_file] if isinstance(model_file, Path) else model_file or ():
-        reading = checked_models(path, default_guarantees)
-        models = [*models, *reading.models]
-        problems += reading.problems
-    if model_file and name is not None:
-        models = select_models(models, name)
-    given, unsure = read_configs(config_files, robot)
-    problems += unsure
-    pairs = [word.partition("=") for word in renames]
-    former = {package_name(new): package_name(old) for old, _, new in pairs}
-    configs = [with_types(one, _remembered_types(one, root, former)) for one in given]
     read = partial(checked_models, default_guarantees=default_guarantees)
-    monitors, found = join(models, configs, read, default_guarantees)
+    files = [model_file] if isinstance(model_file, Path) else model_file or ()
+    readings = [read(path) for path in files]
+    models = [model for reading in readings for model in reading.models]
+    if model_file and name is not None:
+        models = [*select_models(models, name)]
+    pairs = [rename.partition("=") for rename in renames]
+    former = {package_name(new): package_name(old) for old, _, new in pairs}
+    configs, config_problems = read_configs(config_files, robot)
+    if root is not None:
+        configs = [
+            with_types(config, _remembered_types(config, root, former)) for config in configs
+        ]
+    monitors, join_problems = join(models, configs, read, default_guarantees)
+    problems = [problem for reading in readings for problem in reading.problems]
     configured = [monitor.model for monitor in monitors if monitor.config is not None]
-    problems = unanswered([*problems, *found], configured)
+    problems = unanswered([*problems, *config_problems, *join_problems], configured)
     if has_errors(problems):
         raise EddiError(*problems)
     if root is not None:
         made = {*(package_name(config.config.Model.id) for config in configs), *former.values()}
-        made |= {*map(aside, former.values())}
-        others = _beside(existing(root, made), made)
+        others = _others(existing(root, made), made)
         problems += absent_publishers(deployment(members_of(monitors), others))
     return monitors, problems
 
 
-def _remembered_types(
-    config: ConfigFile, root: Path | None, former: Mapping[str, str]
-) -> MessageFields:
+def _remembered_types(config: ConfigFile, root: Path, former: Mapping[str, str]) -> MessageFields:
     """Return the message types that a package was generated with.
 
     They stay known where the models of the robot that they came from are not given again.
     """
-    if root is None:
-        return {}
     package = package_name(config.config.Model.id)
     folder = root / former.get(package, package)
     answers = read_answers(folder) or {}
-    try:
+    with suppress(EddiError):  # told, if it matters, where the package is written
         check_answers(folder, answers)
-    except EddiError:  # told, if it matters, where the package is written
-        return {}
-    text = answers.get("config_json")
-    return from_json(text, folder.name).config.MessageTypes if text else {}
+        if text := answers.get("config_json"):
+            return from_json(text, folder.name).config.MessageTypes
+    return {}
 
 
 def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
@@ -169,71 +155,68 @@ def assemble(
     chosen = chosen or {}
     renewed = {monitor.package for monitor in monitors}
     before = existing(root, renewed)
-    present = {name: of for name, of in before.items() if name not in gone}
-    found = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
-    packages, more = packages_of(
-        [_cross_checked(monitor, found) for monitor in monitors], platform, root
-    )
-    found += more
+    present = {name: answers for name, answers in before.items() if name not in gone}
+    told = list(dict.fromkeys([*problems, *wiring_with(monitors, present)]))
+    checked = [_cross_checked(monitor, told) for monitor in monitors]
+    packages, package_problems = packages_of(checked, platform, root)
+    told += package_problems
     if packages and any(monitor.config is None for monitor in monitors):
-        found += [
+        told += [
             problem("G001.had_configuration", Place(str(root / name)))
             for name, answers in before.items()
             if (name in renewed or name in gone) and answers.get("config_json")
         ]
     if packages and chosen.get(SINGLE_PROCESS) and SINGLE_PROCESS not in packages[0].answers:
-        found.append(problem("G000.single_process", platform=platform.name))
-    if has_errors(found):
-        raise EddiError(*found)
-    new = [package.folder for package in packages]
+        told.append(problem("G000.single_process", platform=platform.name))
+    if has_errors(told):
+        raise EddiError(*told)
+    folders = [package.folder for package in packages]
     sharing = platform.templates.monitor if platform.templates.support else None
-    beside = {name: of for name, of in present.items() if of["template"] == sharing}
+    companions = {name: of for name, of in present.items() if of["template"] == sharing}
     renamed = [answers for name, answers in before.items() if name in gone]
     packages = [
-        with_choices(one, [chosen, present.get(one.folder, {}), *beside.values(), *renamed])
-        for one in packages
+        with_choices(new, [chosen, present.get(new.folder, {}), *companions.values(), *renamed])
+        for new in packages
     ]
-    asked = {
-        name: it for name, it in chosen.items() if any(name in one.answers for one in packages)
-    }
+    asked = {key: value for key, value in chosen.items() if any(key in p.answers for p in packages)}
     packages += [
         stored(root / folder, {**answers, **asked})
-        for folder, answers in beside.items()
-        if folder not in new and {**answers, **asked} != answers
+        for folder, answers in companions.items()
+        if folder not in folders and {**answers, **asked} != answers
     ]
-    wanted = {package.folder: package.answers for package in packages}
-    shared = support(platform, root, before, wanted, gone)
-    told = without_written_inputs(found, lambda package: [root / package])
-    return PackagePlan([*packages, *shared], new, told, before)
+    made = {package.folder: package.answers for package in packages}
+    shared = support(platform, root, before, made, gone)
+    told = without_written_inputs(told, lambda package: [root / package])
+    return PackagePlan([*packages, *shared], folders, told, before)
 
 
 def with_choices(package: PackageAnswers, chosen: Sequence[Mapping[str, Any]]) -> PackageAnswers:
     """Return a package of a monitor with what a person chose, as far as its template asks for it.
 
-    Args:
-        package: as it is where nothing was chosen.
-        chosen: answers; the first ones that have one count.
+    Of several answers the first one counts.
     """
-    found = {
-        name: next((one[name] for one in chosen if name in one), package.answers[name])
-        for name in (RUNTIME, SINGLE_PROCESS)
-        if name in package.answers
+    answers = package.answers
+    choices = {
+        key: next((answer[key] for answer in chosen if key in answer), answers[key])
+        for key in (RUNTIME, SINGLE_PROCESS)
+        if key in answers
     }
-    return replace(package, answers={**package.answers, **found})
+    return replace(package, answers={**answers, **choices})
 
 
 def wiring_with(
     monitors: Sequence[BoundMonitor], present: Mapping[str, Mapping[str, Any]]
 ) -> list[Problem]:
-    """Check the wiring of monitors with packages that they do not replace.
-
-    Args:
-        monitors: the new ones.
-        present: package -> answers of those that are there.
-    """
-    others = _beside(present, {monitor.package for monitor in monitors})
+    """Check the wiring of new monitors with packages that are there and stay."""
+    others = _others(present, {monitor.package for monitor in monitors})
     members = members_of(monitors)
     return [*check_wiring(members, others), *check_ages(deployment(members, others))]
+
+
+def _others(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> list[WiredMonitor]:
+    """Return the monitors of the packages that are not made anew."""
+    facts = (facts_of_package(name, of) for name, of in present.items() if name not in new)
+    return [monitor for monitor in facts if monitor is not None]
 
 
 def _cross_checked(monitor: BoundMonitor, problems: list[Problem]) -> BoundMonitor:
@@ -261,38 +244,26 @@ def support(
         root: folder of all packages.
         present: package -> answers of those that are there.
         monitors: the same of those that are new, or newer.
-        gone: packages that are there, but will have another name.
+        gone: packages that will have another name.
 
     Raises:
         EddiError: a monitor of another platform has these packages (G027).
     """
     own = platform.templates.monitor
-    there = {
-        name: answers
-        for name, answers in present.items()
-        if answers["template"] == own and name not in gone
-    }
-    packages = platform.support({**there, **monitors})
-    _refuse_other_platform(platform, root, present, [package.folder for package in packages])
-    shared = {package.folder: package.answers for package in packages}
-    leaving = {
-        folder: dict[str, Any]()
-        for folder, answers in present.items()
-        if answers["template"] in platform.templates.support and folder not in shared
-    }
-    return [PackageAnswers(folder, answers) for folder, answers in {**shared, **leaving}.items()]
-
-
-def _refuse_other_platform(
-    platform: Platform, root: Path, present: Mapping[str, Mapping[str, Any]], shared: Sequence[str]
-) -> None:
-    """Refuse to make the shared packages of another platform ours: its monitors need them."""
-    for folder in shared:
-        owner = owner_of(present[folder]["template"]) if folder in present else platform
+    there = {name: of for name, of in present.items() if of["template"] == own and name not in gone}
+    shared = platform.support({**there, **monitors})
+    for folder in (package.folder for package in shared if package.folder in present):
+        owner = owner_of(present[folder]["template"])
         if owner is not platform:
-            raise EddiError(
-                problem("G027", Place(str(root / folder)), owner=owner.name, platform=platform.name)
-            )
+            place = Place(str(root / folder))
+            raise EddiError(problem("G027", place, owner=owner.name, platform=platform.name))
+    needed = {package.folder for package in shared}
+    leaving = [
+        PackageAnswers(folder, {})
+        for folder, answers in present.items()
+        if answers["template"] in platform.templates.support and folder not in needed
+    ]
+    return [*shared, *leaving]
 
 
 def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
@@ -306,50 +277,3 @@ def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
     files = {name: (package / name).read_bytes() for name in tables if (package / name).is_file()}
     made = {} if "compiled" in answers else {"generator_version": __version__}
     return PackageAnswers(package.name, {**kept, **made}, files)
-
-
-def rejoined(
-    present: Mapping[str, Mapping[str, Any]],
-    models: Mapping[str, Model],
-    configs: Mapping[str, ConfigFile],
-) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
-    """Join newer models with the configurations that packages remember, or with newer ones.
-
-    Args:
-        present: package -> answers of those that are there.
-        models: package -> newer model.
-        configs: package -> newer configuration.
-
-    Raises:
-        EddiError: a model no longer fits.
-    """
-    return {
-        folder: _rejoined(present[folder], models[folder], configs.get(folder), folder)
-        for folder in present
-        if folder in models
-    }
-
-
-def _rejoined(
-    answers: Mapping[str, Any], model: Model, config: ConfigFile | None, folder: str
-) -> tuple[BoundMonitor, list[Problem]]:
-    kind = kinds()[answers["kind"]]
-    if answers.get("config_json"):
-        old = from_json(answers["config_json"], f"the configuration that {folder} remembers")
-        # types that came from models of the robot stay known without these
-        config = old if config is None else with_types(config, old.config.MessageTypes)
-    marks = answers.get("default_guarantees") or ()
-    monitor, problems = monitor_of(model, kind, config, marks)
-    if monitor is None:
-        raise EddiError(*problems)
-    if config is None:
-        monitor = replace(monitor, package=folder)  # whatever the file is called today
-    return monitor, problems
-
-
-def _beside(
-    present: Mapping[str, Mapping[str, Any]], new: Container[str]
-) -> Sequence[WiredMonitor]:
-    """Return the monitors of the packages that are not made anew."""
-    found = (facts_of_package(name, of) for name, of in present.items() if name not in new)
-    return [one for one in found if one is not None]

@@ -10,32 +10,20 @@ from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
-def names() -> list[str]:
-    """Return the names of the examples, sorted."""
-    folder = _folder()
-    return (
-        sorted(path.name for path in folder.iterdir() if (path / "README.md").is_file())
-        if folder.is_dir()
-        else []
-    )
-
-
 def described() -> dict[str, str]:
-    """Return name -> the heading of its README, of every example."""
-    texts = {name: (_folder() / name / "README.md").read_text("utf-8") for name in names()}
-    return {name: text.partition("\n")[0].lstrip("# ") for name, text in texts.items()}
+    """Return name -> the heading of its README, of every example, sorted."""
+    texts = {path.parent.name: path.read_text("utf-8") for path in _folder().glob("*/README.md")}
+    return {name: text.partition("\n")[0].lstrip("# ") for name, text in sorted(texts.items())}
 
 
 def example_files(name: str) -> dict[str, FileState]:
     """Return the files of one example: relative path -> content."""
     folder = _folder() / name
-    found = {
-        path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()
-    }
+    paths = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
     return {
         name: FileState(path.read_bytes(), NEW_PROGRAM if os.access(path, os.X_OK) else NEW)
-        for name, path in sorted(found.items())
-        if not name.startswith("expected/") and "__pycache__/" not in name
+        for name, path in sorted(paths.items())
+        if path.is_file() and not name.startswith("expected/") and "__pycache__/" not in name
     }
 
 

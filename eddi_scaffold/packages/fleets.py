@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.sites import Site
-from eddi_scaffold.packages.assembly import PackagePlan, assemble
+from eddi_scaffold.packages.assembly import assemble
 from eddi_scaffold.packages.generation import WriteResult, write_packages
 from eddi_scaffold.packages.handwritten import unwritten
-from eddi_scaffold.packages.identity import left_behind
+from eddi_scaffold.packages.renaming import left_behind
 from eddi_scaffold.packages.rendering import Template
 from eddi_scaffold.packages.workspace import existing, root_below
 
@@ -46,49 +46,42 @@ def write_sites(
     Raises:
         EddiError: a package cannot be made; nothing was written.
     """
-    assemblies = {
+    plans = {
         site: assemble(site.monitors, site.platform, _root(site, folder), ()) for site in sites
     }
     packages = [
         replace(package, folder=(Path(site.name, site.platform.root) / package.folder).as_posix())
-        for site, assembly in assemblies.items()
-        for package in assembly.packages
+        for site, plan in plans.items()
+        for package in plan.packages
     ]
     outcome = write_packages(
         folder, packages, template, force=force, dry_run=dry_run, progress=progress
     )
-    look = [line for site, of in assemblies.items() for line in _look(site, of)]
-    found = [problem for assembly in assemblies.values() for problem in assembly.problems]
-    return replace(outcome, left=[*outcome.left, *look, *_strangers(sites, folder)]), found
+    decide = [*outcome.left]
+    for site, plan in plans.items():
+        own = {monitor.package for monitor in site.monitors}
+        decide += [
+            f"{site.name}: {name} is no monitor of this robot in the deployment file, and still "
+            "runs; remove its folder and repeat this"
+            for name, answers in plan.present.items()
+            if "facts_json" in answers and name not in own
+        ]
+        old = left_behind(plan.present, plan.packages, site.monitors, ())
+        decide += [f"{site.name}: {text}" for text, is_new in old if is_new]
+    known, roots = {site.name for site in sites}, {site.platform.root for site in sites}
+    for place in sorted(folder.iterdir()) if folder.is_dir() else []:
+        is_ours = place.is_dir() and not place.is_symlink() and place.name not in known
+        if is_ours and any(existing(place / root) for root in roots):
+            robot = f"{place.name} is no robot of the deployment file"
+            decide.append(f"{robot}, and its monitors may still run")
+    problems = [problem for plan in plans.values() for problem in plan.problems]
+    return replace(outcome, left=decide), problems
 
 
 def open_inputs(sites: Sequence[Site], folder: Path) -> list[str]:
     """Return where a person must still write how an input is made of its messages."""
-    return [where for site in sites for where in unwritten(_root(site, folder), site.monitors)]
+    return [place for site in sites for place in unwritten(_root(site, folder), site.monitors)]
 
 
 def _root(site: Site, folder: Path) -> Path:
     return root_below(folder / site.name, site.platform.root)
-
-
-def _look(site: Site, assembly: PackagePlan) -> Iterator[str]:
-    """Yield what a person should look at in the workspace of one robot."""
-    packages, own = assembly.packages, {monitor.package for monitor in site.monitors}
-    for name, answers in assembly.present.items():
-        if "facts_json" in answers and name not in own:
-            yield (
-                f"{site.name}: {name} is no monitor of this robot in the deployment file, and "
-                "still runs; remove its folder and repeat this"
-            )
-    found = left_behind(assembly.present, packages, site.monitors, ())
-    yield from (f"{site.name}: {text}" for text, is_new in found if is_new)
-
-
-def _strangers(sites: Sequence[Site], folder: Path) -> Iterator[str]:
-    """Yield the workspaces of robots that are no longer in the deployment file."""
-    known = {site.name for site in sites}
-    roots = {site.platform.root for site in sites}
-    for place in sorted(folder.iterdir()) if folder.is_dir() else []:
-        is_ours = place.is_dir() and not place.is_symlink() and place.name not in known
-        if is_ours and any(existing(place / root) for root in roots):
-            yield f"{place.name} is no robot of the deployment file, and its monitors may still run"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.problems import EddiError, Place, problem
@@ -22,14 +22,14 @@ from eddi_scaffold.regions.package import (
     EDDI,
     MANIFEST,
     NEW,
+    Plan,
     bytes_at,
     manifest_of,
     manifest_text,
-    obstacle,
     read_file,
     text_of,
 )
-from eddi_scaffold.regions.sync import Plan, plan_sync
+from eddi_scaffold.regions.sync import plan_sync
 
 _IGNORED = f"{EDDI}/.gitignore"
 _STAGE = "rendering"
@@ -67,18 +67,6 @@ class WriteResult:
         )
 
 
-@dataclass
-class _Work:
-    """What the packages of one command add up to."""
-
-    plans: dict[str, Plan] = field(default_factory=dict)
-    changes: dict[str, bytes | None] = field(default_factory=dict)
-    before: dict[str, bytes] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
-    editable: set[str] = field(default_factory=set)
-    attention: bool = False
-
-
 def write_packages(
     root: Path,
     packages: Sequence[PackageAnswers],
@@ -106,57 +94,58 @@ def write_packages(
             cannot be written, a file was saved meanwhile (F013), another run is at work (F012),
             or a later release made a package (T006); nothing was written.
     """
-    places = {one.folder: renames.place(root, one.folder) for one in packages}
+    places = {package.folder: renames.place(root, package.folder) for package in packages}
     if not force:
         refuse_newer(places.values())
     for place in places.values():
         _refuse_foreign(place)
     if not dry_run:
         template.keep()
-    work = _Work()
+    plans: dict[str, Plan] = {}
+    editable: set[str] = set()
     with (
         alone(() if dry_run else filter(Path.is_dir, places.values())),
         scratch_folder("eddi-scaffold-") as scratch,
         unpacked(template.bundle or Path(template.location), template.ref) as source,
     ):
-        work.notes += source.notes
+        notes = [(note, False) for note in source.notes]  # and whether a person must look
         renderer = Renderer(template, source)
         for number, package in enumerate(packages):
-            target = places[package.folder]
+            folder, target = package.folder, places[package.folder]
             if not renames.former and _is_current(target, package, template, source):
-                _tell_open(package, target, work)
+                regions = (region for region in list_regions(target) if region.review)
+                notes += [(f"{folder}/{region.file}: {region.why}", True) for region in regions]
                 continue
             if package.answers:
-                progress(package.folder)
+                progress(folder)
             rendered = Path(scratch, str(number))
-            changed = bool(source.notes)
-            plan, warnings = _planned(renderer, package, rendered, target, renames, changed=changed)
-            work.plans[package.folder] = plan
-            work.notes += warnings
-            _tell(package, plan, target, work)
-            for step in plan.steps:
-                path, old = f"{package.folder}/{step.path}", bytes_at(target, step.path)
-                work.changes[path] = step.data
-                work.before |= {path: old} if old is not None else {}
-        _refuse(work.plans.values())
+            plan, warnings = _planned(renderer, package, rendered, target, renames)
+            plans[folder] = plan
+            lost = lost_sources(target, read_answers(target) or {}, package.answers)
+            notes += [(warning, False) for warning in warnings]
+            notes += [(f"{folder}: {line}", True) for line in lost]
+            notes += [
+                (f"{folder}/{note.place}: {note.text}", note.attention) for note in plan.notes
+            ]
+            if "facts_json" in package.answers:
+                marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
+                files = (path for path in marked if not path.startswith((EDDI, ANSWERS_FILE)))
+                editable.update(f"{folder}/{path}" for path in files)
+        steps = [(folder, plan, step) for folder, plan in plans.items() for step in plan.steps]
+        old = {f"{folder}/{s.path}": bytes_at(plan.root, s.path) for folder, plan, s in steps}
+        _refuse(plans.values())
         if not dry_run:
-            _write(work.plans, renames, root)
-    written = {} if dry_run else work.plans
-    mentions = renames.mentions(root, written)
-    work.attention = work.attention or bool(mentions)
-    notes = [*dict.fromkeys(work.notes), *renames.notes(written), *mentions]
-    editable = frozenset(work.editable)
-    return WriteResult(root, work.changes, work.before, notes, work.attention, (), editable)
+            _write(plans, renames, root)
+            notes += renames.notes(root, plans)
+    changes = {f"{folder}/{step.path}": step.data for folder, _, step in steps}
+    before = {path: data for path, data in old.items() if data is not None}
+    lines = list(dict.fromkeys(note for note, _ in notes))
+    look = any(attention for _, attention in notes)
+    return WriteResult(root, changes, before, lines, look, (), frozenset(editable))
 
 
 def _planned(
-    renderer: Renderer,
-    package: PackageAnswers,
-    rendered: Path,
-    target: Path,
-    renames: Renames,
-    *,
-    changed: bool,
+    renderer: Renderer, package: PackageAnswers, rendered: Path, target: Path, renames: Renames
 ) -> tuple[Plan, list[str]]:
     """Render a package, with what Copier does not render, and plan to bring it there.
 
@@ -164,42 +153,20 @@ def _planned(
         The plan, and what is to be said of the rendering.
     """
     rendering = rendered / NEW / _STAGE
-    beside: dict[str, bytes | None] = dict.fromkeys([ANSWERS_FILE, _IGNORED])
+    records: dict[str, bytes | None] = dict.fromkeys([ANSWERS_FILE, _IGNORED])
     if package.answers:
         warnings = renderer.render({**package.answers, "stage": _STAGE}, rendered)
         for name, data in package.files.items():
-            place = rendering / name
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_bytes(data)
-        beside = {name: (rendered / name).read_bytes() for name in beside}
-        beside[ANSWERS_FILE] = (beside[ANSWERS_FILE] or b"") + (_CHANGED if changed else b"")
+            (rendering / name).parent.mkdir(parents=True, exist_ok=True)
+            (rendering / name).write_bytes(data)
+        changed = _CHANGED if renderer.source.notes else b""
+        answers = (rendered / ANSWERS_FILE).read_bytes() + changed
+        records = {ANSWERS_FILE: answers, _IGNORED: (rendered / _IGNORED).read_bytes()}
     else:
         warnings = [f"{package.folder}: removed, nothing needs it any more"]
         rendering.mkdir(parents=True)
     more = (package.saved, package.adopted, renames.regions)
-    return plan_sync(target, rendering, beside, *more), warnings
-
-
-def _tell(package: PackageAnswers, plan: Plan, target: Path, work: _Work) -> None:
-    """Note what happens to a person's text in a package."""
-    was = read_answers(target) or {}
-    lost = lost_sources(target, was, package.answers)
-    work.notes += [f"{package.folder}: {one}" for one in lost]
-    for note in plan.notes:
-        work.notes.append(f"{package.folder}/{note.place}: {note.text}")
-    work.attention |= bool(lost) or any(note.attention for note in plan.notes)
-    if "facts_json" in package.answers:
-        marked = (s.path for s in plan.steps if s.data and b"Manual edit begin" in s.data)
-        names = (name for name in marked if not name.startswith((EDDI, ANSWERS_FILE)))
-        work.editable |= {f"{package.folder}/{name}" for name in names}
-
-
-def _tell_open(package: PackageAnswers, target: Path, work: _Work) -> None:
-    for region in list_regions(target):
-        if region.review:
-            words = (f"{package.folder}/{region.file}", region.id, "; ".join(region.notes))
-            work.notes.append(": ".join(filter(None, words)))
-            work.attention = True
+    return plan_sync(target, rendering, records, *more), warnings
 
 
 def _refuse(plans: Iterable[Plan]) -> None:
@@ -216,10 +183,10 @@ def _refuse(plans: Iterable[Plan]) -> None:
         raise EddiError(*problems[:-1], replace(last, hint=hint))
 
 
-def _write(planned: Mapping[str, Plan], renames: Renames, root: Path) -> None:
+def _write(plans: Mapping[str, Plan], renames: Renames, root: Path) -> None:
     renames.move(root)
     try:
-        write_plans([replace(plan, root=root / folder) for folder, plan in planned.items()])
+        write_plans([plan._replace(root=root / folder) for folder, plan in plans.items()])
     except EddiError:
         renames.move(root, back=True)
         raise
@@ -234,12 +201,9 @@ def _refuse_foreign(target: Path) -> None:
     """
     if target.is_symlink():
         raise EddiError(problem("H012.link", Place(str(target)), target=target.name))
-    mine = {EDDI, ANSWERS_FILE}
-    if not target.is_dir() or (
-        not (target / MANIFEST).exists() and not ({path.name for path in target.iterdir()} - mine)
-    ):
-        return
-    if read_answers(target) is not None:
+    inside = {path.name for path in target.iterdir()} if target.is_dir() else set()
+    is_empty = not (inside - {EDDI, ANSWERS_FILE} or (target / MANIFEST).exists())
+    if is_empty or read_answers(target) is not None:
         return
     if (target / EDDI).is_dir():
         raise lacks_answers(target)
@@ -255,19 +219,15 @@ def _is_current(
     if unsure or not (package.answers and manifest.exists):
         return False
     origin = {"_commit": source.commit, "_src_path": template.location}
-    answers = read_answers(target) or {}
-    wanted = {**package.answers, **origin}
-    nothing = object()
-    if any(answers.get(key, nothing) != value for key, value in wanted.items()):
+    answers, today = read_answers(target) or {}, {**package.answers, **origin}
+    if any(key not in answers or answers[key] != value for key, value in today.items()):
         return False
     for name, known in manifest.files.items():
-        file = read_file(target, name) if obstacle(target, name) is None else None
-        whole = file is not None and len(file.sides) == 1 and not file.faults
-        if file is None or not whole or not known.issuperset(file.digests):
+        file = read_file(target, name)
+        if file is None or file.faults or len(file.sides) > 1 or not known.issuperset(file.digests):
             return False
-        if package.files.get(name, file.data) != file.data:
-            return False
-        if file.data.startswith(b"#!") and not file.mode & 0o100:
+        no_program = file.data.startswith(b"#!") and not file.mode & 0o100
+        if no_program or package.files.get(name, file.data) != file.data:
             return False
     made = {name: next(iter(known)) for name, known in manifest.files.items()}
     data = (target / ANSWERS_FILE).read_bytes()

@@ -1,11 +1,10 @@
-"""The regions of every package below a folder, for ``eddi-scaffold regions``."""
+"""What people wrote in packages: their regions, what is open, what waits to be written."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -18,62 +17,30 @@ from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.packages.workspace import alone
 from eddi_scaffold.regions.check import RegionStatus, list_regions, plan_accept
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.package import EDDI, KEPT, SavedError
-from eddi_scaffold.regions.sync import Plan
-
-
-@dataclass(frozen=True)
-class HandwrittenRegion:
-    """One region of one package.
-
-    Attributes:
-        file: path as the user would write it.
-        status: the report of the regions tool.
-    """
-
-    file: str
-    status: RegionStatus
-
-    def as_json(self) -> dict[str, object]:
-        """Return the stable JSON form of ``regions --json``."""
-        state = self.status
-        return {
-            "id": state.id,
-            "file": self.file,
-            "line": state.line,
-            "state": state.state,
-            "notes": list(state.notes),
-        }
-
+from eddi_scaffold.regions.package import EDDI, KEPT, Plan, SavedError
 
 ADOPT = (
     "this file is of the D7.2 tools: it runs as it is, and no regeneration fits it to the model;"
     " `eddi-scaffold adopt OLD_PACKAGE` puts its bodies into regions"
 )
 _OF_D72 = re.compile(r"^class EDDIInput\s*(\(\s*(object)?\s*\))?\s*:", re.MULTILINE)
-_WHAT = {"process": "input", "node": "node"}
-"""First word of the id of a region -> what a person writes in it."""
 
 
 def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
     """Return what a person must still write, and where: inputs, methods of a kind."""
-    needed = {
-        monitor.package: {
-            *(binding.regions[0] for binding in monitor.inputs if not binding.is_given),
-            *(method.name for method in monitor.needed_methods),
-        }
-        for monitor in monitors
-    }
-    return [
-        f"this {_WHAT[status.id.partition('_')[0]]}: {root / package / status.file}:{status.line}"
-        for package, ids in needed.items()
-        for status in (list_regions(root / package) if ids else ())
-        if status.id in ids and status.state == "untouched"
-    ]
+    lines = []
+    for monitor in monitors:
+        ids = {binding.regions[0]: "input" for binding in monitor.inputs if not binding.is_given}
+        ids |= {method.name: "node" for method in monitor.needed_methods}
+        for region in list_regions(root / monitor.package) if ids else ():
+            if region.id in ids and region.state == "untouched":
+                place = f"{root / monitor.package / region.file}:{region.line}"
+                lines.append(f"this {ids[region.id]}: {place}")
+    return lines
 
 
 def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """Return a line for each input that was made of messages, and is left to nobody now.
+    """Return a line for each input of a package that was made of messages, and is nobody's now.
 
     Args:
         package: the folder with its newest files.
@@ -81,34 +48,29 @@ def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, A
         after: its answers.
     """
     made = {marker.id: line for marker, line, _ in _statements(before)}
-    lost, titles = {}, {}
+    lost = {}
     for marker, line, title in _statements(after):
         names = (marker.id, *marker.was)
         was = next((made[name] for name in names if made.get(name)), None)
         if was is not None and not line:
-            lost[names], titles[names] = was, title
+            lost[names] = f"input {title!r} has no source any more: it was made by `{was}`"
     edited = set(written(package)) if lost else set()
-    return [
-        f"input {titles[names]!r} has no source any more: it was made by `{was}`"
-        for names, was in lost.items()
-        if not edited.intersection(names)
-    ]
+    return [reason for names, reason in lost.items() if not edited.intersection(names)]
 
 
-def _statements(answers: Mapping[str, Any]) -> list[tuple[Marker, str, str]]:
-    """Return each input, its generated statement, none where a person must write it, and its id.
+def _statements(answers: Mapping[str, Any]) -> Iterator[tuple[Marker, str, str]]:
+    """Yield each input, its generated statement, none where a person must write it, and its id.
 
     Answers may be of an older release, or damaged: what is not there says nothing.
     """
-    found = []
     inputs = answers.get("inputs")
-    for one in inputs if isinstance(inputs, list) else ():
-        if isinstance(one, dict) and isinstance(body := one.get("body"), list) and body:
-            marker = read_marker(str(one.get("region_begin")), 1)
+    for entry in inputs if isinstance(inputs, list) else ():
+        body = entry.get("body") if isinstance(entry, dict) else None
+        if isinstance(body, list) and body:
+            marker = read_marker(str(entry.get("region_begin")), 1)
             if isinstance(marker, Marker):
-                waits = body[-1] == f"self.{one.get('attribute')} = None"
-                found.append((marker, "" if waits else str(body[-1]), str(one.get("title"))))
-    return found
+                waits = body[-1] == f"self.{entry.get('attribute')} = None"
+                yield marker, "" if waits else str(body[-1]), str(entry.get("title"))
 
 
 def written(package: Path) -> list[str]:
@@ -128,37 +90,35 @@ def without_written_inputs(
 
     @cache
     def edited(package: str) -> list[list[str]]:
-        return [written(one) for one in packages(package)]
+        return [written(folder) for folder in packages(package)]
 
     def is_written(problem: Problem) -> bool:
         if not isinstance(problem, UnwrittenInput):
             return False
-        regions = set(problem.regions)
-        there = edited(problem.package)
-        return bool(there) and all(map(regions.intersection, there))
+        places = edited(problem.package)
+        return bool(places) and all(map(set(problem.regions).intersection, places))
 
     return [problem for problem in problems if not is_written(problem)]
 
 
 def until_written_near(problems: Iterable[Problem], files: Iterable[Path]) -> list[Problem]:
     """Return the same, where the packages are looked for near the files that were checked."""
-    near = list(dict.fromkeys(file.resolve().parent for file in files))
-    return without_written_inputs(problems, partial(packages_of, near=near))
+    folders = list(dict.fromkeys(file.resolve().parent for file in files))
+    return without_written_inputs(problems, partial(packages_of, folders=folders))
 
 
-def packages_of(package: str, near: Iterable[Path]) -> list[Path]:
+def packages_of(package: str, folders: Iterable[Path]) -> list[Path]:
     """Return where the package of a monitor is, in workspaces around or below some folders.
 
     Only the places of a catkin workspace and of ``generate -o`` are looked at, nothing else.
     """
-    file = f"{package}/{ANSWERS_FILE}"
-    found: dict[Path, None] = {}
-    for folder in near:
+    files: dict[Path, None] = {}
+    for folder in folders:
         places = [(folder, pattern) for pattern in ("", "*/", "src/*/", "*/src/*/")]
         places += [(parent, "src/*/") for parent in folder.parents]
         for place, pattern in places:
-            found |= dict.fromkeys(sorted(place.glob(f"{pattern}{file}")))
-    return [path.parent for path in found if path.is_file()]
+            files |= dict.fromkeys(sorted(place.glob(f"{pattern}{package}/{ANSWERS_FILE}")))
+    return [path.parent for path in files if path.is_file()]
 
 
 def packages_below(folder: Path) -> list[Path]:
@@ -167,16 +127,15 @@ def packages_below(folder: Path) -> list[Path]:
     Raises:
         EddiError: there are none (U001).
     """
-    found = []
+    packages = []
     for root, folders, files in os.walk(folder):
         made = ANSWERS_FILE in files and (EDDI in folders or read_answers(Path(root)))
         if made or Path(root, KEPT).is_dir():  # one that has left, with texts of a person
-            found.append(Path(root))
-        skipped = {".git", "build", "devel", "install", EDDI}
-        folders[:] = sorted(name for name in folders if name not in skipped)
-    if not found:
+            packages.append(Path(root))
+        folders[:] = sorted({*folders} - {".git", "build", "devel", "install", EDDI})
+    if not packages:
         raise EddiError(problem("U001.nothing_here", Place(str(folder))))
-    return found
+    return packages
 
 
 def is_of_d72(file: Path) -> bool:
@@ -191,17 +150,17 @@ def looked_at(package: Path) -> list[RegionStatus]:
     """List the regions of a package with what a person should look at; a pasted file as a whole."""
     pasted = cache(lambda file: is_of_d72(package / file))
     return [
-        replace(region, notes=(*region.notes, ADOPT), review=True)
+        region._replace(notes=(*region.notes, ADOPT), review=True)
         if pasted(region.file)
         else region
         for region in list_regions(package)
     ]
 
 
-def inventory(folder: Path) -> Sequence[HandwrittenRegion]:
-    """List the regions of all packages below a folder."""
+def inventory(folder: Path) -> list[RegionStatus]:
+    """List the regions of all packages below a folder, with paths as the user would write them."""
     return [
-        HandwrittenRegion(str(package / status.file), status)
+        status._replace(file=str(package / status.file))
         for package in packages_below(folder)
         for status in looked_at(package)
     ]
@@ -217,19 +176,18 @@ def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
     Raises:
         EddiError: there is nothing of such a name to accept (U004), or a package cannot be written.
     """
-    wanted, accepted = set(ids), set[str]()
+    chosen, accepted = set(ids), set[str]()
     packages = packages_below(folder)
     with alone(packages):
         for package in packages:
-            plan, found = plan_accept(package, wanted)
+            plan, ids_here = plan_accept(package, chosen)
             write_plans([plan])
-            accepted |= {*found}
-    for missing in sorted(wanted - accepted):
+            accepted |= {*ids_here}
+    for missing in sorted(chosen - accepted):
         known = [region.id for package in packages for region in list_regions(package) if region.id]
         hint = did_you_mean(missing, known) if missing not in known else None
-        raise EddiError(
-            problem("U004", Place(str(folder)), hint=hint, missing=missing, folder=folder)
-        )
+        place = Place(str(folder))
+        raise EddiError(problem("U004", place, hint=hint, missing=missing, folder=folder))
     return sorted(accepted)
 
 
@@ -245,7 +203,7 @@ def write_plans(plans: Sequence[Plan]) -> None:
         for plan in plans:
             plan.finish()
     except SavedError as saved:
-        raise saved_meanwhile(Path(str(saved))) from None
+        raise saved_meanwhile(Path(saved.filename)) from None
     except OSError as failure:
         reason = failure.strerror or str(failure)
         place = Place(str(failure.filename or plans[0].root))

@@ -29,21 +29,17 @@ if TYPE_CHECKING:
 ANSWERS_FILE = ".copier-answers.yml"
 _BUNDLE = "templates.bundle"
 _BUNDLE_VERSION = "templates.version"
+_ORIGIN = re.compile(r"^_src_path:.*\n(?:[ ].*\n|\n)*", re.MULTILINE)
+"""Origin in an answers file that is rendered from a plain folder; long paths are folded."""
 
 
 @dataclass(frozen=True)
 class Template:
-    """Where Copier finds the templates.
+    """Where Copier finds the templates."""
 
-    Attributes:
-        location: path as it is recorded in the answers file (``_src_path``).
-        ref: git reference to render.
-        bundle: of an installed wheel, the file that :meth:`keep` puts at the location.
-    """
-
-    location: str
-    ref: str | None
-    bundle: Path | None = None
+    location: str  # path as it is recorded in the answers file (`_src_path`)
+    ref: str | None  # git reference to render
+    bundle: Path | None = None  # of an installed wheel, what `keep` puts at the location
 
     def keep(self) -> None:
         """Put the wheel's bundle where a package refers to its templates.
@@ -144,21 +140,12 @@ class Renderer:
     """
 
     def __init__(self, template: Template, source: Unpacked) -> None:
-        """Prepare to render.
-
-        Args:
-            template: what the answers files record as the origin.
-            source: the same templates, taken out of git.
-        """
-        self._template, self._source = template, source
+        """Prepare to render templates that were taken out of git; files record where they are."""
+        self.template, self.source = template, source
         self._first: Worker | None = None
 
     def render(self, answers: Mapping[str, Any], folder: Path) -> list[str]:
-        """Render a package into an empty or missing folder.
-
-        Args:
-            answers: all answers of the package's template.
-            folder: where to.
+        """Render a package with all its answers into an empty or missing folder.
 
         Returns:
             Copier's warnings.
@@ -176,33 +163,23 @@ class Renderer:
                 self._run(dict(answers), folder)
             except (CopierError, ValueError) as failure:
                 raise EddiError(problem("T004.copier", reason=failure)) from failure
-        _record_origin(folder / ANSWERS_FILE, self._template, self._source)
-        return sorted(
-            {
-                str(warning.message)
-                for warning in caught
-                if warning.category.__module__.startswith("copier")
-            }
-        )
+        # what Copier would have recorded, had it cloned the templates itself
+        commit, file = self.source.commit, folder / ANSWERS_FILE
+        known = {} if commit is None else {"_commit": commit}
+        origin = dump_11({**known, "_src_path": self.template.location})
+        file.write_text(_ORIGIN.sub(lambda _: origin, file.read_text("utf-8"), count=1), "utf-8")
+        of_copier = (told for told in caught if told.category.__module__.startswith("copier"))
+        return sorted({str(warning.message) for warning in of_copier})
 
     def _run(self, answers: dict[str, Any], folder: Path) -> None:
+        words = ("defaults", "overwrite", "unsafe", "quiet", "skip_tasks")
+        settings: dict[str, Any] = dict.fromkeys(words, True)
         if self._first is None:
-            self._first = _worker()(
-                src_path=str(self._source.folder),
-                dst_path=folder,
-                data=answers,
-                defaults=True,
-                overwrite=True,
-                unsafe=True,
-                quiet=True,
-                skip_tasks=True,
-            )
+            self._first = _worker()(str(self.source.folder), **settings)
             self._first.jinja_env.auto_reload = False
             _compile_once(self._first.jinja_env)
-            worker = self._first
-        else:
-            worker = replace(self._first, dst_path=folder, data=answers)
-            worker.template, worker.jinja_env = self._first.template, self._first.jinja_env
+        worker = replace(self._first, dst_path=folder, data=answers)
+        worker.template, worker.jinja_env = self._first.template, self._first.jinja_env
         worker.run_copy()
 
 
@@ -263,15 +240,3 @@ def _compile_once(environment: Any) -> None:
         return compiled[key]
 
     environment.compile = compile_
-
-
-_ORIGIN = re.compile(r"^_src_path:.*\n(?:[ ].*\n|\n)*", re.MULTILINE)
-"""Origin in an answers file that is rendered from a plain folder; long paths are folded."""
-
-
-def _record_origin(answers_file: Path, template: Template, source: Unpacked) -> None:
-    """Write what Copier would have recorded, had it cloned the templates itself."""
-    origin = {"_commit": source.commit} if source.commit is not None else {}
-    text = dump_11({**origin, "_src_path": template.location})
-    rendered = answers_file.read_text("utf-8")
-    answers_file.write_text(_ORIGIN.sub(lambda _: text, rendered, count=1), "utf-8")

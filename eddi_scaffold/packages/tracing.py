@@ -24,31 +24,18 @@ COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 
 @dataclass(frozen=True)
 class TraceLink:
-    """An element of the EDDI that nothing monitors by itself, and that is linked with a row.
+    """An element of the EDDI that nothing monitors by itself, and that is linked with a row."""
 
-    Attributes:
-        class_name: its class as the file states it.
-        name: its name.
-        line: line of it in the model file.
-        path: EMF fragment path.
-        through: the element on which the row rests, and which has the link; empty for its own.
-    """
-
-    class_name: str
-    name: str
-    line: int | None
-    path: str
-    through: str = ""
+    class_name: str  # its class as the file states it
+    name: str  # its name
+    line: int | None  # line of it in the model file
+    path: str  # EMF fragment path
+    through: str = ""  # the element on which the row rests, and which has the link; or its own
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        return {
-            "class": self.class_name,
-            "name": self.name,
-            "line": self.line,
-            "path": self.path,
-            "through": self.through or None,
-        }
+        place = {"line": self.line, "path": self.path, "through": self.through or None}
+        return {"class": self.class_name, "name": self.name, **place}
 
     def as_text(self, file: str) -> str:
         """Return the link for people."""
@@ -58,73 +45,43 @@ class TraceLink:
 
 @dataclass(frozen=True)
 class TraceRow:
-    """One element of the model.
+    """One element of the model."""
 
-    Attributes:
-        element: what it is (``guarantee``, ``node``).
-        id: as in the model.
-        line: line in the model file, ``None`` when the file has none.
-        path: EMF fragment path in an EDDI, ``""`` for other files.
-        code: its place in the generated code (``EDDIInput.process_RtE_E0``), or ``""``.
-        topics: what it is read from.
-        links: hazards, requirements, failure modes, claims and others that refer to it.
-        is_configured: the configuration says it, not the model file.
-    """
-
-    element: str
-    id: str
-    line: int | None
-    path: str
-    code: str = ""
-    topics: tuple[str, ...] = ()
-    links: tuple[TraceLink, ...] = ()
-    is_configured: bool = False
+    element: str  # what it is (`guarantee`, `node`)
+    id: str  # as in the model
+    line: int | None  # line in the model file, `None` when the file has none
+    path: str  # EMF fragment path in an EDDI, `""` for other files
+    code: str = ""  # its place in the generated code (`EDDIInput.process_RtE_E0`), or `""`
+    topics: tuple[str, ...] = ()  # what it is read from
+    links: tuple[TraceLink, ...] = ()  # hazards, requirements, claims and others that refer to it
+    is_configured: bool = False  # the configuration says it, not the model file
 
 
 @dataclass(frozen=True)
 class Trace:
-    """The table of one package.
+    """The table of one package."""
 
-    Attributes:
-        package: name of the package.
-        kind: kind of the monitor.
-        model: id of the model.
-        file: model file it was generated from.
-        sha256: digest of that file's bytes.
-        model_sha256: digest of all that decides what the monitor computes.
-        outputs: topics it publishes.
-        facts: lines about the whole, such as the result of a cross-check.
-        rows: elements in the order of the model.
-        links: those of the model as a whole.
-    """
-
-    package: str
-    kind: str
-    model: str
-    file: str
-    sha256: str
-    model_sha256: str
-    outputs: tuple[str, ...]
-    facts: tuple[str, ...]
-    rows: tuple[TraceRow, ...]
-    links: tuple[TraceLink, ...] = ()
+    package: str  # name of the package
+    kind: str  # kind of the monitor
+    model: str  # id of the model
+    file: str  # model file it was generated from
+    sha256: str  # digest of that file's bytes
+    model_sha256: str  # digest of all that decides what the monitor computes
+    outputs: Sequence[str]  # topics it publishes
+    facts: Sequence[str]  # lines about the whole, such as the result of a cross-check
+    rows: Sequence[TraceRow]  # elements in the order of the model
+    links: Sequence[TraceLink] = ()  # those of the model as a whole
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        rows: list[JsonValue] = [
-            {
-                **dict(zip(COLUMNS, self.cells(row), strict=True)),
-                "links": [link.as_json() for link in row.links],
-            }
+        rows = [
+            dict(zip(COLUMNS, self.cells(row), strict=True))
+            | {"links": [link.as_json() for link in row.links]}
             for row in self.rows
         ]
+        names = ("package", "kind", "model", "file", "sha256", "model_sha256")
         return {
-            "package": self.package,
-            "kind": self.kind,
-            "model": self.model,
-            "file": self.file,
-            "sha256": self.sha256,
-            "model_sha256": self.model_sha256,
+            **{name: getattr(self, name) for name in names},
             "outputs": list(self.outputs),
             "facts": list(self.facts),
             "elements": rows,
@@ -145,31 +102,26 @@ class Trace:
 
     def as_text(self) -> str:
         """Return the table for people."""
-        head = [
+        lines = [
             f"{self.package}: {self.kind} {self.model}",
             f"  generated from {self.file} (sha256 {self.sha256})",
             f"  the monitor has the digest {self.model_sha256}",
+            *(f"  publishes {topic}" for topic in self.outputs),
+            *(f"  {fact}" for fact in self.facts),
+            *(f"  linked with {link.as_text(self.file)}" for link in self.links),
         ]
-        head += [f"  publishes {topic}" for topic in self.outputs]
-        head += [f"  {fact}" for fact in self.facts]
-        head += [f"  linked with {link.as_text(self.file)}" for link in self.links]
         shown = [
             (row.element, row.id, self._place(row), row.path, row.code, *row.topics)
             for row in self.rows
         ]
-        widths = [max((len(line[k]) for line in shown), default=0) for k in range(5)]
-        body = [
-            "  ".join(
-                [text.ljust(width) for text, width in zip(line[:5], widths, strict=True)]
-                + list(line[5:])
-            ).rstrip()
-            for line in shown
+        widths = [
+            max(map(len, column)) for column in zip(*(line[:5] for line in shown), strict=True)
         ]
-        lines = []
-        for row, line in zip(self.rows, body, strict=True):
-            lines.append(f"  {line}")
+        for row, line in zip(self.rows, shown, strict=True):
+            cells = [text.ljust(width) for text, width in zip(line[:5], widths, strict=True)]
+            lines.append("  ".join(["", *cells, *line[5:]]).rstrip())
             lines += [f"      linked with {link.as_text(self.file)}" for link in row.links]
-        return "\n".join([*head, *lines])
+        return "\n".join(lines)
 
 
 def trace_of(answers: Mapping[str, Any]) -> Trace:
@@ -187,6 +139,7 @@ def trace_of(answers: Mapping[str, Any]) -> Trace:
 
 def _trace_of(answers: Mapping[str, Any]) -> Trace:
     facts = facts_of(answers["facts_json"])
+    all_links = facts.links or {}
     code = dict(_code(answers))
     inputs = {input_.id: input_ for input_ in facts.inputs}
     config: Mapping[str, Any] = json.loads(answers.get("config_json") or "{}")
@@ -195,40 +148,33 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
     configured = {limit["id"] for limit in limits} | inputs.keys()
     links = {
-        path: tuple(
-            TraceLink(link.class_name, link.name, link.line, link.path) for link in of.links
-        )
-        for path, of in (facts.links or {}).items()
+        path: tuple(TraceLink(to.class_name, to.name, to.line, to.path) for to in linked.links)
+        for path, linked in all_links.items()
     }
+    names = {element.id for element in facts.elements}
+    elements = [*facts.elements, *(Element("input", name) for name in inputs if name not in names)]
     rows: list[TraceRow] = []
-    known = {element.id for element in facts.elements}
-    of_inputs = (Element("input", name) for name in inputs if name not in known)
-    elements = [*facts.elements, *of_inputs]
     for element in elements:
-        given = inputs.get(element.id)
-        heard = tuple(topics.get(name) or name for name in given.requires) if given else ()
-        rows.append(
-            TraceRow(
-                element.element,
-                element.id,
-                element.line,
-                element.path or "",
-                code.get(element.id, ""),
-                heard,
-                tuple(
-                    link
-                    for at, of in links.items()
-                    if element.path and f"{at}/".startswith(f"{element.path}/")
-                    for link in of
-                ),
-                element.line is None and element.id in configured,
-            )
+        required = inputs[element.id].requires if element.id in inputs else ()
+        inside = (of for path, of in links.items() if _is_inside(path, element.path))
+        row = TraceRow(
+            element.element,
+            element.id,
+            element.line,
+            element.path or "",
+            code.get(element.id, ""),
+            tuple(topics.get(name) or name for name in required),
+            tuple(link for of in inside for link in of),
+            element.line is None and element.id in configured,
         )
-    paths = [row.path for row in rows if row.path]
-    for path, linked in (facts.links or {}).items():
-        if path != facts.path and not any(f"{path}/".startswith(f"{at}/") for at in paths):
+        rows.append(row)
+    paths = [row.path for row in rows]
+    for path, linked in all_links.items():
+        if path != facts.path and not any(_is_inside(path, above) for above in paths):
             row = TraceRow(linked.element, linked.id, linked.line, path, links=links[path])
             rows = [other for other in rows if other.path or other.id != row.id] + [row]
+    readme = [line for line in answers.get("readme") or () if line and "|" not in line]
+    more = [linked for linked in all_links.values() if linked.is_cut]
     return Trace(
         package=answers["package"],
         kind=answers["kind"],
@@ -236,49 +182,38 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
         file=answers["model_file"],
         sha256=answers["model_sha256"],
         model_sha256=facts.digest,
-        outputs=tuple(item["topic_text"] for item in answers.get("publications") or ()),
-        facts=tuple(
-            line
-            for line in answers.get("readme") or ()
-            if line and "|" not in line and not line.startswith("#")
-        )
-        + tuple(
-            f"{linked.element} {linked.id} has more links: the nearest are listed"
-            for linked in (facts.links or {}).values()
-            if linked.is_cut
-        ),
+        outputs=[item["topic_text"] for item in answers.get("publications") or ()],
+        facts=[
+            *(line for line in readme if not line.startswith("#")),
+            *(f"{of.element} {of.id} has more links: the nearest are listed" for of in more),
+        ],
         rows=_with_support(rows, facts, {e.claim or e.id: e.id for e in elements}),
         links=links.get(facts.path or "", ()),
     )
 
 
+def _is_inside(path: str, above: str | None) -> bool:
+    """Return whether an element of the EDDI is another one, or a part of it."""
+    return bool(above) and f"{path}/".startswith(f"{above}/")
+
+
 def _with_support(
     rows: Sequence[TraceRow], facts: MonitorFacts, published: Mapping[str, str]
-) -> tuple[TraceRow, ...]:
-    """Return claims with the links of what they rest on: these lead back to their hazards.
+) -> list[TraceRow]:
+    """Return claims, which have a name in messages, with the links of what they rest on.
 
-    Args:
-        rows: the table.
-        facts: of the monitor.
-        published: name of a claim in messages -> its id.
+    These lead back to their hazards.
     """
     linked = {row.id: row.links for row in rows if row.links}
-    if not linked:
-        return tuple(rows)
-    resting = {published.get(claim.id, claim.id): claim.rests_on for claim in facts.claims}
-    return tuple(
-        replace(row, links=_all_links(row, linked, resting.get(row.id, ()))) for row in rows
-    )
-
-
-def _all_links(
-    row: TraceRow, linked: Mapping[str, tuple[TraceLink, ...]], on: Iterable[str]
-) -> tuple[TraceLink, ...]:
-    found = {link.path: link for link in row.links}
-    for name in sorted(on):
-        for link in linked.get(name, ()):
-            found.setdefault(link.path, replace(link, through=name))
-    return tuple(found.values())
+    rests_on = {published.get(claim.id, claim.id): claim.rests_on for claim in facts.claims}
+    supported = []
+    for row in rows:
+        links = {link.path: link for link in row.links}
+        for name in sorted(rests_on.get(row.id, ())):
+            for link in linked.get(name, ()):
+                links.setdefault(link.path, replace(link, through=name))
+        supported.append(replace(row, links=tuple(links.values())))
+    return supported
 
 
 def _code(answers: Mapping[str, Any]) -> Iterable[tuple[str, str]]:

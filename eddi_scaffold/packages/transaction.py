@@ -47,14 +47,13 @@ def write(
         for path in files:
             _refuse_obstacle(root, path)
         root.mkdir(parents=True, exist_ok=True)
-        steps = [Step(path, state.data, state.mode) for path, state in files.items()]
-        put_aside(root, steps, staging)
+        put_aside(root, [Step(path, of.data, of.mode) for path, of in files.items()], staging)
         for path, data in read.items():
             if (root / path).read_bytes() != data:
                 raise saved_meanwhile(root / path)
-        for number, step in enumerate(steps):
-            (root / step.path).parent.mkdir(parents=True, exist_ok=True)
-            (staging / str(number)).replace(root / step.path)
+        for number, path in enumerate(files):
+            (root / path).parent.mkdir(parents=True, exist_ok=True)
+            (staging / str(number)).replace(root / path)
     except OSError as failure:
         reason = failure.strerror or str(failure)
         named = failure.filename is not None and str(staging) not in str(failure.filename)

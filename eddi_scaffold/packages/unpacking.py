@@ -23,26 +23,20 @@ from eddi_scaffold.regions.git import GitError, git
 
 PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 """All that rendering reads; the tasks, which need more, do not run from here."""
+MADE_BY = (*PATHS, "eddi_scaffold/regions")
+"""All that the files of a package come from, but for the answers."""
 _MEMORY = Path("/dev/shm")  # noqa: S108 - `mkdtemp` makes a folder that only its user reads
 _ENOUGH = 512 * 2**20
 """Five hundred packages need a quarter of it."""
-MADE_BY = (*PATHS, "eddi_scaffold/regions")
-"""All that the files of a package come from, but for the answers."""
 
 
 @dataclass(frozen=True)
 class Unpacked:
-    """Templates of one version, for the time of one command.
+    """Templates of one version, for the time of one command."""
 
-    Attributes:
-        commit: what Copier would record as ``_commit``; ``None`` without git.
-        changed: they are not exactly those of the commit.
-        unpack: puts them into a plain folder and returns it; see ``folder``.
-    """
-
-    commit: str | None
-    changed: bool
-    unpack: Callable[[], Path]
+    commit: str | None  # what Copier would record as `_commit`; `None` without git
+    changed: bool  # they are not exactly those of the commit
+    unpack: Callable[[], Path]  # puts them into a plain folder and returns it; see `folder`
 
     @cached_property
     def folder(self) -> Path:
@@ -52,9 +46,8 @@ class Unpacked:
     @property
     def notes(self) -> tuple[str, ...]:
         """Return what the user should know of them."""
-        if self.commit is None or not self.changed:
-            return ()
-        return ("the templates have uncommitted changes, which are included",)
+        note = "the templates have uncommitted changes, which are included"
+        return (note,) if self.commit is not None and self.changed else ()
 
 
 def scratch_folder(prefix: str) -> tempfile.TemporaryDirectory[str]:
@@ -98,8 +91,11 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
 
         def unpack() -> Path:
             folder = Path(scratch, "templates")
-            archive = _changed(templates, Path(scratch)) if changed else _archive(templates, ref)
-            with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+            if changed:
+                _copy(place, folder)
+                return folder
+            words = ("-c", "tar.umask=0022", "archive", ref, "--", *PATHS)
+            with tarfile.open(fileobj=io.BytesIO(_git(templates, *words))) as tar:
                 if hasattr(tarfile, "data_filter"):
                     tar.extractall(folder, filter="data")
                 else:  # Python 3.10 before 3.10.12; what git archives of our own is harmless
@@ -109,24 +105,15 @@ def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
         yield Unpacked(commit, changed, unpack)
 
 
-def _archive(templates: Path, tree: str, **environment: str) -> bytes:
-    words = ("-c", "tar.umask=0022", "archive", tree, "--", *PATHS)
-    return _git(templates, *words, **environment)
-
-
-def _changed(templates: Path, scratch: Path) -> bytes:
-    """Archive the working tree, by way of an index and objects of our own."""
-    objects = _git(templates, "rev-parse", "--git-path", "objects").decode().strip()
-    work_tree = templates.parent.absolute()
-    own = {
-        "GIT_INDEX_FILE": str(scratch / "index"),
-        "GIT_OBJECT_DIRECTORY": str(scratch / "objects"),
-        "GIT_ALTERNATE_OBJECT_DIRECTORIES": str(work_tree / objects),
-    }
-    (scratch / "objects").mkdir()
-    _git(templates, "add", "--all", "--", *PATHS, **own)
-    tree = _git(templates, "write-tree", **own).decode().strip()
-    return _archive(templates, tree, **own)
+def _copy(checkout: Path, folder: Path) -> None:
+    """Copy the working tree: of a checkout Copier itself would make a clone."""
+    ignored = shutil.ignore_patterns("__pycache__", "*.pyc")
+    for name in PATHS:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        if (checkout / name).is_dir():
+            shutil.copytree(checkout / name, folder / name, symlinks=True, ignore=ignored)
+        else:
+            shutil.copy(checkout / name, folder / name)
 
 
 def _git(templates: Path | None, *words: str, **environment: str) -> bytes:

@@ -1,10 +1,11 @@
-"""Which packages ``upgrade`` and ``status`` concern, and what they should be."""
+"""Which packages ``upgrade`` and ``status`` concern, what they should be, and how far they are."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Container, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,41 +14,36 @@ from eddi_scaffold.common.escaping import markdown_code
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.config.file import ConfigFile, named_model_path
-from eddi_scaffold.config.reading import RobotAdditions, read_configs
+from eddi_scaffold.config.file import ConfigFile, from_json, named_model_path
+from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.deployments.joining import unanswered
 from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import checked_models, read_models
-from eddi_scaffold.packages.assembly import (
-    rejoined,
-    stored,
-    support,
-    wiring_with,
-    with_choices,
+from eddi_scaffold.packages.assembly import stored, support, wiring_with, with_choices
+from eddi_scaffold.packages.generation import write_packages
+from eddi_scaffold.packages.handwritten import ADOPT, looked_at, without_written_inputs
+from eddi_scaffold.packages.rendering import ANSWERS_FILE, Template, read_answers
+from eddi_scaffold.packages.workspace import (
+    check_answers,
+    existing,
+    linked,
+    linked_package,
+    model_id,
+    root_below,
 )
-from eddi_scaffold.packages.handwritten import without_written_inputs
-from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
-from eddi_scaffold.packages.workspace import check_answers, existing, linked, model_id, root_below
 from eddi_scaffold.platforms import PackageAnswers, Platform, owner_of, platforms
 
 
 @dataclass(frozen=True)
 class PackageGroup:
-    """Generated packages in one folder.
+    """Generated packages in one folder."""
 
-    Attributes:
-        root: the folder.
-        present: package folder -> answers.
-        links: links to packages, which are left alone.
-        robot: name of that workspace, where it is one of several robots; else empty.
-    """
-
-    root: Path
-    present: dict[str, dict[str, Any]]
-    links: tuple[Path, ...] = ()
-    robot: str = ""
+    root: Path  # the folder
+    present: dict[str, dict[str, Any]]  # package folder -> answers
+    links: Sequence[Path] = ()  # links to packages, which are left alone
+    robot: str = ""  # name of that workspace, where it is one of several robots; else empty
 
     def shown(self, folder: str) -> str:
         """Return the name of a package for people."""
@@ -62,26 +58,25 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
     Raises:
         EddiError: there are none (U001), or the answers of one are damaged (T005).
     """
-    named = _named(workspace, packages)
-    if named:
-        return [
-            _group(root, [path for path in named if path.parent == root])
-            for root in roots(workspace, packages)
-        ]
+    if named := _named(workspace, packages):
+        by_root = {root: [p for p in named if p.parent == root] for root in roots(None, named)}
+        return [_group(root, paths) for root, paths in by_root.items()]
     place = workspace or Path()
-    found = [
-        PackageGroup(root, existing(root), linked(root), "" if one is place else one.name)
-        for one in _workspaces(place)
-        for root in _roots(one)
+    candidates = [
+        PackageGroup(root, existing(root), linked(root), "" if robot is place else robot.name)
+        for robot in _workspaces(place)
+        for root in _roots(robot)
     ]
-    found = [group for group in found if group.present or group.links]
-    if not found:
-        above = _workspace_above(place)
-        hint = "name a workspace with -w, or the folder of a package"
-        if above is not None:
-            hint = f"name the workspace above: -w {above}"
-        raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
-    return found
+    groups_there = [group for group in candidates if group.present or group.links]
+    if groups_there:
+        return groups_there
+    hint = "name a workspace with -w, or the folder of a package"
+    sources = {platform.root for platform in platforms().values() if platform.workspace is not None}
+    for above in place.resolve().parents:  # packages where workspaces have them
+        if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in sources):
+            hint = f"name the workspace above: -w {os.path.relpath(above)}"
+            break
+    raise EddiError(problem("U001.nothing_near", Place(str(place)), hint=hint))
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
@@ -90,16 +85,21 @@ def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
     Raises:
         EddiError: one leads out of the workspace (F009).
     """
-    named = _named(workspace, packages)
-    if named:
+    if named := _named(workspace, packages):
         return list(dict.fromkeys(path.parent for path in named))
     return [root for place in _workspaces(workspace or Path()) for root in _roots(place)]
 
 
+def _named(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
+    place = workspace or Path()
+    if not packages and (place / ANSWERS_FILE).is_file():
+        packages = [place]
+    return [path if path.name not in {"", ".."} else path.resolve() for path in packages]
+
+
 def _roots(workspace: Path) -> list[Path]:
-    return list(
-        dict.fromkeys(root_below(workspace, platform.root) for platform in platforms().values())
-    )
+    places = (root_below(workspace, platform.root) for platform in platforms().values())
+    return list(dict.fromkeys(places))
 
 
 def _workspaces(place: Path) -> list[Path]:
@@ -111,13 +111,13 @@ def _workspaces(place: Path) -> list[Path]:
     if any(any(root.glob(f"*/{ANSWERS_FILE}")) for root in _roots(place)):
         return [place]
     inside = sorted(place.iterdir()) if place.is_dir() else []
-    robots = [one for one in inside if one.is_dir() and not one.is_symlink()]
+    robots = [folder for folder in inside if folder.is_dir() and not folder.is_symlink()]
     return robots if any(map(_is_robot, robots)) else [place]
 
 
 def _is_robot(workspace: Path) -> bool:
     try:
-        packages = [one for root in _roots(workspace) for one in existing(root).items()]
+        packages = [package for root in _roots(workspace) for package in existing(root).items()]
     except EddiError:  # told where it is one of several robots
         return False
     monitors = (facts_of_package(name, answers) for name, answers in packages)
@@ -125,25 +125,15 @@ def _is_robot(workspace: Path) -> bool:
     return any(fleet is not None and fleet.robot == workspace.name for fleet in fleets)
 
 
-def _named(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
-    place = workspace or Path()
-    if not packages and (place / ANSWERS_FILE).is_file():
-        packages = [place]
-    return [path if path.name not in {"", ".."} else path.resolve() for path in packages]
-
-
-def _workspace_above(place: Path) -> Path | None:
-    """Return the nearest folder above that has packages where workspaces have them."""
-    roots = {platform.root for platform in platforms().values() if platform.workspace is not None}
-    for above in place.resolve().parents:
-        if any(any((above / root).glob(f"*/{ANSWERS_FILE}")) for root in roots):
-            return Path(os.path.relpath(above))
-    return None
-
-
 def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
-    present = {path.name: _answers(path) for path in packages if not path.is_symlink()}
-    return PackageGroup(root, present, tuple(path for path in packages if path.is_symlink()))
+    present = {}
+    for path in (path for path in packages if not path.is_symlink()):
+        answers = read_answers(path)
+        if answers is None:
+            raise EddiError(problem("U001.not_a_package", Place(str(path))))
+        check_answers(path, answers)
+        present[path.name] = answers
+    return PackageGroup(root, present, [path for path in packages if path.is_symlink()])
 
 
 def refuse_for_several(
@@ -155,7 +145,7 @@ def refuse_for_several(
         EddiError: that is so (U009).
     """
     if found[0].robot and (model is not None or configs):
-        names = ", ".join(dict.fromkeys(one.robot for one in found))
+        names = ", ".join(dict.fromkeys(group.robot for group in found))
         place = Place(str(model if model is not None else configs[0]))
         raise EddiError(problem("U009", place, names=names))
 
@@ -168,30 +158,25 @@ def targets(
 ) -> tuple[list[PackageAnswers], list[Problem]]:
     """Return what the packages of a group should be, with the problems of newer inputs.
 
-    Args:
-        group: the packages.
-        model_file: newer model.
-        config_files: newer configurations.
-        robot: what models of a robot add to these.
+    Models of a robot may add to newer configurations.
 
     Raises:
         EddiError: an input cannot be used, a new configuration comes without a model and names none
             (G015) or belongs to no package (U005).
     """
-    given, _ = read_configs(config_files, robot)
-    configs = {package_name(one.config.Model.id): one for one in given}
+    read, _ = read_configs(config_files, robot)
+    configs = {package_name(config.config.Model.id): config for config in read}
     for name in sorted(configs.keys() - group.present.keys()):
         raise EddiError(problem("U005.no_package", configs[name].place("Model", "id"), name=name))
     models: dict[str, Model] = {}
     problems: list[Problem] = []
-    for path in [model_file] if model_file is not None else _named_models(given):
-        newer, found = _newer_models(group, path, configs)
+    for path in [model_file] if model_file is not None else _named_models(read):
+        newer, model_problems = _newer_models(group, path, configs)
         models |= newer
-        problems += found
+        problems += model_problems
     renewed = rejoined(group.present, models, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
-    joined: list[BoundMonitor] = []
     for folder, answers in group.present.items():
         if "facts_json" not in answers:
             continue
@@ -199,66 +184,97 @@ def targets(
         if folder not in renewed:
             packages.append(stored(group.root / folder, answers))
             continue
-        monitor, found = renewed[folder]
-        joined.append(monitor)
-        package, more = platform.monitor(monitor)
+        monitor, binding_problems = renewed[folder]
+        package, package_problems = platform.monitor(monitor)
         packages.append(with_choices(package, [answers]))
-        problems += [*found, *more]
+        problems += [*binding_problems, *package_problems]
+    joined = [monitor for monitor, _ in renewed.values()]
     problems += wiring_with(joined, group.present)
-    shared = {folder for folder in group.present if folder not in monitors}
-    templates = (str(group.present[folder]["template"]) for folder in sorted(shared))
+    shared = sorted(group.present.keys() - monitors.keys())
+    templates = (str(group.present[folder]["template"]) for folder in shared)
     for platform in dict.fromkeys(map(owner_of, templates)):
         own = {p.folder: p.answers for p in packages if monitors.get(p.folder) is platform}
-        present = existing(group.root, own)
-        made = support(platform, group.root, present, own)
+        made = support(platform, group.root, existing(group.root, own), own)
         packages += [package for package in made if package.folder in shared]
-    problems = unanswered(problems, [one.model for one in joined if one.config is not None])
+    problems = unanswered(problems, [new.model for new in joined if new.config is not None])
     if has_errors(problems):
         raise EddiError(*problems)
     return packages, without_written_inputs(problems, lambda package: [group.root / package])
 
 
+def rejoined(
+    present: Mapping[str, Mapping[str, Any]],
+    models: Mapping[str, Model],
+    configs: Mapping[str, ConfigFile],
+) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
+    """Join newer models with the configurations that packages remember, or with newer ones.
+
+    All are by package; a model that no longer fits is an EddiError.
+    """
+    monitors = {}
+    for folder, answers in present.items():
+        if folder not in models:
+            continue
+        config = configs.get(folder)
+        if text := answers.get("config_json"):
+            old = from_json(text, f"the configuration that {folder} remembers")
+            # types that came from models of the robot stay known without these
+            config = old if config is None else with_types(config, old.config.MessageTypes)
+        marks = answers.get("default_guarantees") or ()
+        monitor, problems = monitor_of(models[folder], kinds()[answers["kind"]], config, marks)
+        if monitor is None:
+            raise EddiError(*problems)
+        if config is None:
+            monitor = replace(monitor, package=folder)  # whatever the file is called today
+        monitors[folder] = monitor, problems
+    return monitors
+
+
 def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
     """Return what is to be said of monitors that another release compiled, without their models."""
-    versions = {
-        package.folder: package.answers["generator_version"]
-        for package in packages
-        if "compiled" in package.answers
-    }
+    stay = "compiled.py stays as eddi-scaffold {} made it; name the model with -m"
     return [
-        f"{folder}: compiled.py stays as eddi-scaffold {version} made it; name the model with -m"
-        for folder, version in versions.items()
-        if version != __version__
+        f"{package.folder}: {stay.format(package.answers['generator_version'])}"
+        for package in packages
+        if "compiled" in package.answers and package.answers["generator_version"] != __version__
     ]
 
 
 def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:
-    """Return the model files that configurations name, each once.
-
-    Raises:
-        EddiError: one names none (G015).
-    """
-    found: dict[Path, None] = {}
-    for config in configs:
-        path = named_model_path(config)
+    """Return the model files that configurations name, each once; one must (EddiError, G015)."""
+    paths = {config.name: named_model_path(config) for config in configs}
+    for name, path in paths.items():
         if path is None:
-            raise EddiError(problem("G015.no_model", Place(config.name)))
-        found[path] = None
-    return list(found)
+            raise EddiError(problem("G015.no_model", Place(name)))
+    return list(dict.fromkeys(filter(None, paths.values())))
 
 
 def _newer_models(
-    group: PackageGroup, model_file: Path, configs: Iterable[str]
+    group: PackageGroup, model_file: Path, configs: Container[str]
 ) -> tuple[dict[str, Model], list[Problem]]:
     """Return the newer model of each package that has one in the file, read with its marks."""
     source = read_source(model_file)
+    file_name = markdown_code(source.file_name)
     made_of = {f: (a["kind"], model_id(a)) for f, a in group.present.items() if "facts_json" in a}
     first = read_models(source)
     names = {(model.kind, model.name) for model in first.models}
     folders = [folder for folder, made in made_of.items() if made in names]
-    unnamed = _made_of_unnamed(group, first.models, source.file_name, configs)
-    made_of.update(unnamed)
-    folders += [folder for folder in unnamed if folder not in folders]
+    # a model without a name is that of the package that was made of the file of its name
+    unnamed = {
+        model.kind: model.name for model in first.models if kinds()[model.kind].named_by_config
+    }
+    of_file = {
+        folder: (kind, unnamed[kind])
+        for folder, (kind, _) in made_of.items()
+        if kind in unnamed and group.present[folder]["model_file"] == file_name
+    }
+    of_file = {folder: made for folder, made in of_file.items() if folder in configs} or of_file
+    if len(of_file) > 1:
+        names_ = ", ".join(of_file)
+        place = Place(source.name)
+        raise EddiError(problem("U005.several", place, file=source.file_name, packages=names_))
+    made_of.update(of_file)
+    folders += [folder for folder in of_file if folder not in folders]
     if not folders:
         if has_errors(first.problems):
             raise EddiError(*first.problems)
@@ -267,43 +283,67 @@ def _newer_models(
         raise EddiError(problem("U005.of_other_models", Place(source.name), here=here, known=known))
     marks = {m: None for f in folders for m in group.present[f].get("default_guarantees") or ()}
     reading = checked_models(model_file, tuple(marks))
-    found = {(model.kind, model.name): model for model in reading.models}
-    problems = list(reading.problems)
-    for folder, made in made_of.items():
-        if folder not in folders and group.present[folder]["model_file"] == markdown_code(
-            source.file_name
-        ):
-            problems.append(problem("U007", Place(source.name), model=made[1], folder=folder))
-    return {folder: found[made_of[folder]] for folder in folders}, problems
+    models = {(model.kind, model.name): model for model in reading.models}
+    gone = [
+        problem("U007", Place(source.name), model=name, folder=folder)
+        for folder, (_, name) in made_of.items()
+        if folder not in folders and group.present[folder]["model_file"] == file_name
+    ]
+    return {folder: models[made_of[folder]] for folder in folders}, [*reading.problems, *gone]
 
 
-def _made_of_unnamed(
-    group: PackageGroup, models: Sequence[Model], file: str, configs: Iterable[str]
-) -> dict[str, tuple[str, str]]:
-    """Return the packages that were made of a file whose model has no name: by the file's name.
+@dataclass(frozen=True)
+class PackageState:
+    """How far a package is from what it would be if it were generated now."""
 
-    Raises:
-        EddiError: several were, and no configuration selects one (U005).
-    """
-    named = {model.kind: model.name for model in models if kinds()[model.kind].named_by_config}
-    found = {
-        folder: (answers["kind"], named[answers["kind"]])
-        for folder, answers in group.present.items()
-        if answers.get("kind") in named and answers.get("model_file") == markdown_code(file)
-    }
-    chosen = {folder: made for folder, made in found.items() if folder in set(configs)} or found
-    if len(chosen) > 1:
-        raise EddiError(
-            problem(
-                "U005.several", Place(models[0].source.name), file=file, packages=", ".join(chosen)
-            )
-        )
-    return chosen
+    package: str  # name of its folder, with that of its robot where there are several
+    outdated: Sequence[str]  # files that a regeneration would change
+    edited: Sequence[str]  # generated files that were edited outside regions
+    regions: dict[str, int]  # state (`untouched`, `edited`, ...) -> how many regions
+    review: Sequence[str]  # hand-written bodies that need a look
+
+    @property
+    def drifted(self) -> bool:
+        """Return whether something should be done."""
+        return bool(self.outdated or self.edited or self.review)
+
+    def as_text(self) -> str:
+        """Return a few lines for people."""
+        counts = ", ".join(f"{count} {state}" for state, count in sorted(self.regions.items()))
+        state = "differs" if self.drifted else "up to date"
+        lines = [f"{self.package}: {state} (regions: {counts or 'none'})"]
+        lines += [f"  would change: {path}" for path in self.outdated]
+        lines += [f"  edited outside regions: {path}" for path in self.edited]
+        lines += [f"  look at: {reason}" for reason in self.review]
+        return "\n".join(lines)
+
+    def as_json(self) -> dict[str, object]:
+        """Return the JSON form of ``status --json``."""
+        package, *more = asdict(self).items()
+        return dict([package, ("drifted", self.drifted), *more])
 
 
-def _answers(package: Path) -> dict[str, Any]:
-    answers = read_answers(package)
-    if answers is None:
-        raise EddiError(problem("U001.not_a_package", Place(str(package))))
-    check_answers(package, answers)
-    return answers
+def states_of(
+    group: PackageGroup, model: Path | None, configs: Sequence[Path], template: Template
+) -> list[PackageState]:
+    """Compare the packages of a group with a dry run of their regeneration."""
+    packages, _ = targets(group, model, configs)
+    outcome = write_packages(group.root, packages, template, dry_run=True)
+    changes = sorted(path for path in outcome.changes if "/.eddi/" not in path)
+    states = []
+    for folder in group.present:
+        regions = looked_at(group.root / folder)
+        edited = [region.file for region in regions if region.state == "outside"]
+        changed = [
+            path.removeprefix(f"{folder}/") for path in changes if path.startswith(f"{folder}/")
+        ]
+        outdated = [path for path in changed if path not in {*edited, ANSWERS_FILE}]
+        counts = Counter(region.state for region in regions if region.id)
+        review = [
+            f"{region.file}: {region.why}"
+            for region in regions
+            if region.review and (region.state != "outside" or ADOPT in region.notes)
+        ]
+        states.append(PackageState(group.shown(folder), outdated, edited, dict(counts), review))
+    links = [(group.shown(link.name), linked_package(link)) for link in group.links]
+    return [*states, *(PackageState(name, [], [], {}, [reason]) for name, reason in links)]

@@ -32,23 +32,21 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
     Raises:
         EddiError: the answers of another package are damaged (T005), or not there (H012).
     """
-    found = {}
+    packages = {}
     for folder in sorted(root.iterdir()) if root.is_dir() else []:
         if folder.is_symlink() or not (folder.is_dir() and os.access(folder, os.X_OK)):
             continue
         answers = read_answers(folder)
-        if answers is None:
-            if (folder / MANIFEST).is_file():
-                raise lacks_answers(folder)
-            continue
-        try:
-            check_answers(folder, answers)
-        except EddiError:
-            if folder.name in renewed:
-                continue
-            raise
-        found[folder.name] = answers
-    return found
+        if answers is None and (folder / MANIFEST).is_file():
+            raise lacks_answers(folder)
+        if answers is not None:
+            try:
+                check_answers(folder, answers)
+                packages[folder.name] = answers
+            except EddiError:
+                if folder.name not in renewed:
+                    raise
+    return packages
 
 
 def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
@@ -66,9 +64,7 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
             runtime_parts_of(answers["compiled"])
             if answers.get("config_json"):
                 from_json(answers["config_json"], package.name)
-            "".join(
-                input_[key] for input_ in answers["inputs"] for key in _OF_INPUTS
-            )  # all are texts
+            "".join(input_[key] for input_ in answers["inputs"] for key in _OF_INPUTS)  # all texts
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError, RecursionError) as damage:
         reason = str(damage).partition("\n")[0]
         place = Place(str(package / ANSWERS_FILE))
@@ -89,10 +85,10 @@ def alone(folders: Iterable[Path]) -> Iterator[None]:
     Raises:
         EddiError: one is at work there (F012).
     """
-    there = [next(filter(Path.is_dir, (one, *one.parents))) for one in folders]
+    there = [next(filter(Path.is_dir, (place, *place.parents))) for place in folders]
     try:
         with ExitStack() as stack:
-            for folder in {one.resolve(): one for one in there}.values():
+            for folder in {place.resolve(): place for place in there}.values():
                 stack.enter_context(locked(folder))
             yield
     except BusyError as busy:
@@ -101,9 +97,8 @@ def alone(folders: Iterable[Path]) -> Iterator[None]:
 
 def lacks_answers(package: Path) -> EddiError:
     """Return what to say of a package that does not know what it was made of."""
-    return EddiError(
-        problem("H012.no_answers", Place(str(package)), answers=ANSWERS_FILE, package=package)
-    )
+    place = Place(str(package))
+    return EddiError(problem("H012.no_answers", place, answers=ANSWERS_FILE, package=package))
 
 
 def refuse_newer(packages: Iterable[Path]) -> None:
@@ -112,25 +107,16 @@ def refuse_newer(packages: Iterable[Path]) -> None:
     Raises:
         EddiError: there are such packages (T006).
     """
-    made = {
-        package: str((read_answers(package) or {}).get("generator_version", ""))
+    newer = {
+        package / ANSWERS_FILE: version
         for package in packages
-        if not package.is_symlink()
+        if not package.is_symlink() and (answers := read_answers(package))
+        if is_newer(version := str(answers["generator_version"]))
     }
-    newer = {package: version for package, version in made.items() if is_newer(version)}
     if newer:
-        raise EddiError(
-            *(
-                problem(
-                    "T006",
-                    Place(str(package / ANSWERS_FILE)),
-                    maker=version,
-                    present=__version__,
-                    newer=max(newer.values(), key=release),
-                )
-                for package, version in newer.items()
-            )
-        )
+        own, newest = __version__, max(newer.values(), key=release)
+        made = [(Place(str(file)), version) for file, version in newer.items()]
+        raise EddiError(*(problem("T006", p, maker=v, present=own, newer=newest) for p, v in made))
 
 
 def packages_root(platform: Platform, place: Path) -> Path:
@@ -144,31 +130,19 @@ def packages_root(platform: Platform, place: Path) -> Path:
         EddiError: this is not a workspace (G007), or the folder leads out of it (F009).
     """
     expected = platform.workspace
-    if expected is not None and not place.is_dir():
-        raise EddiError(
-            problem(
-                "G007.missing",
-                Place(str(place)),
-                kind=expected.title,
-                folder=place,
-                source=expected.sources,
-            )
-        )
-    inside = expected is not None and place.resolve().name == expected.sources
-    if expected is not None and inside and not (place / expected.sources).exists():
-        above = ".." if place == Path() else place.parent  # `.` has no parent
-        raise EddiError(
-            problem("G007.sources", Place(str(place)), sources=expected.sources, above=above)
-        )
+    if expected is not None:
+        where, sources = Place(str(place)), expected.sources
+        if not place.is_dir():
+            kind = expected.title
+            raise EddiError(problem("G007.missing", where, kind=kind, folder=place, source=sources))
+        if place.resolve().name == sources and not (place / sources).exists():
+            above = ".." if place == Path() else place.parent  # `.` has no parent
+            raise EddiError(problem("G007.sources", where, sources=sources, above=above))
     return root_below(place, platform.root)
 
 
 def root_below(place: Path, name: str) -> Path:
-    """Return the folder of all packages in a workspace.
-
-    Args:
-        place: the workspace; it may be a link, because the user names it.
-        name: the folder in it.
+    """Return the folder of all packages in a workspace, which may be a link: the user names it.
 
     Raises:
         EddiError: a link in it leads out of it (F009).

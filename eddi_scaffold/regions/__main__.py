@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import json
+import hashlib
+import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from typing import TextIO
 
 if not __package__:  # run as a folder, of any name: become a package, leave no trace
     sys.dont_write_bytecode = True
@@ -17,19 +19,10 @@ if not __package__:  # run as a folder, of any name: become a package, leave no 
     __package__ = _spec.name
     sys.modules[__package__] = module_from_spec(_spec)
 
+from . import package
 from .check import list_regions, plan_accept
-from .package import (
-    NEW,
-    BusyError,
-    SavedError,
-    is_relative,
-    locked,
-    manifest_of,
-    obstacle,
-    read_file,
-)
-from .sync import Note, Plan, plan_sync
-from .tables import place_tables
+from .package import NEW, BusyError, Plan
+from .sync import plan_sync
 
 _USAGE = """\
 usage: python <this folder> sync PACKAGE STAGE [TABLES [FOLDER]]
@@ -44,82 +37,94 @@ usage: python <this folder> sync PACKAGE STAGE [TABLES [FOLDER]]
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    if words[:1] in (["-h"], ["--help"]):
-        sys.stdout.write(_USAGE)
-        return 0
     if len(words) < 2 or words[0] not in {"sync", "damage", "status", "accept"}:
-        sys.stderr.write(_USAGE)
-        return 2
-    root = Path(words[1]).resolve()
-    if words[0] == "status":
-        lines = list(_open(root))
-        sys.stdout.write("".join(f"{line}\n" for line in lines))
-        return 3 if lines else 0
-    if words[0] == "damage":
-        lines = list(_damage(root))
-        sys.stderr.write("".join(f"{line}\n" for line in lines))
-        return 1 if lines else 0
+        asked = words[:1] in (["-h"], ["--help"])
+        (sys.stdout if asked else sys.stderr).write(_USAGE)
+        return 0 if asked else 2
+    command, root, rest = words[0], Path(words[1]).resolve(), words[2:]
+    if command == "status":
+        return 3 if _written(sys.stdout, _open(root)) else 0
+    if command == "damage":
+        return 1 if _written(sys.stderr, _damage(root)) else 0
     try:
-        with locked(root):
-            if words[0] == "accept":
-                plan, found = plan_accept(root, words[2:])
-                missing = sorted({*words[2:]} - {*found})
-                sys.stderr.write("".join(f"{word}: error: nothing to accept\n" for word in missing))
-                return run(plan) or (1 if missing else 0)
-            stage = words[2] if words[2:] else ""
-            rendering = root / NEW / stage
-            if not is_relative(stage) or not rendering.is_dir():
-                sys.stderr.write(f"{rendering}: error: there is no rendering\n")
-                return 2
-            folder = Path(words[4]) if any(words[4:]) else None
-            tables = json.loads(words[3]) if words[3:] else {}
-            missing = list(place_tables(root, rendering, tables, folder))
-            if missing:
-                hint = "give its folder, as with `-d tables_folder=FOLDER`"
-                sys.stderr.write(f"error: {', '.join(missing)} is not there: {hint}\n")
-            return run(plan_sync(root, rendering))
+        with package.locked(root):
+            return _accept(root, rest) if command == "accept" else _sync(root, *rest[:3])
     except BusyError as busy:
-        sys.stderr.write(f"error: {busy}: run the command again when that one has ended\n")
-        return 1
+        return _written(sys.stderr, [f"error: {busy}: run the command again when that has ended"])
+
+
+def _accept(root: Path, ids: Sequence[str]) -> int:
+    plan, accepted = plan_accept(root, ids)
+    missing = sorted({*ids} - {*accepted})
+    _written(sys.stderr, (f"{id_}: error: nothing to accept" for id_ in missing))
+    return run(plan) or (1 if missing else 0)
+
+
+def _sync(root: Path, stage: str = "", tables: str = "{}", folder: str = "") -> int:
+    rendering = root / NEW / stage
+    if not package.is_relative(stage) or not rendering.is_dir():
+        return 2 * _written(sys.stderr, [f"{rendering}: error: there is no rendering"])
+    if tables != "{}":
+        import json  # noqa: PLC0415 - as most packages have none
+
+        place = Path(folder) if folder else None
+        missing = place_tables(root, rendering, json.loads(tables), place)
+        hint = "give its folder, as with `-d tables_folder=FOLDER`"
+        _written(sys.stderr, (f"error: {name} is not there: {hint}" for name in missing))
+    return run(plan_sync(root, rendering))
+
+
+def place_tables(
+    root: Path, rendering: Path, tables: Mapping[str, str], folder: Path | None
+) -> Iterator[str]:
+    """Put files, known by SHA-256, of the package or a folder into a rendering; yield lost ones."""
+    for name, digest in tables.items():
+        place = folder / Path(name).name if folder is not None else None
+        for path in filter(None, [root / name, place] if package.is_relative(name) else []):
+            data = path.read_bytes() if path.is_file() and os.access(path, os.R_OK) else b""
+            if hashlib.sha256(data).hexdigest() == digest:
+                (rendering / name).write_bytes(data)
+                break
+        else:
+            yield name
 
 
 def run(plan: Plan) -> int:
     """Do what was planned, and say it; returns 1 where nothing could be done."""
-    failed = described(plan.refusals, "error")
-    if not failed:
-        try:
+    failed = [f"{note.place}: error: {note.text}" for note in plan.refusals]
+    try:
+        if not failed:
             plan.prepare()
             plan.finish()
-        except SavedError as saved:
-            failed = [f"{saved}: error: it was saved while this command was running"]
-        except OSError as refused:
-            failed = [f"{refused.filename or plan.root}: error: {refused.strerror}"]
-    lines = failed or described(plan.notes, "warning")
-    sys.stderr.write("".join(f"{line}\n" for line in lines))
+    except OSError as refused:
+        failed = [f"{refused.filename or plan.root}: error: {refused.strerror}"]
     if failed:
-        sys.stderr.write("Nothing was changed: no file of yours. Mend that, and run this again.\n")
-    return 1 if failed else 0
+        hint = "Nothing was changed: no file of yours. Mend that, and run this again."
+        return _written(sys.stderr, [*failed, hint])
+    words = {True: "warning", False: "note"}
+    _written(sys.stderr, (f"{n.place}: {words[n.attention]}: {n.text}" for n in plan.notes))
+    return 0
 
 
-def described(notes: Sequence[Note], word: str) -> list[str]:
-    """Return a line for each note, with a word for those that a person must look at."""
-    return [f"{note.place}: {word if note.attention else 'note'}: {note.text}" for note in notes]
+def _written(stream: TextIO, lines: Iterable[str]) -> bool:
+    text = "".join(f"{line}\n" for line in lines)
+    stream.write(text)
+    return bool(text)
 
 
 def _open(root: Path) -> Iterator[str]:
     for region in list_regions(root):
         if region.review:
-            words = ": ".join(filter(None, (region.state, region.id, "; ".join(region.notes))))
-            yield f"{Note(region.file, region.line, '').place}: {words}"
+            line = f":{region.line}" if region.line else ""
+            yield f"{region.file}{line}: {region.state}: {region.why}"
 
 
 def _damage(root: Path) -> Iterator[str]:
-    for name in sorted(manifest_of(root).files):
-        stop, file = obstacle(root, name), read_file(root, name)
-        if stop is not None:
+    for name in sorted(package.manifest_of(root).files):
+        if stop := package.obstacle(root, name):
             yield f"{name}: error: {stop}"
-        for fault in file.faults if file is not None else ():
-            yield f"{name}:{fault.line}: error: {fault.reason}"
+        elif file := package.read_file(root, name):
+            yield from (f"{name}:{fault.line}: error: {fault.reason}" for fault in file.faults)
 
 
 def program() -> None:

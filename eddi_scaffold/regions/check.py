@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
 from . import package
+from .choosing import look_reasons
 from .markers import tail_of, with_tail
-from .package import EDDI, MANIFEST, NEW, PackageFile, Step
-from .sync import Plan, look_reasons
+from .package import EDDI, MANIFEST, NEW, Plan, Step
 
 
-@dataclass(frozen=True)
-class RegionStatus:
+class RegionStatus(NamedTuple):
     """One line of the report.
 
     The state is ``untouched``, ``edited``, ``orphaned`` (its place is gone), ``rejected`` (a whole
@@ -28,43 +27,55 @@ class RegionStatus:
     notes: tuple[str, ...] = ()  # why a person must look at it
     review: bool = True  # whether a person must
 
+    @property
+    def why(self) -> str:
+        """Id of a region, and the notes."""
+        return ": ".join(filter(None, (self.id, "; ".join(self.notes))))
 
-def list_regions(root: Path) -> list[RegionStatus]:
-    """Return the regions of a package, and what else is open in it."""
-    return list(_listed(root))
 
+def list_regions(root: Path) -> Iterator[RegionStatus]:
+    """Yield the regions of a package, and what else is open in it."""
 
-def _listed(root: Path) -> Iterator[RegionStatus]:
+    def whole(name: str, state: str, note: str, line: int | None = None) -> RegionStatus:
+        return RegionStatus("", name, line, state, (note,))
+
     manifest = package.manifest_of(root)
     if manifest.mixed:
         note = "lists two renderings: after a merge, or a killed run; generate again"
-        yield RegionStatus("", MANIFEST, None, "broken", (note,))
+        yield whole(MANIFEST, "broken", note)
     if any(kind is None for _, kind in package.entries(root / NEW)):
-        yield RegionStatus("", NEW, None, "broken", ("a rendering waits there; generate again",))
+        yield whole(NEW, "broken", "a rendering waits there; generate again")
     files = _files_of(root)
+    absent = "it was generated; generate again"
     if files and not manifest.exists:
-        yield RegionStatus("", MANIFEST, None, "missing", ("it was generated; generate again",))
+        yield whole(MANIFEST, "missing", absent)
     for name, known in sorted(files.items()):
-        stop, file = package.obstacle(root, name), None
         try:
-            file = package.read_file(root, name)
+            stop, file = package.obstacle(root, name), package.read_file(root, name)
         except OSError as refused:
-            stop = f"cannot be read: {refused.strerror}"
+            stop, file = f"cannot be read: {refused.strerror}", None
         if stop is not None:
-            yield RegionStatus("", name, None, "broken", (stop,))
+            yield whole(name, "broken", stop)
         elif file is None:
-            yield RegionStatus("", name, None, "missing", ("it was generated; generate again",))
+            yield whole(name, "missing", absent)
+        elif len(file.sides) > 1:
+            yield whole(name, "broken", "a merge is not finished; generate again")
+        elif file.faults:
+            yield from (whole(name, "broken", fault.reason, fault.line) for fault in file.faults)
         else:
-            yield from _in_file(root, name, file, known)
-    regions = dict(package.kept_regions(root))
-    for name in package.kept_names(root):
-        if body := regions.get(name):
+            if not package.is_as_made(root, name, file.digests, known):
+                yield whole(name, "outside", "edited outside regions; generate again")
+            for id_, region in file.marked.regions.items():
+                now = None if region.untouched else region.now
+                state = "untouched" if region.untouched else "edited"
+                notes = (f"look at it: {look_reasons(region.digests, now)}",) if now else ()
+                yield RegionStatus(id_, name, region.line, state, notes, now is not None)
+    for name, body in sorted(package.kept_texts(root).items()):
+        if body is not None:
             note = "its place is gone; it returns with it; remove it when it is not needed"
             yield RegionStatus(body.region.id, name, None, "orphaned", (note,))
         else:
-            note = "kept for you; take what you need, then remove it"
-            note = "no region can be read in it" if name in regions else note
-            yield RegionStatus("", name, None, "rejected", (note,))
+            yield whole(name, "rejected", "kept for you; take what you need, then remove it")
 
 
 def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
@@ -72,37 +83,18 @@ def _files_of(root: Path) -> Mapping[str, frozenset[str]]:
     manifest = package.manifest_of(root)
     if manifest.exists:
         return manifest.files
-    found = {}
+    files = {}
     for name, kind in package.entries(root, {".git", EDDI}):
         readable = kind is None and os.access(root / name, os.R_OK)
         file = package.read_file(root, name) if readable else None
         if file is not None and b"Manual edit" in file.data and file.marked.regions:
-            found[name] = frozenset(file.digests)  # nothing is known of what is outside of them
-    return found
+            files[name] = frozenset(file.digests)  # nothing is known of what is outside of them
+    return files
 
 
-def _in_file(
-    root: Path, name: str, file: PackageFile, known: frozenset[str]
-) -> Iterator[RegionStatus]:
-    if len(file.sides) > 1:
-        yield RegionStatus("", name, None, "broken", ("a merge is not finished; generate again",))
-        return
-    if file.faults:
-        for fault in file.faults:
-            yield RegionStatus("", name, fault.line, "broken", (fault.reason,))
-        return
-    if not package.is_as_made(root, name, file.digests, known):
-        yield RegionStatus("", name, None, "outside", ("edited outside regions; generate again",))
-    for id_, region in file.marked.regions.items():
-        now = None if region.untouched else region.now
-        notes = (f"look at it: {look_reasons(region.digests, now)}",) if now is not None else ()
-        state = "untouched" if region.untouched else "edited"
-        yield RegionStatus(id_, name, region.line, state, notes, now is not None)
-
-
-def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
+def plan_accept(root: Path, ids: Container[str]) -> tuple[Plan, list[str]]:
     """Plan to note that bodies were looked at; return it with the ids that are there."""
-    wanted, found = set(ids), list[str]()
+    accepted: list[str] = []
     steps: list[Step] = []
     stamps = {}
     for name in sorted(_files_of(root)):
@@ -111,12 +103,11 @@ def plan_accept(root: Path, ids: Iterable[str]) -> tuple[Plan, list[str]]:
             continue
         lines = file.text.split("\n")
         for id_, region in file.marked.regions.items():
-            if id_ in wanted and region.now is not None:
-                found.append(id_)
-                end = "\r" if lines[region.line - 1].endswith("\r") else ""
-                tail = tail_of(region.now.digests, region.was)
-                lines[region.line - 1] = with_tail(region.begin, id_, tail) + end
-                stamps[name] = stamp
+            if id_ in ids and region.now is not None:
+                accepted.append(id_)
+                at, tail = region.line - 1, tail_of(region.now.digests, region.was)
+                end = "\r" if lines[at].endswith("\r") else ""
+                lines[at], stamps[name] = with_tail(region.begin, id_, tail) + end, stamp
         if name in stamps:
             steps.append(Step(name, package.bytes_of("\n".join(lines)), file.mode))
-    return Plan(root, steps=steps, stamps=stamps), found
+    return Plan(root, steps=steps, stamps=stamps), accepted

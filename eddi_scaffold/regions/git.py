@@ -1,24 +1,20 @@
 """Git: the one place of the project that starts a program.
 
 A package may be a stranger's, as may the repository around it. What a configuration could make git
-start (transports, hooks, a file system monitor, a pager, filters) is off; that the repository
-belongs to the person is checked by git itself, and a folder that merely looks like a bare one is
-none.
+start (transports, hooks, a file system monitor, a pager, filters) is off; git itself checks whose
+the repository is, and a folder that merely looks like a bare one is none.
 """
 
 from __future__ import annotations
 
 import os
-import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
-_SIDES = ("MERGE_HEAD", "CHERRY_PICK_HEAD", "REBASE_HEAD")
-"""The other branch of a merge under way."""
 _SETTINGS = (
-    "safe.bareRepository=explicit",
-    "core.hooksPath=/dev/null",
-    "core.fsmonitor=",  # before git 2.36 a command, and only empty no command
+    *("-c", "safe.bareRepository=explicit"),
+    *("-c", "core.hooksPath=/dev/null"),
+    *("-c", "core.fsmonitor="),  # before git 2.36 a command, and only empty no command
 )
 _ENVIRONMENT = {
     "GIT_ALLOW_PROTOCOL": "",  # no transport; stronger than what a configuration allows
@@ -28,10 +24,7 @@ _ENVIRONMENT = {
     "GIT_TERMINAL_PROMPT": "0",
     "LC_ALL": "C",
 }
-_HISTORY = (
-    *("log", "--all", "-p", "-m", "--no-color", "--no-ext-diff", "--no-textconv"),
-    *("--no-show-signature", "--format="),
-)
+_HISTORY = "log --all -p -m --no-color --no-ext-diff --no-textconv --no-show-signature --format="
 
 
 class GitError(Exception):
@@ -51,7 +44,7 @@ def git(
     Args:
         words: the command and its arguments.
         folder: where it runs, and looks for its repository.
-        repository: the ``.git`` or bare repository of a trusted folder: whose it is, is not asked.
+        repository: that of a trusted folder: whose it is, is not asked.
         work_tree: the folder of its files, and of relative paths.
         environment: what is set besides, or in place of what keeps git from starting programs.
         limit_s: how long an answer may take: a configuration can name a pipe.
@@ -60,15 +53,16 @@ def git(
         FileNotFoundError: git is not installed.
         GitError: it refused, or took too long.
     """
+    import subprocess  # noqa: PLC0415 - a sync of Copier's seldom asks
+
     places = [f"--git-dir={repository.absolute()}"] if repository is not None else []
     places += [f"--work-tree={work_tree.absolute()}"] if work_tree is not None else []
-    settings = [word for setting in _SETTINGS for word in ("-c", setting)]
-    kept = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    variables = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
     try:
         return subprocess.run(
-            ["git", "--no-pager", *settings, *places, *words],
+            ["git", "--no-pager", *_SETTINGS, *places, *words],
             cwd=folder or work_tree or os.sep,
-            env={**kept, **_ENVIRONMENT, **(environment or {})},
+            env={**variables, **_ENVIRONMENT, **(environment or {})},
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=True,
@@ -82,26 +76,21 @@ def git(
 
 def former_lines(package: Path, path: str) -> list[bytes]:
     """Return every line that a file of a package ever had, in any commit of any branch."""
-    history = _asked(package, *_HISTORY, "--", path).splitlines()
+    history = _asked(package, *_HISTORY.split(), "--", path).splitlines()
     return [line[1:] for line in history if line[:1] == b"+" and line[:4] != b"+++ "]
 
 
-def ancestor_bytes(package: Path, path: str) -> bytes:
-    """Return the common ancestor of a file in conflict, nothing where there is none."""
-    return _shown(package, path, ":1")
-
-
-def side_bytes(package: Path, path: str) -> list[bytes]:
-    """Return the versions of a file on both sides of a merge: under way, or the last commit."""
-    ours, *theirs = (_shown(package, path, side) for side in ("HEAD", *_SIDES))
-    under_way = [ours, *filter(None, theirs)][:2]
-    if len(under_way) > 1:
-        return under_way
-    return [_shown(package, path, side) for side in ("HEAD^1", "HEAD^2")]
-
-
-def _shown(package: Path, path: str, commit: str) -> bytes:
+def version(package: Path, path: str, commit: str) -> bytes:
+    """Return a file of a package as it is in a commit or the index; nothing where it is not."""
     return _asked(package, "cat-file", "blob", f"{commit}:./{path}")
+
+
+def both_sides(package: Path, path: str) -> list[bytes]:
+    """Return the versions of a file on both sides of a merge: under way, or the last commit."""
+    for other in ("MERGE_HEAD", "CHERRY_PICK_HEAD", "REBASE_HEAD"):
+        if theirs := version(package, path, other):
+            return [version(package, path, "HEAD"), theirs]
+    return [version(package, path, side) for side in ("HEAD^1", "HEAD^2")]
 
 
 def _asked(package: Path, *words: str) -> bytes:

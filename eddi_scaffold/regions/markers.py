@@ -1,14 +1,7 @@
 """The marker lines of editable regions, and the digests in them.
 
-Written forms, one per kind of file (``--`` is not allowed inside an XML comment, so the dashes
-of SESAME D7.2 Fig 15 give way to a bar there)::
-
-    '''-----Manual edit begin-----'''  # region: process_Ea of:1a2b3c4d for:81fdda7e was:process_E
-    '''-----Manual edit end-----'''  # region: process_Ea
-    # -----Manual edit begin-----  # region: cmake.own of:e3b0c442
-    <!-- Manual edit begin | region: launch.node of:7fdce92c -->
-
-Read as well: no id (D7.2), three or more dashes, any quotes or none, any indentation.
+``--`` is not allowed inside an XML comment, so the dashes of SESAME D7.2 Fig 15 give way to a bar
+there. Read as well: no id (D7.2), three or more dashes, any quotes or none, any indentation.
 """
 
 from __future__ import annotations
@@ -16,10 +9,9 @@ from __future__ import annotations
 import hashlib
 import re
 import textwrap
-import urllib.parse
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
+from urllib.parse import quote, unquote
 
 Style = Literal["python", "xml", "hash"]
 
@@ -34,7 +26,7 @@ _ALIKE = re.compile(
     r"(?<!-)-{3,}\s*Manual edit (?:begin|end)\s*-{3,}"
     r"|<!--(?:(?!<!--)[^>])*Manual edit (?:begin|end)"
 )
-_FORMS: Mapping[Style, str] = {
+_FORMS: Mapping[Style, str] = {  # behind the id, for example: of:1a2b3c4d for:81fdda7e was:E,F
     "python": "'''-----Manual edit {}-----'''  # region: {}",
     "xml": "<!-- Manual edit {} | region: {} -->",
     "hash": "# -----Manual edit {}-----  # region: {}",
@@ -46,48 +38,45 @@ _TAIL = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class Digests:
+class Digests(NamedTuple):
     """What a body stands for."""
 
     of: str | None = None  # digest of the generated body that it replaces, None when not known
     uses: str | None = None  # digest of what it may use, None where nothing is used
 
 
-@dataclass(frozen=True)
-class Look:
+UNKNOWN = Digests()
+
+
+class Look(NamedTuple):
     """Why a person must look at a body."""
 
     digests: Digests  # those of today's rendering
     missing: tuple[str, ...] = ()  # names that it uses and nothing generates any more
 
 
-@dataclass(frozen=True)
-class Marker:
+class Marker(NamedTuple):
     """One marker line."""
 
     what: str  # `begin` or `end`
     line: int  # counted from 1
     text: str  # without line end
     id: str | None  # decoded, None when not given
-    digests: Digests = Digests()
+    digests: Digests = UNKNOWN
     was: tuple[str, ...] = ()  # former ids, the newest first
     now: Look | None = None
 
 
 def encode_id(region_id: str) -> str:
     """Return the id, which may be any text, as it is written in a marker line or a file's name."""
-    text = "".join(
-        c if c.isalnum() or c in "_.:-" else urllib.parse.quote(c, safe="", errors="surrogatepass")
-        for c in region_id
-    )
+    text = re.sub(r"[^\w.:-]", lambda c: quote(c[0], safe="", errors="surrogatepass"), region_id)
     return text.replace("--", "-%2D")  # which comments of XML forbid
 
 
 def decode_id(text: str) -> str:
     """Return the id that :func:`encode_id` wrote; what it never wrote is an id as it stands."""
     try:
-        return urllib.parse.unquote(text, errors="surrogatepass")
+        return unquote(text, errors="surrogatepass")
     except UnicodeDecodeError:
         return text
 
@@ -100,22 +89,19 @@ def normal(body: str) -> str:
 
 def digest(body: str) -> str:
     """Return the digest of a body's normal form, 8 hex digits."""
-    return _hash(normal(body))[:8]
+    return hashlib.sha256(normal(body).encode("utf-8", "surrogatepass")).hexdigest()[:8]
 
 
 def text_digest(text: str) -> str:
     """Return the digest of a text in which blanks at line ends do not count, 16 hex digits."""
-    return _hash("\n".join(line.rstrip() for line in text.removeprefix("\ufeff").split("\n")))[:16]
-
-
-def _hash(text: str) -> str:
-    return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+    plain = "\n".join(line.rstrip() for line in text.removeprefix("\ufeff").split("\n"))
+    return hashlib.sha256(plain.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def begin_marker(
     region_id: str,
     style: Style = "python",
-    digests: Digests = Digests(),
+    digests: Digests = UNKNOWN,
     was: Iterable[str] = (),
     now: Look | None = None,
 ) -> str:
@@ -125,17 +111,15 @@ def begin_marker(
 
 def tail_of(digests: Digests, was: Iterable[str] = (), now: Look | None = None) -> str:
     """Return what a begin marker has behind its id."""
-    former = ",".join(encode_id(old) for old in was)
-    parts = [("of", digests.of), ("for", digests.uses), ("was", former)]
+    parts = {"of": digests.of, "for": digests.uses, "was": ",".join(map(encode_id, was))}
     if now is not None:
-        names = ",".join(encode_id(name) for name in now.missing)
-        shown = f"{now.digests.of}/{now.digests.uses or ''}{'/' if names else ''}{names}"
-        parts.append(("now", shown))
-    return "".join(f" {key}:{value}" for key, value in parts if value)
+        names = ",".join(map(encode_id, now.missing))
+        parts["now"] = f"{now.digests.of}/{now.digests.uses or ''}{'/' if names else ''}{names}"
+    return "".join(f" {key}:{value}" for key, value in parts.items() if value)
 
 
 def end_marker(region_id: str, style: Style = "python") -> str:
-    """Return the line that closes a region, without indentation and line end."""
+    """Return the line that closes it."""
     return _FORMS[style].format("end", encode_id(region_id))
 
 
@@ -143,8 +127,8 @@ def with_tail(begin: str, region_id: str, tail: str) -> str:
     """Return a begin marker's line of any style with this id and what follows it."""
     plain = begin.rstrip()
     close = " -->" if plain.endswith("-->") else ""
-    head, found, _ = plain.removesuffix("-->").partition("region:")
-    if not found:
+    head, known, _ = plain.removesuffix("-->").partition("region:")
+    if not known:
         head = head.rstrip() + (" | " if close else "  # ")
     return f"{head}region: {encode_id(region_id)}{tail}{close}"
 
@@ -162,22 +146,22 @@ def read_marker(line: str, number: int) -> Marker | str | None:
     bare = text.strip().removeprefix("\ufeff")
     is_comment = len(bare) >= len("<!---->") and bare.startswith("<!--") and bare.endswith("-->")
     comment = bare[4:-3].strip().lstrip("-").strip() if is_comment else ""
-    match = _DASHED.fullmatch(bare) or _XML.fullmatch(comment)
-    if match is None:
+    marker = _DASHED.fullmatch(bare) or _XML.fullmatch(comment)
+    if marker is None:
         alone = "a marker must be alone on its line; move the other text away"
         return alone if _ALIKE.search(text) else None
-    tail = (match["tail"] or "").strip()
-    if not tail:
-        return Marker(match["what"], number, text, None)
-    found = _TAIL.fullmatch(tail)
-    if found is None or (match["what"] == "end" and found["id"] != tail):
+    what, behind = marker["what"], (marker["tail"] or "").strip()
+    if not behind:
+        return Marker(what, number, text, None)
+    tail = _TAIL.fullmatch(behind)
+    if tail is None or (what == "end" and tail["id"] != behind):
         form = "ID [of:8 HEX DIGITS] [for:8 HEX DIGITS] [was:ID,...]"
         return f"text behind 'region:' is not '{form}'; put the generated line back"
-    of, uses, missing = (*(found["now"] or "").split("/", 2), "", "")[:3]
+    of, uses, missing = (*(tail["now"] or "").split("/", 2), "", "")[:3]
     look = Look(Digests(of, uses or None), _names(missing)) if of else None
-    digests, was = Digests(found["of"], found["uses"]), _names(found["was"] or "")
-    return Marker(match["what"], number, text, decode_id(found["id"]), digests, was, look)
+    digests = Digests(tail["of"], tail["uses"])
+    return Marker(what, number, text, decode_id(tail["id"]), digests, _names(tail["was"]), look)
 
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(decode_id(name) for name in text.split(",") if name)
+def _names(text: str | None) -> tuple[str, ...]:
+    return tuple(decode_id(name) for name in (text or "").split(",") if name)

@@ -11,17 +11,15 @@ import fcntl
 import hashlib
 import os
 import re
-import shutil
 import stat
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from functools import cached_property
+from contextlib import contextmanager, suppress
 from pathlib import Path, PurePosixPath
+from typing import NamedTuple
 
 from .choosing import Body
-from .git import former_lines, side_bytes
-from .marked_file import Fault, MarkedFile, parse, sides_of
+from .git import both_sides, former_lines
+from .marked_file import parse, sides_of
 from .markers import text_digest
 
 EDDI = ".eddi"
@@ -48,19 +46,14 @@ class BusyError(Exception):
     """Another run is at work in the folder."""
 
 
-class SavedError(Exception):
-    """A file was saved after it was read; the text is its path."""
+class SavedError(OSError):
+    """A file was saved after it was read."""
 
 
-# paths --------------------------------------------------------------------------------------------
 def is_relative(name: object) -> bool:
     """Return whether a value is a normalised relative POSIX path: no ``..``, root or blank part.
 
-    The content of a ``.git`` belongs to git, which starts programs from there: nothing else may
-    be written there.
-
-    >>> is_relative("src/rover/EDDIInput.py"), is_relative("a/../b"), is_relative("/etc/passwd")
-    (True, False, False)
+    The content of a ``.git`` belongs to git, which starts programs from there.
     """
     return (
         isinstance(name, str)
@@ -85,7 +78,7 @@ def entries(folder: Path, skip: Collection[str] = ()) -> Iterator[tuple[str, str
     Links are named and not followed, some names passed over; no folder is like an empty one.
     """
     for place, folders, names in os.walk(folder):
-        links = {one for one in folders if Path(place, one).is_symlink()}
+        links = {name for name in folders if Path(place, name).is_symlink()}
         folders[:] = sorted({*folders} - {*links, *skip})
         for name in sorted({*names, *links} - {*skip}):
             path = Path(place, name)
@@ -97,11 +90,9 @@ def obstacle(root: Path, name: str) -> str | None:
     for folder in [*PurePosixPath(name).parents][-2::-1]:
         if not os.path.lexists(root / folder):
             return None
-        kind = kind_of(root / folder)
-        if kind != "a folder":
+        if (kind := kind_of(root / folder)) != "a folder":
             return f"{folder} is {kind or 'a file'}"
-    kind = kind_of(root / name)
-    return f"{name} is {kind}" if kind is not None else None
+    return f"{name} is {kind}" if (kind := kind_of(root / name)) else None
 
 
 def stamp_of(path: Path) -> tuple[int, ...]:
@@ -113,95 +104,60 @@ def stamp_of(path: Path) -> tuple[int, ...]:
     return state.st_mtime_ns, state.st_size, state.st_ino
 
 
-def bytes_at(root: Path, name: str) -> bytes | None:
-    """Return the bytes of a file of a package; ``None`` where there is none, or no file."""
-    there = obstacle(root, name) is None and stamp_of(root / name)
-    return (root / name).read_bytes() if there else None
-
-
-# files --------------------------------------------------------------------------------------------
 def text_of(data: bytes) -> str:
-    """Return bytes as text, from which :func:`bytes_of` makes the same bytes."""
+    """Return bytes as text, also those that are no UTF-8."""
     return data.decode("utf-8", "surrogateescape")
 
 
 def bytes_of(text: str) -> bytes:
-    """Return the bytes of a text of :func:`text_of`."""
+    """Return the same bytes again."""
     return text.encode("utf-8", "surrogateescape")
 
 
-@dataclass(frozen=True)
 class PackageFile:
     """A generated file, on disk or of a rendering."""
 
-    data: bytes
-    mode: int
+    def __init__(self, data: bytes, mode: int) -> None:
+        self.data, self.mode, self.text = data, mode, text_of(data)
+        self.is_text = _NO_UTF8.search(self.text) is None  # else no regions, and counted in bytes
+        parsed = [parse(side) for side in sides_of(self.text)]
+        self.sides = [marked for marked, _ in parsed]  # several in a conflict that git left
+        self.marked = self.sides[0]
+        self.faults = list(dict.fromkeys(fault for _, faults in parsed for fault in faults))
+        of_sides = [text_digest("".join(side.outside)) for side in self.sides]
+        self.digests = of_sides if self.is_text else [hashlib.sha256(data).hexdigest()[:16]]
 
-    @cached_property
-    def text(self) -> str:
-        """The same as text; what is no UTF-8 comes back to the byte."""
-        return text_of(self.data)
 
-    @property
-    def is_text(self) -> bool:
-        """Whether it is UTF-8; another file has no regions, and counts byte for byte."""
-        return _NO_UTF8.search(self.text) is None
-
-    @cached_property
-    def _parsed(self) -> Sequence[tuple[MarkedFile, tuple[Fault, ...]]]:
-        return [parse(side) for side in sides_of(self.text)]
-
-    @property
-    def sides(self) -> Sequence[MarkedFile]:
-        """The file, or one for each side of a conflict that git left in it."""
-        return [marked for marked, _ in self._parsed]
-
-    @property
-    def marked(self) -> MarkedFile:
-        """The file, or the first side of a conflict in it."""
-        return self._parsed[0][0]
-
-    @property
-    def faults(self) -> Sequence[Fault]:
-        """What is wrong with its markers."""
-        return list(dict.fromkeys(fault for _, faults in self._parsed for fault in faults))
-
-    @cached_property
-    def digests(self) -> Sequence[str]:
-        """Digests of what stands outside of regions, of each side."""
-        if not self.is_text:
-            return [hashlib.sha256(self.data).hexdigest()[:16]]
-        return [side.digest for side in self.sides]
+def bytes_at(root: Path, name: str) -> bytes | None:
+    """Return the bytes of a file of a package, ``None`` where there is none, or an obstacle."""
+    is_there = obstacle(root, name) is None and stamp_of(root / name)
+    return (root / name).read_bytes() if is_there else None
 
 
 def read_file(root: Path, name: str) -> PackageFile | None:
-    """Read a generated file, ``None`` where there is none, or an obstacle; may fail (OSError)."""
+    """Read such a file; both raise OSError."""
     data = bytes_at(root, name)
     return None if data is None else PackageFile(data, (root / name).lstat().st_mode & 0o777)
 
 
-# manifest -----------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Manifest:
+class Manifest(NamedTuple):
     """What the last renderings of a package were."""
 
-    files: Mapping[str, frozenset[str]] = field(default_factory=dict)  # path -> digests
-    mixed: bool = False  # it lists two renderings: after a merge, or a killed run
-    exists: bool = False
+    files: Mapping[str, frozenset[str]]  # path -> digests
+    mixed: bool  # it lists two renderings: after a merge, or a killed run
+    exists: bool
 
 
 def manifest_of(root: Path) -> Manifest:
     """Read the manifest of a package; another line, such as a conflict marker, says nothing."""
     data = bytes_at(root, MANIFEST)
-    if data is None:
-        return Manifest()
-    files: dict[str, set[str]] = {}
-    for line in text_of(data).splitlines():
+    files: dict[str, frozenset[str]] = {}
+    for line in text_of(data or b"").splitlines():
         match = _LINE.fullmatch(line.rstrip())
         if match and is_relative(match[2]):
-            files.setdefault(match[2], set()).add(match[1])
+            files[match[2]] = files.get(match[2], frozenset()) | {match[1]}
     mixed = len(files.pop("*", ())) > 1
-    return Manifest({name: frozenset(found) for name, found in files.items()}, mixed, True)
+    return Manifest(files, mixed, data is not None)
 
 
 def manifest_text(files: Mapping[str, str], answers: str) -> str:
@@ -213,7 +169,7 @@ def manifest_text(files: Mapping[str, str], answers: str) -> str:
 def is_as_made(
     root: Path, name: str, digests: Iterable[str], known: frozenset[str], new: Iterable[str] = ()
 ) -> bool:
-    """Return whether what stands outside of the regions of a file is a rendering.
+    """Return whether the digests of a file are those of a rendering.
 
     It is a known one, the new one, one of another time that git has put there, or a merge of two.
     """
@@ -223,49 +179,103 @@ def is_as_made(
     former = known | {match[1] for match in lines if match and match[2] == name}
     if former.issuperset(digests):
         return True
-    sides = side_bytes(root, name) if len(known) > 1 else [b""]
-    return all(side and parse(text_of(side))[0].digest in former for side in sides)
+    sides = both_sides(root, name) if len(known) > 1 else [b""]
+    return all(side and former.issuperset(PackageFile(side, 0).digests) for side in sides)
 
 
-# kept texts ---------------------------------------------------------------------------------------
-def kept_names(root: Path) -> list[str]:
-    """Return what is kept in a package for a person, relative to the package."""
-    if obstacle(root, f"{KEPT}/*"):
-        return []
-    return sorted(f"{KEPT}/{name}" for name, kind in entries(root / KEPT) if kind is None)
-
-
-def kept_regions(root: Path) -> Iterator[tuple[str, Body | None]]:
-    """Yield the saved regions of a package, the newest of an id last; ``None``: not readable."""
-    names = [name for name in kept_names(root) if _REGION.fullmatch(name)]
-    for name in sorted(names, key=lambda one: (len(one), one)):
-        try:
+def kept_texts(root: Path) -> dict[str, Body | None]:
+    """Return what is kept for a person: path -> its region, the newest last; ``None`` for files."""
+    kept: dict[str, Body | None] = {}
+    there = () if obstacle(root, f"{KEPT}/*") else entries(root / KEPT)
+    names = (f"{KEPT}/{name}" for name, kind in there if kind is None)
+    for name in sorted(names, key=lambda name: (len(name), name)):
+        kept[name] = None
+        if _REGION.fullmatch(name) and os.access(root / name, os.R_OK):
             marked, faults = parse(text_of((root / name).read_bytes()))
-        except OSError:
-            marked, faults = MarkedFile(()), ()
-        found = list(marked.regions.values())
-        yield name, Body(found[0], name, kept=True) if len(found) == 1 and not faults else None
+            regions = [] if faults else [*marked.regions.values()]
+            kept[name] = Body(regions[0], name, kept=True) if len(regions) == 1 else None
+    return kept
 
 
 def free_name(root: Path, name: str, data: bytes, taken: Iterable[str] = ()) -> str | None:
     """Return where a text is kept, ``None`` where the same is kept already."""
-    number, found = 1, f"{KEPT}/{name}"
-    while os.path.lexists(root / found) or found in taken:
-        if bytes_at(root, found) == data:
+    number, place = 1, f"{KEPT}/{name}"
+    while os.path.lexists(root / place) or place in taken:
+        if bytes_at(root, place) == data:
             return None
         number += 1
-        found = f"{KEPT}/{name}.{number}"
-    return found
+        place = f"{KEPT}/{name}.{number}"
+    return place
 
 
-# writing ------------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Step:
+class Step(NamedTuple):
     """One change of a package: a file gets new bytes, or goes."""
 
     path: str  # relative to the package
     data: bytes | None  # None for a file that goes
     mode: int = 0o644
+
+
+class Note(NamedTuple):
+    """One thing that happened to a person's text, or why nothing is written."""
+
+    file: str  # relative to the package
+    line: int | None  # in the file, None when there is none
+    text: str  # one sentence without a full stop
+    attention: bool = True  # whether a person must look at it
+
+    @property
+    def place(self) -> str:
+        """The file, and the line where there is one."""
+        return self.file if self.line is None else f"{self.file}:{self.line}"
+
+
+class Plan(NamedTuple):
+    """What is to be done in a package, or why nothing is."""
+
+    root: Path  # the package
+    refusals: Sequence[Note] = ()  # with any of them nothing may be written
+    notes: Sequence[Note] = ()
+    steps: Sequence[Step] = ()  # in the order in which they are made
+    stamps: Mapping[str, tuple[int, ...]] = {}  # of all that were read
+
+    def prepare(self) -> None:
+        """Write all new bytes beside their places; nothing of a person changes.
+
+        Raises:
+            OSError: the disk is full, a folder is not writable, or a file was saved meanwhile.
+        """
+        put_aside(self.root, self.steps, self.root / PUT)
+        self._refuse_saved()
+
+    def finish(self) -> None:
+        """Do the steps, each at once; killed in between, the next run finishes."""
+        self._refuse_saved()
+        for number, step in enumerate(self.steps):
+            target = self.root / step.path
+            if step.data is not None:
+                target.parent.mkdir(parents=True, exist_ok=True)
+                (self.root / PUT / str(number)).replace(target)
+            else:
+                target.unlink(missing_ok=True)
+                _remove_empty(target.parent, self.root)
+        for folder in (PUT, NEW):
+            remove_tree(self.root / folder)
+        for place in (self.root / EDDI, self.root):
+            _remove_empty(place, self.root.parent)
+
+    def _refuse_saved(self) -> None:
+        for name, stamp in self.stamps.items():
+            if stamp_of(self.root / name) != stamp:
+                remove_tree(self.root / PUT)
+                reason = "it was saved while this command was running"
+                raise SavedError(errno.EBUSY, reason, str(self.root / name))
+
+
+def _remove_empty(folder: Path, above: Path) -> None:
+    while folder != above and folder.is_dir() and not any(folder.iterdir()):
+        folder.rmdir()
+        folder = folder.parent
 
 
 @contextmanager
@@ -280,68 +290,47 @@ def locked(folder: Path) -> Iterator[None]:
         yield
         return
     try:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as refused:
-            if refused.errno in {errno.EACCES, errno.EAGAIN}:
+        with suppress(OSError):  # of a disk without locks
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except (BlockingIOError, PermissionError):
                 raise BusyError(f"another run is at work in {folder}") from None
         yield
     finally:
         os.close(handle)
 
 
-def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
-    """Write all new bytes into a folder on the same disk; nothing of a person changes.
+def remove_tree(folder: Path) -> None:
+    """Remove a folder, nothing behind links; `shutil` takes long to import."""
+    with suppress(OSError):
+        for place, folders, names in os.walk("" if folder.is_symlink() else folder, topdown=False):
+            for path in (Path(place, name) for name in (*names, *folders)):
+                path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
+        folder.rmdir()
 
-    Raises:
-        OSError: the disk is full, or a folder is not writable.
-    """
-    shutil.rmtree(place, ignore_errors=True)
+
+def put_aside(root: Path, steps: Sequence[Step], place: Path) -> None:
+    """Write all new bytes into a folder on the same disk (OSError)."""
+    remove_tree(place)
     for step in steps:
-        folder = (root / step.path).parent
-        while not os.path.lexists(folder):
-            folder = folder.parent
+        folder = next(filter(os.path.lexists, (root / step.path).parents))
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(folder))
-    if any(step.data is not None for step in steps):
-        place.mkdir(parents=True)  # fails where a link is in its place: nothing goes through it
     try:
+        if any(step.data is not None for step in steps):
+            place.mkdir(parents=True)  # fails where a link is in its place
         for number, step in enumerate(steps):
             if step.data is not None:
-                write_durably(place / str(number), step.data, step.mode)
+                write_file(place / str(number), step.data, step.mode)
+        for path in place.glob("*"):  # at the end, when most is on the disk already
+            with path.open("rb") as file:
+                os.fsync(file.fileno())
     except OSError:
-        shutil.rmtree(place, ignore_errors=True)
+        remove_tree(place)
         raise
 
 
-def refuse_saved(root: Path, stamps: Mapping[str, tuple[int, ...]]) -> None:
-    """Refuse where a person saved a file since it was read (SavedError)."""
-    for name, stamp in stamps.items():
-        if stamp_of(root / name) != stamp:
-            shutil.rmtree(root / PUT, ignore_errors=True)
-            raise SavedError(root / name)
-
-
-def move_in(root: Path, steps: Sequence[Step]) -> None:
-    """Do the steps in their order, each at once; killed in between, the next run finishes."""
-    for number, step in enumerate(steps):
-        target = root / step.path
-        if step.data is not None:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            (root / PUT / str(number)).replace(target)
-            continue
-        target.unlink(missing_ok=True)
-        folder = target.parent
-        while folder != root and folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()
-            folder = folder.parent
-    shutil.rmtree(root / PUT, ignore_errors=True)
-
-
-def write_durably(path: Path, data: bytes, mode: int) -> None:
-    """Write a file, which is on the disk at the end."""
-    with path.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+def write_file(path: Path, data: bytes, mode: int) -> None:
+    """Write a file."""
+    path.write_bytes(data)
     path.chmod(mode)

@@ -6,82 +6,26 @@ kept as a copy, and said. Planning changes nothing; what was planned is written 
 
 from __future__ import annotations
 
-import difflib
-import shutil
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from difflib import SequenceMatcher
 from pathlib import Path
 
-from . import package
-from .choosing import (
-    Body,
-    Chosen,
-    Placed,
-    choose,
-    compose,
-    defined_names,
-    eol_of,
-    placed,
-    saved_text,
-    words_of,
-)
-from .git import ancestor_bytes
-from .marked_file import MarkedFile, Region, parse
-from .markers import Digests, Look, encode_id, normal, text_digest
-from .package import ANSWERS, EDDI, KEPT, MANIFEST, NEW, PUT, PackageFile, Step
+from . import choosing, package
+from .choosing import WORD, Body, Chosen, Placed
+from .git import version
+from .marked_file import MarkedFile, parse
+from .markers import encode_id, normal, tail_of, text_digest, with_tail
+from .package import ANSWERS, KEPT, MANIFEST, Note, PackageFile, Plan, Step
 
+_DEFINED = re.compile(r"self\.(\w+)|\b(?:def|class|import|as)\s+(\w+)|<arg\s+name=[\"'](\w+)[\"']")
 _MOST_LINES = 6
-
-
-@dataclass(frozen=True)
-class Note:
-    """One thing that happened to a person's text, or why nothing is written."""
-
-    file: str  # relative to the package
-    line: int | None  # in the file, None when there is none
-    text: str  # one sentence without a full stop
-    attention: bool = True  # whether a person must look at it
-
-    @property
-    def place(self) -> str:
-        """The file, and the line where there is one."""
-        return self.file if self.line is None else f"{self.file}:{self.line}"
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What a sync does, or why it does nothing."""
-
-    root: Path  # the package
-    refusals: Sequence[Note] = ()  # with any of them nothing may be written
-    notes: Sequence[Note] = ()
-    steps: Sequence[Step] = ()  # in the order in which they are made
-    stamps: Mapping[str, tuple[int, ...]] = field(default_factory=dict)  # of all that were read
-
-    def prepare(self) -> None:
-        """Write all new bytes beside their places.
-
-        Raises:
-            OSError: the disk is full, or a folder is not writable; nothing of a person changed.
-            SavedError: a person saved a file meanwhile.
-        """
-        package.put_aside(self.root, self.steps, self.root / PUT)
-        package.refuse_saved(self.root, self.stamps)
-
-    def finish(self) -> None:
-        """Move everything to its place; of a package that leaves no empty folder stays."""
-        package.refuse_saved(self.root, self.stamps)
-        package.move_in(self.root, self.steps)
-        shutil.rmtree(self.root / NEW, ignore_errors=True)
-        for folder in (self.root / EDDI, self.root):
-            if folder.is_dir() and not any(folder.iterdir()):
-                folder.rmdir()
 
 
 def plan_sync(
     root: Path,
     rendering: Path,
-    beside: Mapping[str, bytes | None] | None = None,
+    records: Mapping[str, bytes | None] | None = None,
     adopted: Sequence[Body] = (),
     kept: Mapping[str, bytes] | None = None,
     renamed: Mapping[str, str] | None = None,
@@ -91,13 +35,13 @@ def plan_sync(
     Args:
         root: the package; it need not be there.
         rendering: folder with all its generated files.
-        beside: files of ours that have no place in it, such as the answers; ``None``: it goes.
+        records: files of ours that have no place in it, such as the answers; ``None``: it goes.
         adopted: bodies of a former package, which count as saved ones.
         kept: more texts of a person to keep, by name.
         renamed: new id of a region -> old one, for this time: the rendering does not tell it.
     """
-    saved = {body.region.id: body for body in adopted}
-    return _Sync(root, rendering, beside or {}, saved).plan(kept or {}, renamed or {})
+    bodies = {body.region.id: body for body in adopted}
+    return _Sync(root, rendering, records or {}, bodies).plan(kept or {}, renamed or {})
 
 
 class _Sync:
@@ -105,11 +49,11 @@ class _Sync:
         self,
         root: Path,
         rendering: Path,
-        beside: Mapping[str, bytes | None],
-        adopted: Mapping[str, Body],
+        records: Mapping[str, bytes | None],
+        adopted: dict[str, Body],
     ) -> None:
-        self.root, self.beside, self.adopted = root, beside, adopted
-        self.manifest = package.manifest_of(root)
+        self.root, self.records, self.adopted = root, records, adopted
+        self.manifest, self.kept = package.manifest_of(root), package.kept_texts(root)
         names = sorted(name for name, kind in package.entries(rendering) if kind is None)
         self.new = {name: _rendered(rendering / name) for name in names}
         self.home = {id_: name for name, new in self.new.items() for id_ in new.marked.regions}
@@ -124,15 +68,16 @@ class _Sync:
 
     def plan(self, kept: Mapping[str, bytes], renamed: Mapping[str, str]) -> Plan:
         self._read()
-        before, saved = self._present(), self._saved()
-        moved = {new: before[old] for new, old in renamed.items() if old in before}
-        present = {id_: one for id_, one in before.items() if id_ not in renamed.values()}
-        for id_, body in moved.items():
-            present[id_] = replace(body, region=replace(body.region, id=id_))
+        saved = {body.region.id: body for body in self.kept.values() if body} | self.adopted
+        before = self._present()
+        present = {id_: body for id_, body in before.items() if id_ not in renamed.values()}
+        for new, old in renamed.items():
+            if old in before:
+                present[new] = before[old]._replace(region=before[old].region._replace(id=new))
         edited = [name for name in sorted(self.files) if self._is_edited(name)]
         if self.refusals:
             return Plan(self.root, self.refusals)
-        chosen = choose(self.rendered, present, saved)
+        chosen = choosing.choose(self.rendered, present, saved)
         content = self._content(chosen)
         for name, data in kept.items():
             self._note(name, f"kept in {self._keep(name, data)}")
@@ -148,15 +93,13 @@ class _Sync:
     def _note(self, file: str, text: str, line: int | None = None, attention: bool = True) -> None:
         self.notes.append(Note(file, line, text, attention))
 
-    # what is there --------------------------------------------------------------------------------
     def _read(self) -> None:
         """Read all files that are, or were, generated; refuse what is none, or damaged."""
-        ours = [*self.beside, MANIFEST, f"{KEPT}/*"]
+        ours = [*self.records, MANIFEST, f"{KEPT}/*"]
         for name in sorted({*self.new, *self.manifest.files, *ours}):
-            found = package.obstacle(self.root, name)
-            if found is not None:
+            if obstacle := package.obstacle(self.root, name):
                 hint = "move it away, nothing is written through it or over it"
-                self._refuse(name, None, f"{found}; {hint}")
+                self._refuse(name, None, f"{obstacle}; {hint}")
                 continue
             self.stamps[name] = package.stamp_of(self.root / name)
             try:
@@ -170,70 +113,38 @@ class _Sync:
                     self._refuse(name, fault.line, fault.reason)
 
     def _present(self) -> dict[str, Body]:
-        """Return the bodies in the files of the package by id."""
+        """Return the bodies in the files of the package by id; in two files it is the one at home.
+
+        A region moves from file to file: a run was killed in between, or branches did it.
+        """
         present: dict[str, Body] = {}
         for name, file in self.files.items():
             for id_, body in self._regions(name, file).items():
-                other = present.setdefault(id_, body)
-                if other is body:
+                if id_ in present and self.home.get(id_) != name:
+                    self.doubles.append(body)
                     continue
-                # A region moves: a run was killed in between, or a branch wrote in the old file.
-                stays, goes = (body, other) if self._has(body) else (other, body)
-                known = goes.region.untouched or (id_, normal(goes.region.body)) in self._held()
-                if self._has(goes) or not self._has(stays) or (goes.file in self.new and not known):
-                    first = f"{other.file}:{other.region.line}"
-                    reason = f"second region {id_!r}, the first is in {first}; keep one"
-                    self._refuse(name, body.region.line, reason)
-                elif stays.region.untouched and not known:
-                    stays, goes = goes, stays
-                present[id_] = stays
-                self.doubles.append(goes)
+                self.doubles += [present[id_]] if id_ in present else []
+                present[id_] = body
         return present
-
-    def _saved(self) -> dict[str, Body]:
-        saved: dict[str, Body] = {}
-        for name, found in package.kept_regions(self.root):
-            if found is not None:
-                saved[found.region.id] = found
-            else:
-                self._note(name, "no region can be read in it; look at it")
-        return {**saved, **self.adopted}
-
-    def _has(self, body: Body) -> bool:
-        """Whether the rendering has this region in the same file."""
-        return body.file in self.new and body.region.id in self.new[body.file].marked.regions
-
-    def _held(self) -> set[tuple[str, str]]:
-        """Return the bodies that are where the rendering has their regions, by each former id."""
-        regions = [
-            region
-            for name, file in self.files.items()
-            for side in file.sides
-            for region in side.regions.values()
-            if self._has(Body(region, name))
-        ]
-        return {
-            (id_, normal(region.body)) for region in regions for id_ in (region.id, *region.was)
-        }
 
     def _regions(self, name: str, file: PackageFile) -> dict[str, Body]:
         """Return the regions of a file; of a conflict, those that one side alone has written."""
-        found = [
+        ours, *others = (
             {id_: Body(region, name) for id_, region in side.regions.items()} for side in file.sides
-        ]
-        if len(found) == 1:
-            return found[0]
-        ours, theirs = found
-        common = parse(package.text_of(ancestor_bytes(self.root, name)))[0].regions
+        )
+        if not others:
+            return ours
+        (theirs,) = others
         merged = {**theirs, **ours}
+        ancestor = parse(package.text_of(version(self.root, name, ":1")))[0].regions
         for id_ in ours.keys() & theirs.keys():
-            a, b = ours[id_], theirs[id_]
-            if normal(a.region.body) == normal(b.region.body) or b.region.untouched:
+            a, b = ours[id_].region, theirs[id_].region
+            before = [normal(ancestor[id_].body)] if id_ in ancestor else []
+            if b.untouched or normal(a.body) == normal(b.body):
                 continue
-            was = normal(common[id_].body) if id_ in common else None
-            if a.region.untouched or normal(a.region.body) == was:
-                merged[id_] = b
-            elif normal(b.region.body) != was:
+            if a.untouched or normal(a.body) in before:
+                merged[id_] = theirs[id_]
+            elif normal(b.body) not in before:
                 line = 1 + file.text[: max(file.text.find(f": {encode_id(id_)}"), 0)].count("\n")
                 reason = f"both branches wrote in region {id_!r}; resolve this conflict by hand"
                 self._refuse(name, line, reason)
@@ -241,52 +152,52 @@ class _Sync:
 
     def _is_edited(self, name: str) -> bool:
         """Return whether a file is not as it was made; refuse one that is a person's."""
-        file = self.files[name]
         known = self.manifest.files.get(name, frozenset())
         new = self.new[name].digests if name in self.new else ()
-        if package.is_as_made(self.root, name, file.digests, known, new):
+        if package.is_as_made(self.root, name, self.files[name].digests, known, new):
             return False
         if not known and self.manifest.exists and name in self.new:
             reason = "this file is yours, and a generated one has this name now; give yours another"
             self._refuse(name, None, reason)
         return True
 
-    # what becomes of it ---------------------------------------------------------------------------
     def _content(self, chosen: Chosen) -> dict[str, Placed]:
         """Return what each region of the rendering holds."""
         names: set[str] = set()
         words: set[str] = set()
         if any(body and not body.region.untouched for body, _ in chosen.values()):
-            changed = (
-                file
-                for name, file in self.files.items()
-                if name not in self.new or file.digests != self.new[name].digests
-            )
-            names = defined_names(text for file in changed for text in _generated(file))
-            parts = (part for new in self.new.values() for part in new.marked.parts)
-            words = words_of(part if isinstance(part, str) else part.body for part in parts)
+            names = {
+                name
+                for path, file in self.files.items()
+                if path not in self.new or file.digests != self.new[path].digests
+                for part in file.marked.parts
+                if isinstance(part, str) or part.untouched
+                for names in _DEFINED.findall(part if isinstance(part, str) else part.body)
+                for name in names
+            }
+            for part in (part for new in self.new.values() for part in new.marked.parts):
+                words.update(WORD.findall(part if isinstance(part, str) else part.body))
         content = {}
         for id_, region in self.rendered.items():
             body, former = chosen[id_]
-            one = content[id_] = placed(region, body, names, words)
+            new = content[id_] = choosing.placed(region, body, names, words)
             if body is not None and body.kept and id_ not in self.adopted:
                 self._note(self.home[id_], f"region {id_!r} is back", attention=False)
-            if one.now is not None:
-                reasons = look_reasons(one.digests, one.now, former)
+            if new.now is not None:
+                reasons = choosing.look_reasons(new.digests, new.now, former)
                 self._note(self.home[id_], f"region {id_!r}: look at it: {reasons}")
         return content
 
     def _keep_file(self, name: str) -> None:
         """Keep a copy of a file that was edited outside of its regions."""
         file, new = self.files[name], self.new.get(name)
-        text = f"; your file is kept in {self._keep(name, file.data)}"
-        if new is None:
-            text = f", and is not generated any more{text}"
-        else:
+        what, where = ", and is not generated any more", ""
+        if new is not None:
             regions = ", ".join([*new.marked.regions][:_MOST_LINES])
-            where = f"in a region: {regions}" if regions else "in a file of your own"
-            text = f"{_other_lines(file.marked, new.marked)}{text}; write it {where}"
-        self._note(name, f"edited outside regions{text}")
+            what = _other_lines(file.marked, new.marked)
+            where = f"; write it in a {f'region: {regions}' if regions else 'file of your own'}"
+        kept = self._keep(name, file.data)
+        self._note(name, f"edited outside regions{what}; your file is kept in {kept}{where}")
 
     def _keep_bodies(
         self, present: Iterable[Body], chosen: Chosen, content: Mapping[str, Placed]
@@ -294,9 +205,9 @@ class _Sync:
         """Save the written bodies that have no place, and forget the saved ones that have one."""
         used = {id(body) for body, _ in chosen.values()}
         held = {
-            (name, normal(one.body))
-            for id_, one in content.items()
-            if one.source
+            (name, normal(new.body))
+            for id_, new in content.items()
+            if new.source
             for name in (id_, *self.rendered[id_].was)
         }
         for body in [*present, *self.doubles]:
@@ -306,19 +217,20 @@ class _Sync:
                 gone = "has another body now" if id_ in content else "is not generated any more"
                 text = f"region {id_!r} {gone}; your text is kept in {self._keep_region(body)}"
                 self._note(body.file, text, body.region.line)
-        for id_, one in content.items():  # a body is kept while it moves from file to file
-            if one.source and one.source.file in self.new.keys() - {self.home[id_]}:
-                self.last.append(Step(self._keep_region(one.source), None))
-        held |= {(id_, normal(one.body)) for id_, one in content.items()}
-        for name, saved in package.kept_regions(self.root):
+        for id_, new in content.items():  # a body is kept while it moves from file to file
+            if new.source and new.source.file in self.new.keys() - {self.home[id_]}:
+                self.last.append(Step(self._keep_region(new.source), None))
+        held |= {(id_, normal(new.body)) for id_, new in content.items()}
+        for name, saved in self.kept.items():
             if saved is not None and (saved.region.id, normal(saved.region.body)) in held:
                 self.stamps[name] = package.stamp_of(self.root / name)
                 self.last.append(Step(name, None))
 
     def _keep_region(self, body: Body) -> str:
-        """Plan to keep a region; return where it is then."""
-        name = f"{encode_id(body.region.id)}.region"
-        return self._keep(name, package.bytes_of(saved_text(body.region)))
+        id_, region = body.region.id, body.region
+        begin = with_tail(region.begin, id_, tail_of(region.digests, region.was))
+        text = f"{begin}\n{region.body}{with_tail(region.end, id_, '')}\n"
+        return self._keep(f"{encode_id(id_)}.region", package.bytes_of(text))
 
     def _keep(self, name: str, data: bytes) -> str:
         """Plan to keep a text; return where it is then."""
@@ -327,7 +239,6 @@ class _Sync:
             self.first.append(Step(place, data))
         return place or f"{KEPT}/{name}"
 
-    # how it is written ----------------------------------------------------------------------------
     def _written(self, content: Mapping[str, Placed]) -> Iterator[Step]:
         """Yield the files that get new bytes."""
         for name, new in self.new.items():
@@ -340,7 +251,7 @@ class _Sync:
                 self._note(name, text, attention=regions)
             if new.is_text:
                 text = old.text if old is not None else ""
-                composed = compose(new.marked, content, eol_of(text))
+                composed = choosing.compose(new.marked, content, choosing.eol_of(text))
                 data = package.bytes_of(text[: text.startswith("\ufeff")] + composed)
                 if old is not None and text_digest(package.text_of(data)) == text_digest(text):
                     data = old.data  # no more than blanks at line ends
@@ -350,48 +261,27 @@ class _Sync:
                 yield Step(name, data, mode)
 
     def _plan(self, middle: list[Step]) -> Plan:
-        """Put the steps into their order: answers, saved texts, files, saved texts that are back.
-
-        Between the first and the last of the files the manifest lists both renderings.
-        """
-        there = {
-            name: package.bytes_at(self.root, name) for name in (*self.beside, ANSWERS, MANIFEST)
-        }
-        beside = [Step(name, data) for name, data in self.beside.items() if data != there[name]]
-        answers = self.beside.get(ANSWERS) or there[ANSWERS] or b""
+        """Put the steps into their order; while files change the manifest lists both renderings."""
+        read = (*self.records, ANSWERS, MANIFEST)
+        there = {name: package.bytes_at(self.root, name) for name in read}
+        records = [Step(name, data) for name, data in self.records.items() if data != there[name]]
+        answers = self.records.get(ANSWERS) or there[ANSWERS] or b""
         now = {name: new.digests[0] for name, new in self.new.items()}
-        leaves = not self.new and bool(self.beside)
+        leaves = not self.new and bool(self.records)
         final = None if leaves else package.manifest_text(now, package.text_of(answers)).encode()
         old = there[MANIFEST]
         listed = {line for text in (final, old) if text for line in text.decode().splitlines()}
         mixed = "".join(f"{line}\n" for line in sorted(listed)).encode()
         between = [Step(MANIFEST, mixed)] if middle and old != final else []
         manifest = [Step(MANIFEST, final)] if old != final else []
-        new = [step for step in beside if step.data is not None]
-        gone = [step for step in reversed(beside) if step.data is None]  # the answers last of all
+        new = [step for step in records if step.data is not None]
+        gone = [step for step in reversed(records) if step.data is None]  # the answers last of all
         steps = [*new, *self.first, *between, *middle, *self.last, *manifest, *gone]
-        return Plan(self.root, (), [*self.notes, *self._waiting()], steps, self.stamps)
-
-    def _waiting(self) -> Iterator[Note]:
-        """Yield what is kept since earlier runs."""
-        told = " ".join(note.text + note.file for note in self.notes)
-        gone = {step.path for step in self.last}
-        for name in package.kept_names(self.root):
-            if name not in gone and name not in told:
-                yield Note(name, None, "it is kept there until you remove it")
-
-
-def look_reasons(digests: Digests, now: Look, former: str | None = None) -> str:
-    """Return why a person must look at a body, with the other id that it had."""
-    reasons = [f"it was written for {former!r}"] if former else []
-    if digests.of is None:
-        reasons.append("it is not known what it was written for")
-    elif digests.uses != now.digests.uses:
-        reasons.append("what it may use has changed")
-    elif digests.of != now.digests.of:
-        reasons.append("the generated text in its place has changed")
-    reasons += [f"it uses {name}, which is not generated any more" for name in now.missing]
-    return "; ".join(reasons)
+        told = " ".join([*(f"{n.text} {n.file}" for n in self.notes), *(s.path for s in self.last)])
+        for name in sorted(self.kept):
+            if name not in told:
+                self._note(name, "it is kept there until you remove it")
+        return Plan(self.root, (), self.notes, steps, self.stamps)
 
 
 def _rendered(path: Path) -> PackageFile:
@@ -402,25 +292,15 @@ def _rendered(path: Path) -> PackageFile:
     return PackageFile(data, 0o755 if path.stat().st_mode & 0o100 else 0o644)
 
 
-def _generated(file: PackageFile) -> Iterator[str]:
-    """Yield the text of a file that no person wrote."""
-    for part in file.marked.parts:
-        if isinstance(part, Region):
-            yield part.body if part.untouched else ""
-        else:
-            yield part
-
-
 def _other_lines(mine: MarkedFile, new: MarkedFile) -> str:
     """Return which lines of a file are not in its new rendering, for people."""
-    numbers: list[int] = []
-    line = 1
+    numbers = [1]
     for part in mine.parts:
-        numbers.append(line)
-        line += 1 if isinstance(part, str) else part.body.count("\n") + 2
-    a, b = ([one.rstrip() for one in text.outside] for text in (mine, new))
-    codes = difflib.SequenceMatcher(None, a, b, autojunk=False).get_opcodes()
-    changed = [range(first, last) for what, first, last, _, _ in codes if what != "equal"]
-    found = [numbers[at] for lines in changed for at in lines]
-    shown = ", ".join(map(str, found[:_MOST_LINES])) + (", ..." if found[_MOST_LINES:] else "")
-    return f" (line{'s' if found[1:] else ''} {shown})" if found else ""
+        lines = 1 if isinstance(part, str) else part.body.count("\n") + 2
+        numbers.append(numbers[-1] + lines)
+    a, b = ([text.rstrip() for text in file.outside] for file in (mine, new))
+    blocks = SequenceMatcher(None, a, b, autojunk=False).get_matching_blocks()
+    same = {at for block in blocks for at in range(block.a, block.a + block.size)}
+    other = [numbers[at] for at in range(len(a)) if at not in same]
+    shown = ", ".join(map(str, other[:_MOST_LINES])) + (", ..." if other[_MOST_LINES:] else "")
+    return f" (line{'s' if other[1:] else ''} {shown})" if other else ""

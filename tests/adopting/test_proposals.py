@@ -12,7 +12,7 @@ OUTCOMES = {"outcome_A": "A", "outcome_B": "B", "outcome_C": "on"}
 
 def proposal(body: str) -> str | None:
     text = body.replace("x", "self.dra_data.x").replace("; ", "\n")
-    found = use_of("Node", Body(text, "", 1), OUTCOMES, {"xok"}).proposal
+    found = use_of("Node", Body(text, ""), OUTCOMES, {"xok"}).proposal
     return found and found.removeprefix("Node: ")
 
 

@@ -57,7 +57,8 @@ from eddi_scaffold.recordings.playing import (
 from eddi_scaffold.recordings.results import changes, steps
 from eddi_scaffold.regions.check import list_regions
 from eddi_scaffold.regions.markers import Marker, read_marker
-from eddi_scaffold.regions.sync import Plan, plan_sync
+from eddi_scaffold.regions.package import Plan
+from eddi_scaffold.regions.sync import plan_sync
 from tests.adopting.old_networks import write_old_network
 from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
@@ -518,7 +519,7 @@ def _sync(folder: Path) -> Made:
         (package / sample.name).write_bytes(sample.data)
         before = files_below(package)
         yield
-        list_regions(package)
+        list(list_regions(package))
         yield
         plan = plan_sync(package, renderings[2])
         yield

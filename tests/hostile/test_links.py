@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import stat
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -40,6 +39,14 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def catkin(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = example(tmp_path_factory.mktemp("catkin"))
+    (folder / "ws/src").mkdir(parents=True)
+    assert run(*CATKIN, cwd=folder).status == 0
+    return folder
+
+
 @pytest.fixture
 def package(generated: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(generated, tmp_path / "clone"), "ws", PACKAGE)
@@ -60,13 +67,6 @@ def status(package: Path) -> Result:
     return run("status", "-w", package.parent, cwd=package.parents[1])
 
 
-def workspace(folder: Path) -> Path:
-    """Generate into a catkin workspace."""
-    (folder / "ws/src").mkdir(parents=True)
-    assert run(*CATKIN, cwd=example(folder)).status == 0
-    return folder
-
-
 def move_out(place: Path, outside: Path) -> None:
     """Leave a link in the place of what is outside from now on."""
     place.rename(outside / place.name)
@@ -78,45 +78,15 @@ def is_new(package: Path) -> bool:
     return NEW in (package / INPUT).read_text()
 
 
-# what is a person's own ---------------------------------------------------------------------------
-def a_link(package: Path) -> None:
-    (package / "data").symlink_to("/usr")
-
-
-def a_link_to_everything(package: Path) -> None:
-    (package / "x").symlink_to("/")
-
-
-def a_link_to_itself(package: Path) -> None:
-    (package / "loop").symlink_to("loop")
-    (package / "here").symlink_to(".")
-
-
-def a_lock_file(package: Path) -> None:
-    (package / f".#{INPUT}").symlink_to("somebody@somewhere.4711")
-
-
-def a_fifo(package: Path) -> None:
-    os.mkfifo(package / "special")
-
-
-def a_socket(package: Path) -> None:
-    special.a_socket(package / "special")
-
-
-def a_large_file(package: Path) -> None:
+def test_what_is_a_persons_own_stays(package: Path, limited: None) -> None:
+    links = {"data": "/usr", "x": "/", "loop": "loop", "here": "."}
+    links[f".#{INPUT}"] = "somebody@somewhere.4711"  # an editor's lock
+    for name, target in links.items():
+        (package / name).symlink_to(target)
+    os.mkfifo(package / "fifo")
+    special.a_socket(package / "socket")
     with (package / "recording.bag").open("wb") as file:
         file.truncate(1 << 33)
-
-
-OWN = [a_link, a_link_to_everything, a_link_to_itself, a_lock_file, a_fifo, a_socket, a_large_file]
-
-
-@pytest.mark.parametrize("make", OWN)
-def test_what_is_a_persons_own_stays(
-    package: Path, make: Callable[[Path], None], limited: None
-) -> None:
-    make(package)
     own = look(package)
     result = generate(package)
     assert result.status == 0, result.err
@@ -128,69 +98,70 @@ def test_what_is_a_persons_own_stays(
     assert status(package).status == 0
 
 
-# in the place of ours -----------------------------------------------------------------------------
 @pytest.mark.parametrize(
-    "name",
+    "names",
     [
-        INPUT, "model.json", "EDDIMonitor.py", "test", "eddi_runtime", ".eddi", ".eddi/manifest",
-        ".eddi/.gitignore", ".eddi/kept", ".copier-answers.yml",
+        (INPUT, "model.json", "EDDIMonitor.py", "test", "eddi_runtime"),
+        (".eddi",),
+        (".eddi/manifest",),
+        (".eddi/.gitignore", ".eddi/kept"),
+        (".copier-answers.yml",),
     ],
-)  # fmt: skip
+)
 def test_nothing_is_written_through_a_link_or_over_it(
-    package: Path, outside: Path, name: str
+    package: Path, outside: Path, names: tuple[str, ...]
 ) -> None:
-    if not (package / name).exists():
-        (package / name).mkdir()
-    move_out(package / name, outside)
+    for name in names:
+        if not (package / name).exists():
+            (package / name).mkdir()
+        move_out(package / name, outside)
     for file in outside.rglob("*.py"):
         file.chmod(0o600)
         file.write_text(f"{file.read_text()}\n# mine\n")
     before = look(outside), look(package)
     result = generate(package)
     assert result.status == 2
-    assert f"{name} is a link" in result.err
+    assert all(f"{name} is a link" in result.err for name in names)
     assert status(package).status != 0
     assert (look(outside), look(package)) == before
-    (package / name).unlink()
-    (outside / name.rpartition("/")[2]).rename(package / name)
+    for name in names:
+        (package / name).unlink()
+        (outside / name.rpartition("/")[2]).rename(package / name)
     result = generate(package)
     assert result.status in {0, 3}, result.err
     assert is_new(package)
 
 
-@pytest.mark.parametrize("name", [".eddi/put", ".eddi/new"])
-def test_what_is_on_its_way_goes_through_no_link(package: Path, outside: Path, name: str) -> None:
+def test_what_is_on_its_way_goes_through_no_link(package: Path, outside: Path) -> None:
     (outside / "notes.txt").write_text("mine")
-    (package / name).symlink_to(outside)
-    before = look(outside)
-    assert generate(package).status in {0, 2}
-    assert look(outside) == before
+    for name in ("put", "new"):
+        (package / ".eddi" / name).symlink_to(outside)
+        before = look(outside)
+        assert generate(package).status in {0, 2}
+        assert look(outside) == before
 
 
-@pytest.mark.parametrize("target", ["own.py", "gone.py", f"{PACKAGE}/README.md"])
-def test_a_link_to_whatever_file_is_refused(package: Path, target: str) -> None:
+def test_a_link_to_whatever_file_is_refused(package: Path) -> None:
     """A stranger's package cannot name a file of a person, nor one of ours."""
     (package.parent / "own.py").write_text("mine = 1\n")
-    (package / INPUT).unlink()
-    (package / INPUT).symlink_to(os.path.relpath(package.parent / target, package))
+    for name, target in ((INPUT, "own.py"), ("EDDIMonitor.py", "gone.py"), ("model.json", INPUT)):
+        (package / name).unlink()
+        (package / name).symlink_to(f"../{target}")
     before = look(package.parent)
     assert generate(package).status == 2
     assert look(package.parent) == before
 
 
-@pytest.mark.parametrize("make", [a_fifo, a_socket])
-@pytest.mark.parametrize("name", [INPUT, "README.md"])
-def test_a_special_file_in_the_place_of_ours_is_refused(
-    package: Path, make: Callable[[Path], None], name: str, limited: None
-) -> None:
-    make(package)
-    (package / name).unlink()
-    (package / "special").rename(package / name)
+def test_a_special_file_in_the_place_of_ours_is_refused(package: Path, limited: None) -> None:
+    (package / INPUT).unlink()
+    os.mkfifo(package / INPUT)
+    (package / "README.md").unlink()
+    special.a_socket(package / "README.md")
     before = look(package)
     result = generate(package)
     assert result.status == 2
-    kind = "a FIFO" if make is a_fifo else "a socket"
-    assert f"{name} is {kind}" in result.err
+    assert f"{INPUT} is a FIFO" in result.err
+    assert "README.md is a socket" in result.err
     assert status(package).status != 0
     assert look(package) == before
 
@@ -225,10 +196,11 @@ def test_a_link_to_a_package_beside_it_blocks_nothing(package: Path) -> None:
 
 
 @pytest.mark.parametrize("link", ["src", "src/eddi_monitor"])
-def test_a_workspace_whose_folders_lie_elsewhere(tmp_path: Path, outside: Path, link: str) -> None:
-    folder = workspace(tmp_path / "clone")
+def test_a_workspace_whose_folders_lie_elsewhere(
+    catkin: Path, tmp_path: Path, outside: Path, link: str
+) -> None:
+    folder = Path(shutil.copytree(catkin, tmp_path / "clone"))
     move_out(folder / "ws" / link, outside)
-    next(outside.rglob("Guarantee.msg")).write_text("string other\n")
     before = look(outside)
     for command in (CATKIN, ("upgrade", "-w", "ws"), ("status", "-w", "ws")):
         result = run(*command, cwd=folder)
@@ -252,22 +224,18 @@ def test_an_output_is_not_written_behind_a_link(tmp_path: Path, outside: Path) -
     assert list(outside.iterdir()) == []
 
 
-# modes --------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("mode", [0o600, 0o640, 0o664, 0o444, 0o755, 0o700])
-def test_modes_stay(package: Path, mode: int) -> None:
-    names = [INPUT, "EDDIMonitor.py", "model.json"]
-    for name in names:
-        (package / name).chmod(mode)
-    (package / "EDDIMonitor.py").chmod(0o644)
+def test_modes_stay(package: Path) -> None:
+    modes = {INPUT: 0o600, "EDDIMonitor.py": 0o444, "model.json": 0o664, "compiled.py": 0o755}
     (package / "EDDIMonitor.py").write_text("# older\n")
-    (package / "EDDIMonitor.py").chmod(mode)
+    for name, mode in modes.items():
+        (package / name).chmod(mode)
     assert generate(package).status == 3  # the older text is kept, which is said
-    assert {(package / name).stat().st_mode & 0o777 for name in names} == {mode}
+    assert {name: (package / name).stat().st_mode & 0o777 for name in modes} == modes
     assert (package / "EDDIMonitor.py").read_text() != "# older\n"
 
 
-def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> None:
-    folder = workspace(tmp_path / "clone")
+def test_a_program_can_be_run_again_by_those_who_can_read_it(catkin: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(catkin, tmp_path / "clone"))
     program = folder / "ws/src/eddi_monitor" / PACKAGE / "scripts/RosNode.py"
     assert program.stat().st_mode & 0o777 == 0o755
     program.chmod(0o640)
@@ -275,7 +243,6 @@ def test_a_program_can_be_run_again_by_those_who_can_read_it(tmp_path: Path) -> 
     assert program.stat().st_mode & 0o777 == 0o750
 
 
-# `regions` ----------------------------------------------------------------------------------------
 def test_accept_writes_nothing_behind_a_link(package: Path, outside: Path) -> None:
     text = (package / INPUT).read_text()
     looked = text.replace("for:81fdda7e", "for:00000000 now:07d2967b/81fdda7e", 1)

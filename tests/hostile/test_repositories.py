@@ -9,8 +9,8 @@ import pytest
 
 from eddi_scaffold.regions import __main__ as tool
 from tests.cli.command import run
-from tests.hostile import records, repositories
-from tests.hostile.watch import look
+from tests.hostile import repositories
+from tests.hostile.test_read_only import GENERATE
 from tests.hostile.world import World
 
 pytestmark = pytest.mark.slow
@@ -31,9 +31,6 @@ def test_the_sync_of_copier_starts_no_command_of_a_package(
     assert not world.mark.exists()
 
 
-GENERATE = "generate --platform plain -o packages -m two_conserts.xml -c consert_a_config.yml"
-
-
 @pytest.mark.parametrize("command", ["upgrade -w packages", GENERATE])
 def test_commands_that_write_start_none(command: str, world: World) -> None:
     repositories.bare_look_alike(world)
@@ -41,14 +38,3 @@ def test_commands_that_write_start_none(command: str, world: World) -> None:
     assert result.status == 3, result.err
     assert "edited outside" in result.err
     assert not world.mark.exists()
-
-
-@pytest.mark.parametrize("hostile", records.BUILDERS, ids=lambda build: build.__name__)
-def test_what_writes_leaves_alone_what_lies_elsewhere(
-    hostile: Callable[[World], None], world: World
-) -> None:
-    hostile(world)
-    before = look(world.precious.parent), (world.scratch / "precious.txt").read_text()
-    for command in (GENERATE, "upgrade -w packages"):
-        assert run(*command.split(), cwd=world.work).status in {0, 2, 3}
-    assert (look(world.precious.parent), (world.scratch / "precious.txt").read_text()) == before

@@ -47,8 +47,9 @@ READING: dict[str, tuple[object, ...]] = {
 """A file, and a command that reads it."""
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", READING)
+@pytest.mark.parametrize(
+    ("name", "kind"), [(name, [*KINDS][at % 3]) for at, name in enumerate(READING)]
+)
 def test_a_file_that_the_user_names_is_refused_at_once(
     tmp_path: Path, name: str, kind: str
 ) -> None:
@@ -63,12 +64,11 @@ def test_a_file_that_the_user_names_is_refused_at_once(
     assert f"it is {kind}, and only regular files are read" in result.err
 
 
-@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
-    ("before", "after"),
+    ("before", "after", "kind"),
     [
-        ("requires: [RtE_E0]", "expression_file: NAME\n    event: hot"),
-        ("frequency: 10", "frequency: 10\n  parameters: [{model: NAME}]"),
+        ("requires: [RtE_E0]", "expression_file: NAME\n    event: hot", "a FIFO"),
+        ("frequency: 10", "frequency: 10\n  parameters: [{model: NAME}]", "a device"),
     ],
 )
 def test_a_file_that_a_configuration_names(
@@ -83,31 +83,19 @@ def test_a_file_that_a_configuration_names(
     assert f"it is {kind}, and only regular files are read [F001]" in result.err
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_reference_of_safeml(tmp_path: Path, kind: str) -> None:
-    folder = shutil.copytree(ROOT / "examples" / "safeml", tmp_path / "safeml")
-    (folder / "reference_sample.csv").unlink()
-    KINDS[kind](folder / "reference_sample.csv")
-    result = run("check", "safeml_config.yml", cwd=folder)
-    assert result.status == 1
-    assert f"it is {kind}, and only regular files are read" in result.err
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_directory_of_robot_models(tmp_path: Path, kind: str) -> None:
-    folder = shutil.copytree(ROOT / "examples" / "robot-models", tmp_path / "robot")
-    system = next(folder.rglob("*.rossystem"))
-    KINDS[kind](system.with_name("other.ros"))
-    result = run("parse-rossystem", "-s", system, "-m", system.parent, "-c", "c.yml", cwd=folder)
-    assert f"it is {kind}, and only regular files are read [F001]" in result.err
-
-
-def test_the_text_of_the_diagnostic(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "model.xml")
-    assert run("check", "model.xml", cwd=tmp_path).err == (
-        "model.xml: error: cannot read the file: it is a FIFO, and only regular files are read"
-        " [F001]\n  hint: write it to a file first\n1 error in model.xml\n"
-    )
+@pytest.mark.parametrize(
+    ("example", "damaged", "command"),
+    [
+        ("safeml", "reference_sample.csv", "check safeml_config.yml"),
+        ("robot-models", "other.ros", "parse-rossystem -s rover.rossystem -m . -c c.yml"),
+    ],
+)
+def test_a_file_beside_them(tmp_path: Path, example: str, damaged: str, command: str) -> None:
+    folder = shutil.copytree(ROOT / "examples" / example, tmp_path / "example")
+    (folder / damaged).unlink(missing_ok=True)
+    os.mkfifo(folder / damaged)
+    result = run(*command.split(), cwd=folder)
+    assert "it is a FIFO, and only regular files are read" in result.err
 
 
 # files without end --------------------------------------------------------------------------------

@@ -22,38 +22,31 @@ class World:
     folder: Path
 
     @property
-    def home(self) -> Path:
-        """The person's home folder."""
+    def home(self) -> Path:  # the person's home folder
         return self.folder / "home"
 
     @property
-    def precious(self) -> Path:
-        """A file of the person's that no workspace has a right to."""
+    def precious(self) -> Path:  # a file of the person's that no workspace has a right to
         return self.folder / "outside" / "precious.txt"
 
     @property
-    def scratch(self) -> Path:
-        """Where temporary folders are made, beside another precious file."""
+    def scratch(self) -> Path:  # where temporary folders are made, beside another precious file
         return self.folder / "tmp"
 
     @property
-    def mark(self) -> Path:
-        """What a command out of a package makes when it runs."""
+    def mark(self) -> Path:  # what a command out of a package makes when it runs
         return self.folder / "outside" / "MARK"
 
     @property
-    def work(self) -> Path:
-        """The workspace that others made: the person's working directory."""
+    def work(self) -> Path:  # the workspace that others made: the person's working directory
         return self.folder / "work"
 
     @property
-    def package(self) -> Path:
-        """The generated package in it."""
+    def package(self) -> Path:  # the generated package in it
         return self.work / "packages" / "conserta"
 
     @property
-    def eddi(self) -> Path:
-        """The records of the package."""
+    def eddi(self) -> Path:  # the records of the package
         return self.package / ".eddi"
 
     def look(self) -> dict[str, Seen]:

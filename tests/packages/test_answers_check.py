@@ -6,8 +6,11 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
-from tests.cli.command import example, run
+from eddi_scaffold.common.problems import EddiError
+from eddi_scaffold.packages.workspace import check_answers
+from tests.cli.command import EXAMPLE, example, run
 
 ANSWERS = "ws/src/eddi_monitor/consertb/.copier-answers.yml"
 GENERATE = ("generate", "-w", "ws", "-m", "two_conserts.xml", "-c")
@@ -22,43 +25,37 @@ DAMAGE = {
 }
 
 
-@pytest.fixture(scope="module")
-def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = example(tmp_path_factory.mktemp("answers"))
+@pytest.mark.parametrize("name", DAMAGE)
+def test_damaged_answers_are_bad_input(name: str) -> None:
+    package = EXAMPLE / "expected/src/eddi_monitor/consertb"
+    sound = (package / ".copier-answers.yml").read_text("utf-8")
+    damaged = re.sub(DAMAGE[name][0], DAMAGE[name][1], sound, flags=re.MULTILINE)
+    assert damaged != sound
+    check_answers(package, yaml.safe_load(sound))
+    with pytest.raises(EddiError) as refused:
+        check_answers(package, yaml.safe_load(damaged))
+    assert [problem.code for problem in refused.value.problems] == ["T005"]
+
+
+def test_they_stop_commands_that_do_not_make_the_package_anew(tmp_path: Path) -> None:
+    folder = example(tmp_path)
     (folder / "ws/src").mkdir(parents=True)
     configs = ("consert_a_config.yml", "-c", "consert_b_config.yml")
     assert run(*GENERATE, *configs, cwd=folder).status == 0
-    return folder
-
-
-@pytest.mark.parametrize("name", DAMAGE)
-def test_damaged_answers_are_bad_input(workspace: Path, name: str) -> None:
-    file = workspace / ANSWERS
-    sound = file.read_text("utf-8")
-    damaged = re.sub(DAMAGE[name][0], DAMAGE[name][1], sound, flags=re.MULTILINE)
-    assert damaged != sound
-    file.write_text(damaged, "utf-8")
-    try:
-        beside = run(*GENERATE, "consert_a_config.yml", cwd=workspace)
-        upgrade = run("upgrade", "-w", "ws", cwd=workspace)
-        for found in (beside, upgrade):
-            assert found.status == 2
-            assert "[T005]" in found.err
-        assert file.read_text("utf-8") == damaged
-        assert run(*GENERATE, "consert_b_config.yml", cwd=workspace).status in {0, 3}
-        assert run("upgrade", "-w", "ws", cwd=workspace).status == 0
-    finally:
-        file.write_text(sound, "utf-8")
-
-
-def test_after_a_merge_that_left_markers(workspace: Path) -> None:
-    file = workspace / ANSWERS
+    file = folder / ANSWERS
     sound = file.read_text("utf-8")
     file.write_text(f"<<<<<<< HEAD\n{sound}=======\n>>>>>>> side\n", "utf-8")
-    try:
-        found = run(*GENERATE, "consert_b_config.yml", cwd=workspace)
-    finally:
-        file.write_text(sound, "utf-8")
-    assert found.status == 2
+    merged = run(*GENERATE, "consert_b_config.yml", cwd=folder)
+    assert merged.status == 2
     hint = "hint: take one side and generate again: git checkout --ours "
-    assert f"{hint}ws/src/eddi_monitor/consertb/.copier-answers.yml" in found.err
+    assert f"{hint}{ANSWERS}" in merged.err
+    damaged = sound.replace("\ninputs:", "\ninputz:")
+    file.write_text(damaged, "utf-8")
+    beside = run(*GENERATE, "consert_a_config.yml", cwd=folder)
+    upgrade = run("upgrade", "-w", "ws", cwd=folder)
+    for result in (beside, upgrade):
+        assert result.status == 2
+        assert "[T005]" in result.err
+    assert file.read_text("utf-8") == damaged
+    assert run(*GENERATE, "consert_b_config.yml", cwd=folder).status in {0, 3}
+    assert run("upgrade", "-w", "ws", cwd=folder).status == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
-from eddi_scaffold.packages.generation import WriteResult, write_packages
+from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import Renderer, Template
 from eddi_scaffold.platforms import platforms
 from tests.checkouts import checkout, tree
@@ -22,25 +23,8 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Template:
     return Template(str(checkout(tmp_path_factory.mktemp("templates") / "ours", "v9").path), "HEAD")
 
 
-@pytest.fixture
-def write(template: Template, tmp_path: Path) -> Callable[[], WriteResult]:
-    """Return what generates a workspace in ``tmp_path / "ws"``."""
-    example = Path(template.location) / "examples" / "two-conserts"
-
-    def again() -> WriteResult:
-        ros1, root = platforms()["ros1"], tmp_path / "ws"
-        model, config = example / "two_conserts.xml", example / "consert_a_config.yml"
-        monitors, problems = monitors_of(model, [config])
-        return write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
-
-    return again
-
-
-@pytest.fixture
-def generate(
-    write: Callable[[], WriteResult], monkeypatch: pytest.MonkeyPatch
-) -> Callable[[], list[str]]:
-    """Return what generates the workspace and tells what was rendered."""
+def write(template: Template, root: Path) -> list[str]:
+    """Generate a workspace; returns what was rendered."""
     rendered: list[str] = []
     render = Renderer.render
 
@@ -48,21 +32,25 @@ def generate(
         rendered.append(str(answers["package"]))
         return render(self, answers, folder)
 
-    monkeypatch.setattr(Renderer, "render", counted)
+    example, ros1 = Path(template.location) / "examples" / "two-conserts", platforms()["ros1"]
+    files = example / "two_conserts.xml", [example / "consert_a_config.yml"]
+    monitors, problems = monitors_of(*files)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Renderer, "render", counted)
+        write_packages(root, assemble(monitors, ros1, root, problems).packages, template)
+    return sorted(rendered)
 
-    def again() -> list[str]:
-        rendered.clear()
-        write()
-        return sorted(rendered)
 
-    return again
+@pytest.fixture(scope="module")
+def generated(template: Template, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("made") / "ws"
+    assert len(write(template, root)) == 5
+    return root
 
 
-def test_nothing_is_rendered_twice(generate: Callable[[], list[str]], tmp_path: Path) -> None:
-    assert len(generate()) == 5
-    before = tree(tmp_path / "ws")
-    assert generate() == []
-    assert tree(tmp_path / "ws") == before
+@pytest.fixture
+def root(generated: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(generated, tmp_path / "ws"))
 
 
 def edit(path: Path, old: str, new: str) -> None:
@@ -71,10 +59,16 @@ def edit(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), "utf-8")
 
 
+def test_nothing_is_rendered_twice(template: Template, root: Path) -> None:
+    edit(root / "conserta/src/conserta/EDDIInput.py", "= RtE_E0.data", "= RtE_E0.data and True")
+    before = tree(root)
+    assert write(template, root) == []
+    assert tree(root) == before
+
+
 CHANGES: dict[str, Callable[[Path], object]] = {
     "a generated file is gone": lambda p: (p / "setup.py").unlink(),
     "a generated file was edited": lambda p: (p / "setup.py").write_text("# mine\n"),
-    "the compiled monitor was edited": lambda p: (p / "src/conserta/compiled.py").write_text("#"),
     "an editable file is gone": lambda p: (p / "src/conserta/EDDIInput.py").unlink(),
     "the record of files is gone": lambda p: (p / ".eddi/manifest").unlink(),
     "its answers were edited": lambda p: edit(p / ".copier-answers.yml", "'10.0'", "'20.0'"),
@@ -84,31 +78,20 @@ CHANGES: dict[str, Callable[[Path], object]] = {
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES)
 def test_what_differs_is_put_right(
-    generate: Callable[[], list[str]], tmp_path: Path, change: Callable[[Path], object]
+    template: Template, root: Path, change: Callable[[Path], object]
 ) -> None:
-    generate()
-    package = tmp_path / "ws" / "conserta"
+    package = root / "conserta"
     before = tree(package, "kept")
     change(package)
-    assert generate() == ["conserta"]
+    assert write(template, root) == ["conserta"]
     assert tree(package, "kept") == before
 
 
-def test_a_hand_edit_stays(generate: Callable[[], list[str]], tmp_path: Path) -> None:
-    generate()
-    file = tmp_path / "ws" / "conserta" / "src" / "conserta" / "EDDIInput.py"
-    file.write_text(file.read_text().replace("= RtE_E0.data", "= RtE_E0.data and True"))
-    before = tree(tmp_path / "ws")
-    assert generate() == []
-    assert tree(tmp_path / "ws") == before
-
-
 def test_a_package_without_its_answers_is_not_taken_for_a_strangers(
-    write: Callable[[], WriteResult], tmp_path: Path
+    template: Template, root: Path
 ) -> None:
-    write()
-    (tmp_path / "ws" / "conserta" / ".copier-answers.yml").unlink()
+    (root / "conserta" / ".copier-answers.yml").unlink()
     with pytest.raises(EddiError) as refused:
-        write()
+        write(template, root)
     (problem,) = refused.value.problems
     assert (problem.code, "checkout -- .copier-answers.yml" in str(problem.hint)) == ("H012", True)

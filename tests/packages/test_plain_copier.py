@@ -22,13 +22,10 @@ ROS1, PLAIN = ("ros1", "ws/src/eddi_monitor", "-w"), ("plain", "ws", "-o")
 ROS2 = ("ros2", *ROS1[1:])
 ROBOT = ("--system", "rover.rossystem", "--models", "nodes")
 CASES = [
-    ("rover-events", "rover", "Rover.yml", "eddi_config.yml", PLAIN),
     ("robot-models", "rover", "Rover.yml", "eddi_config.yml", ROS1),
     ("motor-watch", "motor_watch", "motor_watch.events", "motor_config.yml", PLAIN),
-    ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", PLAIN),
     ("drone", "missionloss", "drone.xml", "reliability_config.yml", PLAIN),
     ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", PLAIN),
-    ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", ROS1),
     ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", ROS2),
 ]
 

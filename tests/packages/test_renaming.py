@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.packages.renaming import read_renames
+from eddi_scaffold.packages.renaming import Renames
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_reported
-from tests.updates.inputs import inputs_of, write_inputs
 from tests.updates.templates import git
 
 pytestmark = pytest.mark.slow
@@ -97,11 +96,14 @@ def check_moved(folder: Path) -> None:
     assert run("status", "-w", "ws", cwd=folder).status == 0
 
 
-def test_a_package_moves_with_everything_in_it(folder: Path) -> None:
+@pytest.mark.parametrize("killed", [False, True])
+def test_a_package_moves_with_everything_in_it(folder: Path, killed: bool) -> None:
     before = files_below(folder)
     dry = run(*RENAME, "--dry-run", cwd=folder)
     assert dry.status == 0
     assert files_below(folder) == before
+    if killed:  # a run that had moved the folder
+        (folder / OLD).rename(folder / NEW)
     result = run(*RENAME, cwd=folder)
     assert result.status == 0, result.err
     assert "note: conserta is called rover now; all in it moved along" in result.err
@@ -148,6 +150,7 @@ def test_own_text_with_the_old_name_is_told(folder: Path) -> None:
         (("Nothing=Rover",), "there is no package 'nothing'"),
         (("ConSertA=Other",), "this command makes no package 'other'"),
         (("ConSertA=Rover", "ConSertB=Rover"), "twice, or not at all"),
+        (("ConSertA=Rover", "Rover=ConSertA"), "twice, or not at all"),
     ],
 )
 def test_renames_that_cannot_be_made(folder: Path, words: tuple[str, ...], about: str) -> None:
@@ -172,14 +175,12 @@ def test_nothing_that_was_written_is_moved_over(folder: Path) -> None:
 
 
 def test_what_is_written_meanwhile_into_the_folder_that_makes_room_stays(folder: Path) -> None:
-    edit(folder / CONFIG_A, "conserta/guarantees", "rover/guarantees")
-    assert run(*GENERATE, cwd=folder).status == 3
-    renames = read_renames(["conserta=rover"], folder / PACKAGES, {"rover"})
-    own = folder / NEW / "src/rover/own.py"
-    own.write_text("")
+    (folder / NEW).mkdir()
+    renames = Renames({"rover": "conserta"}, {"rover": "conserta"})
+    (folder / NEW / "own.py").write_text("")
     with pytest.raises(EddiError, match="something in it was written by hand"):
         renames.move(folder / PACKAGES)
-    assert own.exists()
+    assert (folder / NEW / "own.py").exists()
     assert (folder / OLD).is_dir()
 
 
@@ -212,54 +213,3 @@ def commit(folder: Path) -> Path:
     name = ("-c", "user.name=T", "-c", "user.email=t@example.org")
     git(folder, *name, "commit", "-qm", "work")
     return folder
-
-
-# models that swap their names ---------------------------------------------------------------------
-def make(folder: Path, swapped: bool, *options: str) -> list[object]:
-    """Return commands for two models with the same inputs, as they were or with swapped names."""
-    order = [["one", "two"], ["two", "one"]]
-    commands: list[object] = []
-    for name, inputs in zip(("Left", "Right"), order[::-1] if swapped else order, strict=True):
-        model, config = write_inputs(folder / f"{name}{swapped}", inputs_of(inputs))
-        renamed = model.rename(model.with_name(f"{name}.yml"))
-        text = (
-            config.read_text()
-            .replace("id: Rover", f"id: {name}")
-            .replace("id: rover", f"id: {name.lower()}")
-        )
-        text = text.replace("/rover/", f"/{name.lower()}/")
-        config.write_text(
-            text.replace(
-                "type: ConSert\n", f"type: ConSert\n  parameters: [{{model: {renamed.name}}}]\n"
-            )
-        )
-        commands += ["-c", config]
-    return ["generate", "--platform", "plain", "-o", "pl", *commands, *options]
-
-
-@pytest.fixture
-def two(tmp_path: Path) -> Path:
-    made = run(*make(tmp_path, swapped=False), cwd=tmp_path)
-    assert made.status == 0, made.err
-    for name in ("left", "right"):
-        place = tmp_path / "pl" / name / "EDDIInput.py"
-        edit(place, "        self.one = S_one.data\n", f"        self.one = 0  # of_{name}\n")
-    return tmp_path
-
-
-def test_packages_swap_their_names(two: Path) -> None:
-    options = ("--rename", "left=right", "--rename", "right=left")
-    result = run(*make(two, True, *options), cwd=two)
-    assert result.status == 0, result.err
-    assert "# of_right\n" in (two / "pl/left/EDDIInput.py").read_text()
-    assert "# of_left\n" in (two / "pl/right/EDDIInput.py").read_text()
-    assert run("status", "-w", "pl", cwd=two).status == 0
-
-
-@pytest.mark.parametrize("killed_after", [1, 2, 3])
-def test_a_swap_is_finished_after_a_run_that_was_killed(two: Path, killed_after: int) -> None:
-    moves = [("left", ".left.renamed"), ("right", "left"), (".left.renamed", "right")]
-    for old, new in moves[:killed_after]:
-        (two / "pl" / old).rename(two / "pl" / new)
-    test_packages_swap_their_names(two)
-    assert not list((two / "pl").glob(".*"))

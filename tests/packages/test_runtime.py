@@ -33,17 +33,22 @@ def plain(place: Path, *words: str) -> Path:
     return place / "conserta"
 
 
-@pytest.fixture
-def packages(tmp_path: Path) -> Path:
-    """Return the packages of a workspace with one monitor and code of a person."""
-    (tmp_path / "src").mkdir()
-    generate(tmp_path, "a")
-    folder = tmp_path / "src" / "eddi_monitor"
-    code = folder / "conserta" / "src" / "conserta" / "EDDIInput.py"
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A workspace with one monitor and code of a person."""
+    folder = tmp_path_factory.mktemp("made")
+    (folder / "src").mkdir()
+    generate(folder, "a")
+    code = folder / "src/eddi_monitor/conserta/src/conserta/EDDIInput.py"
     text = code.read_text("utf-8")
     assert text.count("        self.RtE_A_E0 = RtE_E0.data\n") == 1
     code.write_text(text.replace("        self.RtE_A_E0 = RtE_E0.data\n", MINE), "utf-8")
     return folder
+
+
+@pytest.fixture
+def packages(generated: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(generated, tmp_path / "ws"), "src/eddi_monitor")
 
 
 def manifests(packages: Path) -> dict[str, str]:
@@ -82,14 +87,6 @@ def test_all_monitors_of_a_workspace_change_together(packages: Path) -> None:
     assert KEY not in "".join(manifests(packages).values())
     assert code.read_text("utf-8").count(MINE) == 1
     assert run("status", "-w", place, cwd=place).status == 0
-
-
-def test_a_new_monitor_follows_those_that_are_there(packages: Path) -> None:
-    place = packages.parents[1]
-    generate(place, "a", "--runtime", "installed")
-    generate(place, "b")
-    assert KEY in manifests(packages)["consertb"]
-    assert not (packages / RUNTIME).exists()
 
 
 def test_edits_of_the_runtime_are_kept_aside(packages: Path) -> None:
@@ -142,20 +139,6 @@ def test_a_plain_package(tmp_path: Path) -> None:
     assert "self.RtE_A_E0 = 1 == 1" in text
     shutil.rmtree(package)
     assert not (plain(tmp_path, "--runtime", "installed") / RUNTIME).exists()
-
-
-def test_a_renamed_monitor_keeps_it(packages: Path) -> None:
-    place = packages.parents[1]
-    generate(place, "a", "--runtime", "installed")
-    config = (EXAMPLE / "consert_a_config.yml").read_text("utf-8")
-    model = (place / "model.xml", MODEL.read_text("utf-8").replace('"ConSertA"', '"ConSertX"'))
-    model[0].write_text(model[1], "utf-8")
-    (place / "config.yml").write_text(config.replace("id: ConSertA", "id: ConSertX"), "utf-8")
-    words = ("-m", model[0], "-c", "config.yml", "--rename", "ConSertA=ConSertX")
-    done = run("generate", "-w", place, *words, cwd=place)
-    assert done.status in {0, 3}, done.err
-    assert KEY in manifests(packages)["consertx"]
-    assert not (packages / RUNTIME).exists()
 
 
 def test_no_other_place_is_known(tmp_path: Path) -> None:

@@ -31,13 +31,13 @@ def test_files_are_written_and_replaced(root: Path) -> None:
 
 
 def test_a_full_disk_leaves_all_as_it_was(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real, before = writing.write_durably, files_below(root)
+    real, before = writing.write_file, files_below(root)
 
     def full(path: Path, data: bytes, mode: int) -> None:
         real(path, data[: len(data) // 2], mode)
         raise OSError(28, "No space left on device", str(path))
 
-    monkeypatch.setattr(writing, "write_durably", full)
+    monkeypatch.setattr(writing, "write_file", full)
     with pytest.raises(EddiError, match="cannot write: No space left on device") as failure:
         write(root, CHANGES, BEFORE)
     assert failure.value.problems[0].code == "F002"

@@ -44,35 +44,25 @@ def test_a_committed_file_is_read_byte_for_byte(work: Path) -> None:
     assert not mark.exists()
 
 
-def test_what_is_no_file_of_the_folder_has_no_text(work: Path) -> None:
-    assert former_lines(work / "src" / "pkg", "none.py") == []
-
-
-def test_a_folder_is_found_by_a_link_as_well(work: Path, tmp_path: Path) -> None:
+def test_a_folder_is_found_by_a_link_as_a_worktree_and_as_a_submodule(
+    work: Path, tmp_path: Path
+) -> None:
     (tmp_path / "link").symlink_to(work / "src" / "pkg")
-    assert former_lines(tmp_path / "link", "a.py") == LINES
-
-
-def test_a_linked_worktree_is_one(work: Path, tmp_path: Path) -> None:
     git(work, "worktree", "add", "--quiet", str(tmp_path / "other"))
-    assert former_lines(tmp_path / "other" / "src" / "pkg", "a.py") == LINES
+    above = tmp_path / "above"
+    above.mkdir()
+    git(above, "init", "--quiet", "--initial-branch=main")
+    git(above, "-c", "protocol.file.allow=always", "submodule", "--quiet", "add", str(work), "sub")
+    for folder in ("link", "other/src/pkg", "above/sub/src/pkg"):
+        assert former_lines(tmp_path / folder, "a.py") == LINES
 
 
-def test_a_submodule_is_one(work: Path, tmp_path: Path) -> None:
-    around = tmp_path / "around"
-    around.mkdir()
-    git(around, "init", "--quiet", "--initial-branch=main")
-    git(around, "-c", "protocol.file.allow=always", "submodule", "--quiet", "add", str(work), "sub")
-    assert (around / "sub" / ".git").is_file()
-    assert former_lines(around / "sub" / "src" / "pkg", "a.py") == LINES
-
-
-def test_no_repository_no_text(tmp_path: Path) -> None:
+def test_where_there_is_nothing_there_is_no_text(
+    work: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert former_lines(work / "src" / "pkg", "none.py") == []
     assert former_lines(tmp_path, "a.py") == []
-
-
-def test_no_git_no_text(work: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(work))
+    monkeypatch.setenv("PATH", str(work))  # without git
     assert former_lines(work / "src" / "pkg", "a.py") == []
 
 
@@ -102,8 +92,5 @@ def test_a_pipe_in_a_configuration_is_not_waited_for(work: Path) -> None:
     git(work, "config", "include.path", "pipe")
     with pytest.raises(GitError, match="no answer"):
         tool.git("cat-file", "blob", "HEAD:a", repository=work / ".git", limit_s=0.5)
-
-
-def test_a_reason_is_what_git_said(tmp_path: Path) -> None:
     with pytest.raises(GitError, match="not a git repository"):
-        tool.git("cat-file", "blob", "HEAD:a", repository=tmp_path)
+        tool.git("cat-file", "blob", "HEAD:a", repository=work.parent)

@@ -163,8 +163,6 @@ METHODS = f"""class C:
             ("end marker of the region, which begins in line 13", "before line 15"),
         ),
         (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: b\n", 2, ("'a'", "line 2")),
-        (f"{BEGIN}  # region: a\n{BEGIN}  # region: b\n{END}  # region: a\n", 2, ("remove this",)),
-        (f"{BEGIN}  # region: a\n{BEGIN}  # region: a\n{END}  # region: a\n", 2, ("remove this",)),
     ],
 )
 def test_one_marker_that_is_missing_or_too_many_is_one_fault(

@@ -19,7 +19,8 @@ from hypothesis import settings
 from eddi_scaffold.regions.check import list_regions, plan_accept
 from eddi_scaffold.regions.marked_file import MarkedFile, Region, parse
 from eddi_scaffold.regions.markers import Digests, begin_marker, digest, end_marker, normal
-from eddi_scaffold.regions.sync import Plan, plan_sync
+from eddi_scaffold.regions.package import Plan
+from eddi_scaffold.regions.sync import plan_sync
 from tests.updates.inputs import Input
 from tests.updates.world import Result, World
 
@@ -130,7 +131,7 @@ class Bare:
             return Result(2, said)
         if command == "killed" and plan.steps:
             number = random.Random(str(plan.steps)).randrange(len(plan.steps))
-            part = replace(plan, steps=plan.steps[:number])
+            part = plan._replace(steps=plan.steps[:number])
             part.prepare()
             part.finish()
             again = self.bring("")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.package import ANSWERS, EDDI, KEPT, MANIFEST, move_in
+from eddi_scaffold.regions.package import ANSWERS, EDDI, KEPT, MANIFEST
 from eddi_scaffold.regions.sync import plan_sync
 
 IGNORED = f"{EDDI}/.gitignore"
@@ -63,8 +63,9 @@ def finish(package: Path, then: Path, records: Mapping[str, bytes | None] = RECO
 def killed(package: Path, then: Path, after: int, records: Mapping[str, bytes | None]) -> int:
     """Finish a part of a sync; returns of how many steps."""
     plan = plan_sync(package, then, records)
-    plan.prepare()
-    move_in(package, plan.steps[:after])
+    part = plan._replace(steps=plan.steps[:after])
+    part.prepare()
+    part.finish()
     return len(plan.steps)
 
 

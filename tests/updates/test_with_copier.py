@@ -103,10 +103,10 @@ class OnlyCopier:
 
 _PLACES = {
     "ros1": ("ros1", START, "update"),
-    "ros2": ("ros2", START, "copy"),
+    "ros2": ("ros2", START, ""),
     "plain": ("plain", START, "recopy"),
-    "network": ("plain", (), "copy"),
-    "ros2-network": ("ros2", (), "update"),
+    "network": ("plain", (), ""),
+    "ros2-network": ("ros2", (), "copy"),
 }
 """Platform, inputs and the command with which the quick profile is content."""
 

@@ -1,24 +1,21 @@
-"""``adopt`` as a function: an old package becomes bodies, a configuration and a model."""
+"""``adopt`` as functions: an old package becomes bodies, configuration, model and a new package."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import attribute, package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.kinds import DeclaredInput, JsonValue, Kind, Model, Options, kinds
+from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models, is_config, read_models, select_models
-from eddi_scaffold.packages.adopting.old_package import (
-    Body,
-    OldPackage,
-    ParsedModule,
-    read_old_package,
-    whole_body,
-)
+from eddi_scaffold.packages.adopting.old_package import OldPackage, ParsedModule, read_old_package
 from eddi_scaffold.packages.adopting.proposals import BodyUse, foreign, use_of
 from eddi_scaffold.packages.adopting.wiring import (
     OldInput,
@@ -27,7 +24,13 @@ from eddi_scaffold.packages.adopting.wiring import (
     published_ids,
     read_wiring,
 )
-from eddi_scaffold.regions.choosing import Body as SavedBody
+from eddi_scaffold.packages.assembly import assemble, monitors_of
+from eddi_scaffold.packages.generation import WriteResult, write_packages
+from eddi_scaffold.packages.rendering import Template
+from eddi_scaffold.packages.transaction import FileState, write
+from eddi_scaffold.packages.workspace import packages_root
+from eddi_scaffold.platforms import Platform
+from eddi_scaffold.regions.choosing import Body
 from eddi_scaffold.regions.marked_file import Region
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
@@ -36,35 +39,23 @@ _BY_CLASS: Mapping[str, JsonValue] = {"guarantee_ids": "class"}
 
 @dataclass(frozen=True)
 class Adoption:
-    """What was found in an old package.
-
-    Attributes:
-        id: the ``Model: id`` of the recovered configuration, which names the package.
-        model: the model.
-        model_file: the file that it was read from.
-        model_name: the name that this file gets.
-        bodies: hand-written bodies by region.
-        fitting: the regions of those that were written for just these inputs or states.
-        headers: module -> the comments above all else in it.
-        rejects: module -> text of what a person wrote outside of the places for it.
-        notes: what the user must know, one line each.
-    """
+    """What was found in an old package."""
 
     old: OldPackage
-    id: str
+    id: str  # the `Model: id` of the recovered configuration, which names the new package
     model: Model
-    kind: Kind
-    model_file: Path
-    model_name: str
-    wiring: Wiring
-    bodies: tuple[SavedBody, ...]
-    fitting: frozenset[str]
-    rejects: dict[str, str]
-    notes: tuple[str, ...]
+    model_file: Path  # the file that it was read from
+    model_name: str  # the name that this file gets
+    wiring: Wiring  # the content of the configuration
+    bodies: Sequence[Body]  # hand-written bodies by region
+    fitting: frozenset[str]  # the regions of those that were written for these inputs or states
+    rejects: dict[str, str]  # module -> text of what a person wrote outside of the places for it
+    notes: Sequence[str]  # what the user must know, one line each
 
     def config(self) -> str:
         """Return the text of the recovered configuration."""
-        return self.wiring.as_yaml(self.id, self.kind.config_types[0], self.model_name)
+        kind = kinds()[self.model.kind]
+        return self.wiring.as_yaml(self.id, kind.config_types[0], self.model_name)
 
 
 def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
@@ -79,71 +70,80 @@ def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
         EddiError: the package or the model cannot be used (A001, A002).
     """
     old = read_old_package(folder)
-    wanted = name or old.name
+    name = name or old.name
     file, models = _models(old, model_file)
-    model = _chosen(models, wanted)
+    model = _chosen(models, name)
     # networks of several packages have one name, GeNIe's, but files of their own
-    wanted = wanted or model.file_stem or model.name
-    id_ = model.name if package_name(wanted) == package_name(model.name) else wanted
-    own = model_file is None and model.file_stem
+    name = name or model.file_stem or model.name
+    id_ = model.name if package_name(name) == package_name(model.name) else name
+    own = model.file_stem if model_file is None else None
     renamed = own and package_name(own) != package_name(id_)
-    model_name = f"{package_name(id_)}{file.suffix}" if renamed else file.name
-    kind = kinds()[model.kind]
     wiring = _of_the_model(read_wiring(old.node, old.eddi_input, old.config), model)
     published = published_ids(old.monitor)
-    by_class = _options(published, model)
-    uses = _uses(old.config, {input_.id for input_ in wiring.inputs if input_.known_type == "bool"})
-    nodes = _nodes(model)
-    observed = [nodes[name] for name, use in uses.items() if use.observed and name in nodes]
+    choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
+    by_class = next((choice for choice in choices if published <= _guarantees(model, choice)), {})
+    truths = {input_.id for input_ in wiring.inputs if input_.known_type == "bool"}
+    uses = dict(_uses(old.config, truths))
+    methods = [method for module in model.editable_modules() for method in module.methods]
+    nodes = {method.name.removeprefix("node_"): method.about for method in methods}
+    observed = [nodes[node] for node, use in uses.items() if use.observed and node in nodes]
     options = {**by_class, **({"observed": observed} if observed else {})}
-    wiring = replace(wiring, options=options)
     notes: list[str] = []
-    bodies: list[SavedBody] = []
+    bodies: list[Body] = []
     rejects: dict[str, str] = {}
     for module, prefix in ((old.eddi_input, "process_"), (old.config, "node_")):
         if module is None:
             continue
         bodies += _bodies(module, prefix)
-        if module.header.strip():
-            bodies.append(_saved(f"{module.path.stem}.module", module, "", module.header))
-        text = "\n\n".join(
-            f"# line {getattr(one, 'lineno', 0)}\n{module.commented(one)}"
-            for one in foreign(module, prefix)
-        )
-        if text:
-            rejects[module.path.name] = text + "\n"
+        statements = [f"# line {s.lineno}\n{module.text_of(s)}" for s in foreign(module, prefix)]
+        if statements:
+            rejects[module.path.name] = "\n\n".join(statements) + "\n"
             notes.append(f"{module.path}: lines outside of the regions are kept in .eddi/kept")
         notes += [
-            f"{module.path}: this import is not carried over: {module.segment(import_)}"
+            f"{module.path}: this import is not carried over: {ast.unparse(import_)}"
             for import_ in module.imports
             if not _is_frame_import(import_)
         ]
-    fitting = {*_fitting_inputs(old.eddi_input, wiring), *_fitting_nodes(old.config, model)}
+    # methods that get the messages, and have the states, that they had before
+    old_inputs = old.eddi_input.methods if old.eddi_input is not None else {}
+    old_nodes = old.config.methods if old.config is not None else {}
+    fitting = {
+        f"process_{attribute(input_.id)}"
+        for input_ in wiring.inputs
+        if (method := old_inputs.get(f"process_{input_.id}"))
+        and method.arguments == input_.requires
+    }
+    fitting |= {
+        new.name
+        for new in methods
+        if (method := old_nodes.get(new.name))
+        and {*_outcomes(method.tree), "dra_data"} == {*new.uses}
+    }
     notes += [f"not recovered: {what}" for what in wiring.lost]
     if by_class:
         shown = ", ".join(f"{key}: {value}" for key, value in by_class.items())
         notes.append(f"{shown}: the old monitor publishes {', '.join(sorted(published))}")
-    notes += _by_class(compared_texts(old.eddi_input), models)
-    notes += [_report(name, use) for name, use in uses.items()]
+    for other in models:  # whose ids hand-written code compares
+        names = _guarantees(other, _BY_CLASS) - _guarantees(other, {})
+        if compared := ", ".join(sorted(names & compared_texts(old.eddi_input))):
+            publishes = f"{other.name} publishes this with `guarantee_ids: class` only"
+            notes.append(f"{compared}: {publishes}")
+    for node, use in uses.items():
+        what = (("observed by code", use.observed), ("an output", use.output))
+        line = f"{node}: {' and '.join(text for text, holds in what if holds) or 'unused'}"
+        notes.append(f"{line}; could be declared: {use.proposal}" if use.proposal else line)
     return Adoption(
         old=old,
         id=id_,
         model=model,
-        kind=kind,
         model_file=file,
-        model_name=model_name,
-        wiring=wiring,
-        bodies=tuple(bodies),
+        model_name=f"{package_name(id_)}{file.suffix}" if renamed else file.name,
+        wiring=replace(wiring, options=options),
+        bodies=bodies,
         fitting=frozenset(fitting),
         rejects=rejects,
-        notes=tuple(notes),
+        notes=notes,
     )
-
-
-def _options(published: frozenset[str], model: Model) -> Mapping[str, JsonValue]:
-    """Return what the configuration must say for the monitor to publish the ids of the old one."""
-    choices: Sequence[Mapping[str, JsonValue]] = ({}, _BY_CLASS)
-    return next((choice for choice in choices if published <= _guarantees(model, choice)), {})
 
 
 def _guarantees(model: Model, options: Mapping[str, JsonValue]) -> set[str]:
@@ -152,34 +152,9 @@ def _guarantees(model: Model, options: Mapping[str, JsonValue]) -> set[str]:
     return {*(configured or model).element_keys().get("guarantees", ())}
 
 
-def _by_class(texts: Collection[str], models: Sequence[Model]) -> Iterator[str]:
-    """Report class names with which hand-written code compares the ids of other monitors."""
-    for model in models:
-        names = _guarantees(model, _BY_CLASS) - _guarantees(model, {})
-        if found := names & {*texts}:
-            shown = ", ".join(sorted(found))
-            yield f"{shown}: {model.name} publishes this with `guarantee_ids: class` only"
-
-
-def _fitting_inputs(module: ParsedModule | None, wiring: Wiring) -> Iterator[str]:
-    """Yield the regions of inputs whose messages the methods get by the same names as before."""
-    for input_ in wiring.inputs:
-        method = module.methods.get(f"process_{input_.id}") if module is not None else None
-        if method is not None and method.arguments == input_.requires:
-            yield f"process_{attribute(input_.id)}"
-
-
-def _fitting_nodes(module: ParsedModule | None, model: Model) -> Iterator[str]:
-    """Yield the regions of nodes whose methods have the outcomes that they had before."""
-    for new in (one for each in model.editable_modules() for one in each.methods):
-        method = module.methods.get(new.name) if module is not None else None
-        if method is not None and {*_outcomes(method.tree), "dra_data"} == {*new.uses}:
-            yield new.name
-
-
-def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]:
-    if given is not None:
-        return given, checked_models(given).models
+def _models(old: OldPackage, named: Path | None) -> tuple[Path, Sequence[Model]]:
+    if named is not None:
+        return named, checked_models(named).models
     damage: list[Problem] = []
     for path in old.models:
         source = read_source(path)
@@ -193,15 +168,13 @@ def _models(old: OldPackage, given: Path | None) -> tuple[Path, Sequence[Model]]
 
 
 def _chosen(models: Sequence[Model], name: str | None) -> Model:
-    """Return the only model of a file, or the one that is called as the package.
-
-    Raises:
-        EddiError: none is called so (F005), or there is no name to choose by (G005).
-    """
-    if len(models) > 1 and name is None:
+    """Return the only model of a file, or the one that is called as the package (F005, G005)."""
+    if len(models) == 1:
+        return models[0]
+    if name is None:
         names = ", ".join(model.name for model in models)
         raise EddiError(problem("G005.several", Place(models[0].source.name), names=names))
-    return models[0] if len(models) == 1 else select_models(models, name)[0]
+    return select_models(models, name)[0]
 
 
 def _of_the_model(wiring: Wiring, model: Model) -> Wiring:
@@ -215,80 +188,52 @@ def _of_the_model(wiring: Wiring, model: Model) -> Wiring:
     inputs: list[OldInput] = []
     lost = list(wiring.lost)
     for input_ in wiring.inputs:
-        item = known.get(input_.id)
+        default, item = input_.default, known.get(input_.id)
         if item is None:
             lost.append(f"the input {input_.id!r}, which the model does not have")
-        elif (
-            input_.default is not None and item.is_good is not None and item.is_good(input_.default)
-        ):
-            lost.append(
-                f"the default {input_.default!r} of {input_.id!r}: it counted as good evidence"
-            )
-            inputs.append(replace(input_, default=None))
-        else:
-            inputs.append(input_)
+            continue
+        if default is not None and item.is_good is not None and item.is_good(default):
+            lost.append(f"the default {default!r} of {input_.id!r}: it counted as good evidence")
+            default = None
+        inputs.append(replace(input_, default=default))
     if not wiring.inputs:
         lost += [f"the input {name!r}: there is no method process_{name}" for name in known]
-    return replace(wiring, inputs=tuple(inputs), lost=tuple(lost))
+    return replace(wiring, inputs=inputs, lost=lost)
 
 
-def _nodes(model: Model) -> dict[str, str]:
-    """Return name in Python -> id of each node."""
-    methods = [method for module in model.editable_modules() for method in module.methods]
-    return {method.name.removeprefix("node_"): method.about for method in methods}
-
-
-def _bodies(module: ParsedModule, prefix: str) -> Iterator[SavedBody]:
+def _bodies(module: ParsedModule, prefix: str) -> Iterator[Body]:
+    """Yield the bodies of a module, and its header, as if a package of ours had saved them."""
+    texts = {f"{module.path.stem}.module": ("", module.header)}
     for method in module.methods.values():
-        if not method.name.startswith(prefix):
-            continue
-        body: Body | None = method.body
-        if body is None and prefix == "process_":
-            body = whole_body(method, module)
-        if body is not None and body.text.strip():
-            yield _saved(method.name, module, body.indent, body.text)
+        if method.name.startswith(prefix):
+            bare = prefix == "process_" and method.body is None
+            if body := module.whole_body(method) if bare else method.body:
+                texts[method.name] = body.indent, body.text
+    for id_, (indent, text) in texts.items():
+        if text.strip():
+            begin, end = f"{indent}{begin_marker(id_)}", f"{indent}{end_marker(id_)}"
+            lines = f"{text.removesuffix(chr(10))}\n"
+            region = Region(id_, Digests(), (), None, 1, begin, lines, end)
+            yield Body(region, module.path.name, kept=True)
 
 
-def _saved(region: str, module: ParsedModule, indent: str, text: str) -> SavedBody:
-    """Return a body as it would have been saved from a package of ours."""
-    begin, end = f"{indent}{begin_marker(region)}", f"{indent}{end_marker(region)}"
-    text = text if text.endswith("\n") else f"{text}\n"
-    made = Region(region, Digests(), (), None, 1, begin, text, end)
-    return SavedBody(made, module.path.name, kept=True)
-
-
-def _uses(config: ParsedModule | None, truths: Collection[str]) -> dict[str, BodyUse]:
-    """Return what the body of each node's method does, by the node's name in Python."""
-    methods = config.methods.values() if config is not None else ()
-    return {
-        (name := method.name.removeprefix("node_")): use_of(
-            name, method.body, _outcomes(method.tree), truths
-        )
-        for method in methods
-        if method.name.startswith("node_") and method.body is not None
-    }
-
-
-def _report(name: str, use: BodyUse) -> str:
-    """Return what the body of a node does, and what could be declared instead."""
-    words = [
-        word
-        for word, holds in (("observed by code", use.observed), ("an output", use.output))
-        if holds
-    ]
-    line = f"{name}: {' and '.join(words) or 'unused'}"
-    return f"{line}; could be declared: {use.proposal}" if use.proposal else line
+def _uses(config: ParsedModule | None, truths: set[str]) -> Iterator[tuple[str, BodyUse]]:
+    """Yield what the body of each node's method does, with the node's name in Python."""
+    for method in config.methods.values() if config is not None else ():
+        if method.name.startswith("node_") and method.body is not None:
+            name = method.name.removeprefix("node_")
+            yield name, use_of(name, method.body, _outcomes(method.tree), truths)
 
 
 def _outcomes(tree: ast.FunctionDef) -> dict[str, str]:
     """Return variable -> state, from the dictionary that the method returns."""
-    found = {}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Dict):
-            for key, value in zip(node.keys, node.values, strict=True):
-                if isinstance(key, ast.Constant) and isinstance(value, ast.Name):
-                    found[value.id] = str(key.value)
-    return found
+    return {
+        value.id: str(key.value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Dict)
+        for key, value in zip(node.keys, node.values, strict=True)
+        if isinstance(key, ast.Constant) and isinstance(value, ast.Name)
+    }
 
 
 def _is_frame_import(node: ast.stmt) -> bool:
@@ -298,6 +243,85 @@ def _is_frame_import(node: ast.stmt) -> bool:
     return module in {"typing", "__future__"} or module.endswith(".msg") or names == ["rospy"]
 
 
-def leftover(old: OldPackage, taken: Sequence[Path]) -> list[str]:
-    """Return the files of the old package that are not needed any more, as one would list them."""
-    return [str(old.folder / file) for file in old.files if old.folder / file not in taken]
+def write_adopted(
+    adoption: Adoption, platform: Platform, place: Path, template: Template, *, dry_run: bool
+) -> tuple[WriteResult, Sequence[Problem], Sequence[str]]:
+    """Generate the new package with the old bodies in its regions, its configuration and its model.
+
+    Returns:
+        What was written, problems, and a report in lines.
+
+    Raises:
+        EddiError: the new package, or another file in the place of its model or configuration, is
+            there already (G003), the place is in the old package (G006), or it cannot be
+            generated.
+    """
+    if place.resolve().is_relative_to(adoption.old.folder.resolve()):
+        raise EddiError(problem("G006.old_package", Place(str(place))))
+    root = packages_root(platform, place)
+    package = package_name(adoption.id)
+    if os.path.lexists(root / package):
+        raise EddiError(problem("G003.package_exists", Place(str(root / package))))
+    config_name = f"{package}_config.yml"
+    model = read_source(adoption.model_file).data
+    files = {config_name: adoption.config().encode(), adoption.model_name: model}
+    new: dict[str, FileState] = {}
+    for name, data in files.items():
+        if not os.path.lexists(place / name):
+            new[name] = FileState(data)
+        elif read_source(place / name).data != data:
+            raise EddiError(problem("G003.file_exists", Place(str(place / name))))
+    with tempfile.TemporaryDirectory(prefix="eddi-scaffold-") as scratch:
+        for name, data in files.items():
+            Path(scratch, name).write_bytes(data)
+        try:
+            monitors, problems = monitors_of(None, [Path(scratch, config_name)])
+            plan = assemble(monitors, platform, root, problems)
+        except EddiError as failed:
+            raise EddiError(*(_at_place(problem, place) for problem in failed.problems)) from None
+    rejects = {f"{name}.adopted": text.encode() for name, text in adoption.rejects.items()}
+    bodies = [
+        body._replace(fits=body.region.id in adoption.fitting or body.region.id.endswith(".module"))
+        for body in adoption.bodies
+    ]
+    packages = [
+        replace(new, saved=bodies, adopted=rejects) if new.folder == package else new
+        for new in plan.packages
+    ]
+    outcome = write_packages(root, packages, template, dry_run=dry_run)
+    (answers,) = (made.answers for made in packages if made.folder == package)
+    regions = {*_regions(answers)}
+    homeless = {body.region.id for body in bodies} - regions
+    look = outcome.attention or bool(adoption.rejects or adoption.wiring.lost or homeless)
+    problems = [_at_place(problem, place) for problem in plan.problems]
+    report: list[str] = []
+    if not dry_run:
+        write(place, new)
+        report = [f"written: {place / name}" for name in files]
+        for body in bodies:
+            kept = "kept in .eddi/kept: it has no region here"
+            where = kept if body.region.id in homeless else "in its region"
+            report.append(f"{body.region.id}: the body is {where}")
+        needed = "are not needed any more, and"
+        if adoption.wiring.lost:
+            needed = "are needed until you have written what was not recovered; they"
+        report.append(f"the old files {needed} were left as they are:")
+        old_files = (adoption.old.folder / file for file in adoption.old.files)
+        report += [f"  {file}" for file in old_files if file != adoption.model_file]
+    return replace(outcome, attention=look), problems, report
+
+
+def _regions(answers: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the regions of the modules of a package."""
+    yield "EDDIInput.module"
+    yield from (f"process_{input_['attribute']}" for input_ in answers["inputs"])
+    for module in answers["modules"]:
+        yield f"{module['name']}.module"
+        yield from (method["name"] for method in module["methods"])
+
+
+def _at_place(problem: Problem, folder: Path) -> Problem:
+    """Name a file by its final path, not by that of the trial."""
+    place = problem.place
+    moved = replace(place, file=str(folder / Path(place.file).name)) if place.file else place
+    return replace(problem, place=moved)

@@ -6,7 +6,6 @@ Nothing is executed: syntax trees and lines of text only.
 from __future__ import annotations
 
 import ast
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,42 +17,33 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_package_name, package_name
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.marked_file import split_lines
-from eddi_scaffold.regions.markers import indent_of, read_marker
+from eddi_scaffold.regions.markers import Marker, indent_of, read_marker
+from eddi_scaffold.regions.package import entries
 
 _CODING = re.compile(r"#.*coding[:=]")
-_NO_END = "the region has no end marker; put it back below the hand code"
-_MARKER = re.compile(r"(?<!-)-{3,}\s*Manual edit (begin|end)\s*-{3,}", re.IGNORECASE)
+_MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
+_RECORDS = ".eddi"
+_EDITED = ("EDDIInput.py", "bayesian_network_config.py")
+_MANIFEST = "package.xml"
+_NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
 
 
 @dataclass(frozen=True)
 class Body:
-    """What a person wrote into a method.
-
-    Attributes:
-        text: lines, with their line ends.
-        indent: blanks before it.
-        line: where it begins.
-    """
+    """What a person wrote into a method: lines with their ends, and the blanks before it."""
 
     text: str
     indent: str
-    line: int
 
 
 @dataclass(frozen=True)
 class Method:
-    """One method of a class.
-
-    Attributes:
-        tree: its syntax tree.
-        body: between the markers; ``None`` where there are none.
-        outside: its statements that lie outside of the markers.
-    """
+    """One method of a class."""
 
     name: str
     tree: ast.FunctionDef
-    body: Body | None
-    outside: tuple[ast.stmt, ...]
+    body: Body | None  # between the markers; `None` where there are none
+    outside: tuple[ast.stmt, ...]  # its statements that lie outside of the markers
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -63,47 +53,40 @@ class Method:
 
 @dataclass(frozen=True)
 class ParsedModule:
-    """One module.
-
-    Attributes:
-        path: of the file.
-        lines: of the file, which end with a line feed.
-        methods: of its classes, by name.
-        other: statements that are neither an import, a class nor a docstring.
-        imports: import statements.
-        header: comments above all else, such as of a licence.
-    """
+    """One module."""
 
     path: Path
-    lines: tuple[str, ...]
-    methods: dict[str, Method]
-    other: tuple[ast.stmt, ...]
-    imports: tuple[ast.stmt, ...]
-    header: str
+    lines: Sequence[str]  # of the file, which end with a line feed
+    methods: dict[str, Method]  # of its classes, by name
+    other: Sequence[ast.stmt]  # statements that are neither an import, a class nor a docstring
+    imports: Sequence[ast.stmt]
+    header: str  # comments above all else, such as of a licence
 
-    def segment(self, node: ast.AST) -> str:
-        """Return the source of a statement."""
-        if not isinstance(node, ast.stmt):
-            return ""
-        lines = [line.encode() for line in self.lines[node.lineno - 1 : node.end_lineno]]
-        lines[-1] = lines[-1][: node.end_col_offset]
-        before = lines[0][: node.col_offset].decode()
-        lines[0] = re.sub(r"\S", " ", before).encode() + lines[0][node.col_offset :]
-        return b"".join(lines).decode()
-
-    def commented(self, node: ast.AST) -> str:
-        """Return the source of a statement with its decorators, and comments above and behind."""
-        text = self.segment(node)
-        if not isinstance(node, ast.stmt) or node.end_lineno is None:
-            return text
-        behind = self.lines[node.end_lineno - 1].encode()[node.end_col_offset :].decode().rstrip()
-        if behind.lstrip().startswith("#"):
-            text += behind
+    def text_of(self, node: ast.stmt) -> str:
+        """Return the lines of a statement, with its decorators and comments above."""
         decorators = getattr(node, "decorator_list", ())
         start = min([node.lineno, *(decorator.lineno for decorator in decorators)]) - 1
         while not node.col_offset and start and self.lines[start - 1].startswith("#"):
             start -= 1
-        return "".join(self.lines[start : node.lineno - 1]) + text
+        return "".join(self.lines[start : node.end_lineno]).rstrip("\n")
+
+    def whole_body(self, method: Method) -> Body | None:
+        """Return all statements of a method without markers, its comments included.
+
+        ``None`` for one that holds nothing but the assignment of None that was generated.
+        """
+        match [node for node in method.outside if not isinstance(node, ast.Pass)]:
+            case [] | [ast.Assign(value=ast.Constant(value=None))]:
+                return None
+        head, first = method.tree.lineno, method.tree.body[0].lineno
+        above = range(head + 1, first)
+        start = next((n for n in above if self.lines[n - 1].strip().startswith("#")), first)
+        text = "".join(
+            line
+            for line in self.lines[start - 1 : method.tree.end_lineno]
+            if line.strip().upper() != "# TODO"
+        )
+        return Body(text if text.endswith("\n") else f"{text}\n", indent_of(self.lines[first - 1]))
 
 
 def read_module(path: Path) -> ParsedModule:
@@ -123,26 +106,20 @@ def read_module(path: Path) -> ParsedModule:
         place = Place(str(path), failed.lineno, failed.offset)
         raise EddiError(problem("A001.syntax", place, msg=failed.msg)) from None
     lines = split_lines(text)
-    methods: dict[str, Method] = {}
-    other: list[ast.stmt] = []
-    imports: list[ast.stmt] = []
-    for node in tree.body:
-        if isinstance(node, ast.ClassDef):
-            functions = [one for one in node.body if isinstance(one, ast.FunctionDef)]
-            faults = [fault for function in functions for fault in _faults(function, lines)]
-            if faults:
-                raise EddiError(
-                    *(
-                        problem("H010", Place(str(path), line), reason=reason)
-                        for line, reason in faults
-                    )
-                )
-            methods |= {function.name: _method(function, lines) for function in functions}
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            imports.append(node)
-        elif not _is_text(node):
-            other.append(node)
-    return ParsedModule(path, tuple(lines), methods, tuple(other), tuple(imports), _header(lines))
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    functions = [f for node in classes for f in node.body if isinstance(f, ast.FunctionDef)]
+    if faults := [fault for function in functions for fault in _faults(function, lines)]:
+        places = ((Place(str(path), line), reason) for line, reason in faults)
+        raise EddiError(*(problem("H010", place, reason=reason) for place, reason in places))
+    kinds = (ast.Import, ast.ImportFrom, ast.ClassDef)
+    return ParsedModule(
+        path,
+        lines,
+        methods={function.name: _method(function, lines) for function in functions},
+        other=[node for node in tree.body if not (isinstance(node, kinds) or _is_text(node))],
+        imports=[node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)],
+        header=_header(lines),
+    )
 
 
 def _header(lines: Sequence[str]) -> str:
@@ -153,115 +130,60 @@ def _header(lines: Sequence[str]) -> str:
     return f"{text}\n" if text else ""
 
 
+def _markers(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[int, Marker | str]]:
+    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
+        marker = read_marker(lines[number - 1], number)
+        if marker is not None:
+            yield number, marker
+
+
 def _method(tree: ast.FunctionDef, lines: Sequence[str]) -> Method:
-    marks = list(_marks(tree, lines))
-    statements = tuple(one for one in tree.body if not _is_text(one))
-    if not marks:
-        return Method(tree.name, tree, None, statements)
-    begin, end = marks[0][1], marks[-1][1] - 1
-    inner = {line for _, line in marks}
-    text = "".join(lines[n - 1] for n in range(begin + 1, end + 1) if n not in inner)
-    indent = indent_of(lines[begin - 1])
-    outside = tuple(statement for statement in statements if not begin < statement.lineno <= end)
-    return Method(tree.name, tree, Body(text, indent, begin + 1), outside)
+    marked = [number for number, _ in _markers(tree, lines)]
+    outside = [node for node in tree.body if not _is_text(node)]
+    if not marked:
+        return Method(tree.name, tree, None, tuple(outside))
+    begin, end = marked[0], marked[-1]
+    inside = (number for number in range(begin + 1, end) if number not in marked)
+    body = Body("".join(lines[number - 1] for number in inside), indent_of(lines[begin - 1]))
+    outside = [node for node in outside if not begin < node.lineno < end]
+    return Method(tree.name, tree, body, tuple(outside))
 
 
 def _faults(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines of a method in which a marker is damaged, or has no counterpart, and why."""
-    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
-        reason = read_marker(lines[number - 1], number)
-        if isinstance(reason, str):
-            yield number, reason
+    no_end = "the region has no end marker; put it back below the hand code"
     begin = None
-    for what, number in _marks(tree, lines):
-        if what == "end" and begin is None:
+    for number, marker in _markers(tree, lines):
+        if isinstance(marker, str):
+            yield number, marker
+        elif marker.what == "begin":
+            if begin is not None:
+                yield begin, no_end
+            begin = number
+        elif begin is None:
             yield number, "end marker without begin; put the begin marker back above it"
-        elif what == "begin" and begin is not None:
-            yield begin, _NO_END
-        begin = number if what == "begin" else None
+        else:
+            begin = None
     if begin is not None:
-        yield begin, _NO_END
-
-
-def _marks(tree: ast.FunctionDef, lines: Sequence[str]) -> Iterator[tuple[str, int]]:
-    """Yield the text of each marker and its line: a string alone on its line, or a comment."""
-    for number in range(tree.lineno, (tree.end_lineno or tree.lineno) + 1):
-        match = _MARKER.search(lines[number - 1])
-        before = lines[number - 1][: match.start()].strip() if match else "x"
-        if match and before in {"", "#", "'''", '"""', "'", '"'}:
-            yield match[1].lower(), number
+        yield begin, no_end
 
 
 def _is_text(node: ast.stmt) -> bool:
     return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def whole_body(method: Method, module: ParsedModule) -> Body | None:
-    """Return all statements of a method without markers, its comments included.
-
-    ``None`` for one that holds nothing but the assignment of None that was generated.
-    """
-    statements = [one for one in method.tree.body if not _is_text(one)]
-    real = [statement for statement in statements if not isinstance(statement, ast.Pass)]
-    if not real or (len(real) == 1 and _assigns_none(real[0])):
-        return None
-    lines = module.lines
-    first = method.tree.body[0].lineno
-    start = next(
-        (
-            n
-            for n in range(method.tree.lineno + 1, first + 1)
-            if lines[n - 1].strip().startswith("#")
-        ),
-        first,
-    )
-    text = [
-        line
-        for line in lines[start - 1 : method.tree.end_lineno]
-        if line.strip().upper() != "# TODO"
-    ]
-    if text and not text[-1].endswith("\n"):
-        text[-1] += "\n"
-    return Body("".join(text), indent_of(lines[first - 1]), start)
-
-
-def _assigns_none(node: ast.stmt) -> bool:
-    return (
-        isinstance(node, ast.Assign)
-        and isinstance(node.value, ast.Constant)
-        and node.value.value is None
-    )
-
-
-_MODELS = (".xdsl", ".xmlbif", ".yml", ".yaml", ".xml")
-_RECORDS = ".eddi"
-_EDITED = ("EDDIInput.py", "bayesian_network_config.py")
-_MANIFEST = "package.xml"
-_NAME = re.compile(rb"<name>\s*([A-Za-z0-9_-]+)\s*</name>")
-
-
 @dataclass(frozen=True)
 class OldPackage:
-    """An old package.
-
-    Attributes:
-        name: of the ROS package, ``None`` of one that is none.
-        eddi_input: ``EDDIInput.py``.
-        config: ``bayesian_network_config.py``.
-        node: the ROS node's script.
-        monitor: ``EDDIMonitor.py``.
-        models: files that may hold the model, the best one first.
-        files: every file, relative to the folder.
-    """
+    """An old package."""
 
     folder: Path
-    name: str | None
+    name: str | None  # of the ROS package, `None` of one that is none
     eddi_input: ParsedModule | None
     config: ParsedModule | None
-    node: ParsedModule | None
+    node: ParsedModule | None  # the ROS node's script
     monitor: ParsedModule | None
-    models: tuple[Path, ...]
-    files: tuple[Path, ...]
+    models: Sequence[Path]  # files that may hold the model, the best one first
+    files: Sequence[Path]  # every file, relative to the folder
 
 
 def read_old_package(folder: Path) -> OldPackage:
@@ -276,64 +198,44 @@ def read_old_package(folder: Path) -> OldPackage:
         raise EddiError(problem("F001.no_folder", Place(str(folder))))
     if (folder / _RECORDS).is_dir():
         raise EddiError(problem("A002.generated", Place(str(folder))))
-    files = tuple(_files(folder))
+    files = [Path(name) for name, _ in entries(folder, {".git", "__pycache__"})]
     _check_is_one_package(folder, files)
-    eddi_input = _only(folder, files, "EDDIInput.py")
-    config = _only(folder, files, "bayesian_network_config.py")
+
+    def only(name: str) -> ParsedModule | None:
+        places = [file for file in files if file.name == name]
+        if len(places) > 1:
+            names = ", ".join(map(str, places))
+            raise EddiError(problem("A002.several", Place(str(folder)), files=name, names=names))
+        return read_module(folder / places[0]) if places else None
+
+    eddi_input, config = map(only, _EDITED)
     if eddi_input is None and config is None:
         raise EddiError(problem("A002.nothing_to_adopt", Place(str(folder))))
-    near = config.path.parent if config is not None else folder
+    home = config.path.parent if config is not None else folder
+    suffixes = {suffix: rank for rank, suffix in enumerate(_MODELS)}
     models = [
-        folder / file for file in files if file.suffix.lower() in _MODELS and file.name != _MANIFEST
+        folder / file
+        for file in files
+        if file.suffix.lower() in suffixes and file.name != _MANIFEST
     ]
-    models.sort(key=lambda path: (_MODELS.index(path.suffix.lower()), path.parent != near, path))
-    node = _only(folder, files, "RosNode.py")
-    monitor = _only(folder, files, "EDDIMonitor.py")
-    name = _package_name(folder)
-    return OldPackage(folder, name, eddi_input, config, node, monitor, tuple(models), files)
+    models.sort(key=lambda path: (suffixes[path.suffix.lower()], path.parent != home, path))
+    # the name that launch files and other packages know the package by
+    manifest = folder / _MANIFEST
+    match = _NAME.search(read_source(manifest).data) if manifest.is_file() else None
+    name = package_name(match[1].decode("ascii")) if match else ""
+    known = name if is_package_name(name) else None
+    node, monitor = only("RosNode.py"), only("EDDIMonitor.py")
+    return OldPackage(folder, known, eddi_input, config, node, monitor, models, files)
 
 
 def _check_is_one_package(folder: Path, files: Sequence[Path]) -> None:
-    """Refuse a folder above packages: what else is in it is nothing that adopting makes unneeded.
-
-    Raises:
-        EddiError: one below it is a package, of ours or of the old tools (A002).
-    """
+    """Refuse a folder above packages: adopting would not make unneeded what else is in it."""
     ours = next((file for file in files if _RECORDS in file.parts), None)
     if ours is not None:
         inner = folder / Path(*ours.parts[: ours.parts.index(_RECORDS)])
         raise EddiError(problem("A002.generated_inside", Place(str(folder)), folder=inner))
     edited = {file.parent for file in files if file.name in _EDITED}
     above = {file.parent for file in files if file.name == _MANIFEST}
-    if Path() in above:
-        return
-    inner_packages = sorted(one for one in above for file in edited if file.is_relative_to(one))
-    if inner_packages:
-        raise EddiError(
-            problem("A002.above", Place(str(folder)), folder=folder / inner_packages[0])
-        )
-
-
-def _package_name(folder: Path) -> str | None:
-    """Return the name that launch files and other packages know the package by."""
-    manifest = folder / _MANIFEST
-    found = _NAME.search(read_source(manifest).data) if manifest.is_file() else None
-    name = package_name(found[1].decode("ascii")) if found else ""
-    return name if is_package_name(name) else None
-
-
-def _files(folder: Path) -> Sequence[Path]:
-    skipped = {".git", "__pycache__"}
-    found = []
-    for root, folders, names in os.walk(folder):
-        folders[:] = sorted(name for name in folders if name not in skipped)
-        found += [Path(root, name).relative_to(folder) for name in sorted(names)]
-    return found
-
-
-def _only(folder: Path, files: Sequence[Path], name: str) -> ParsedModule | None:
-    found = [file for file in files if file.name == name]
-    if len(found) > 1:
-        listed = ", ".join(map(str, found))
-        raise EddiError(problem("A002.several", Place(str(folder)), files=name, names=listed))
-    return read_module(folder / found[0]) if found else None
+    inside = sorted(place for place in above for file in edited if file.is_relative_to(place))
+    if inside and Path() not in above:
+        raise EddiError(problem("A002.above", Place(str(folder)), folder=folder / inside[0]))

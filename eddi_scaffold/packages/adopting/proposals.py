@@ -4,72 +4,63 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+import operator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common.escaping import parse_shallow
-from eddi_scaffold.packages.adopting.old_package import Body, Method, ParsedModule
+from eddi_scaffold.packages.adopting.old_package import Body, ParsedModule
 from eddi_scaffold.yaml_text.writer import dump_plain, quoted
 
 _Position = tuple[float, int]
 """A number, and where next to it: just below (-1), at it (0), just above (1)."""
-_Interval = tuple[_Position, _Position]
-"""The first and the last position of an interval."""
 _Branch = tuple[ast.expr | None, str]
 """The test of a branch, ``None`` for the last ``else``, and the state that it sets."""
-_EVERYTHING: _Interval = ((-math.inf, 0), (math.inf, 0))
+_ORDERS: Mapping[type, Callable[[_Position, _Position], bool]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
 
 
 @dataclass(frozen=True)
 class BodyUse:
-    """What a body does with its node.
+    """What a body does with its node."""
 
-    Attributes:
-        observed: it sets an outcome.
-        output: it sets the flag of outputs.
-        proposal: line for ``discretisation:``, ``None`` when its form is another one.
-    """
-
-    observed: bool
-    output: bool
-    proposal: str | None
+    observed: bool  # it sets an outcome
+    output: bool  # it sets the flag of outputs
+    proposal: str | None  # line for `discretisation:`, `None` when its form is another one
 
 
 def use_of(
     node: str, body: Body, outcomes: Mapping[str, str], truths: Collection[str] = ()
 ) -> BodyUse:
-    """Look at a body.
+    """Look at the body of a node with outcomes, variable (``outcome_Yes``) -> state.
 
-    Args:
-        node: name of the node.
-        body: what a person wrote.
-        outcomes: variable (``outcome_Yes``) -> state.
-        truths: the inputs that are true or false.
+    Some inputs are true or false.
     """
+    lines = body.text.expandtabs(8).split("\n")
+    least = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
+    text = "\n".join(f" {line[least:]}" if line.strip() else "" for line in lines)
     try:
-        tree = parse_shallow("if True:\n" + _shifted(body.text))
+        tree = parse_shallow(f"if True:\n{text}")
     except SyntaxError:
         return BodyUse(observed=False, output=False, proposal=None)
-    names = {
-        target.id: one.value
-        for one in ast.walk(tree)
-        if isinstance(one, ast.Assign)
-        for target in one.targets
+    assigned = {
+        target.id: statement.value
+        for statement in ast.walk(tree)
+        if isinstance(statement, ast.Assign)
+        for target in statement.targets
         if isinstance(target, ast.Name)
     }
-    observed = any(name in outcomes for name in names)
-    flag = names.get("is_bn_output")
+    flag = assigned.get("is_bn_output")
     output = isinstance(flag, ast.Constant) and flag.value is True
     first = tree.body[0]
     statements = first.body if isinstance(first, ast.If) else []
     proposal = _proposal(statements, outcomes, truths)
+    observed = not outcomes.keys().isdisjoint(assigned)
     return BodyUse(observed, output, proposal and f"{quoted(node)}: {proposal}")
-
-
-def _shifted(text: str) -> str:
-    lines = text.expandtabs(8).split("\n")
-    least = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
-    return "\n".join(f" {line[least:]}" if line.strip() else "" for line in lines)
 
 
 def _proposal(
@@ -77,40 +68,33 @@ def _proposal(
 ) -> str | None:
     """Return a declaration for one chain of tests of one attribute."""
     names: dict[str, str] = {}
-    for statement in statements[:-1]:
-        held = _held(statement, names)
-        if held is None:
-            return None
-        names |= held
-    chain = statements[-1] if statements else None
-    branches = _branches(chain, outcomes) if isinstance(chain, ast.If) else None
-    if not branches:
+    *before, chain = statements or [ast.Pass()]
+    for statement in before:  # variables that hold the attribute
+        match statement:
+            case ast.Assign(targets=[ast.Name(id=variable), *_], value=value):
+                source = attribute_of(value, names)
+                if source is None:
+                    return None
+                names[variable] = source
+            case _:
+                return None
+    if not isinstance(chain, ast.If):
         return None
-    return _as_map(branches, names, truths) or _as_bins(branches, names)
-
-
-def _held(statement: ast.stmt, names: Mapping[str, str]) -> dict[str, str] | None:
-    """Return the variable that an assignment gives the value of an attribute."""
-    if not isinstance(statement, ast.Assign) or not isinstance(statement.targets[0], ast.Name):
+    try:
+        branches = _branches([chain], outcomes)
+        return _as_map(branches, names, truths) or _as_bins(branches, names)
+    except KeyError:  # another form of test, or a branch that does more than set a state
         return None
-    attribute = attribute_of(statement.value, names)
-    return None if attribute is None else {statement.targets[0].id: attribute}
 
 
-def _branches(chain: ast.If, outcomes: Mapping[str, str]) -> list[_Branch] | None:
-    """Return the branches of a chain, ``None`` where one does more than set a state."""
-    state = _state(chain.body, outcomes)
-    if state is None:
-        return None
-    match chain.orelse:
+def _branches(chain: Sequence[ast.stmt], outcomes: Mapping[str, str]) -> list[_Branch]:
+    match chain:
         case []:
-            rest: list[_Branch] | None = []
-        case [ast.If() as following]:
-            rest = _branches(following, outcomes)
+            return []
+        case [ast.If(test=test, body=body, orelse=rest)]:
+            return [(test, _state(body, outcomes)), *_branches(rest, outcomes)]
         case _:
-            last = _state(chain.orelse, outcomes)
-            rest = None if last is None else [(None, last)]
-    return None if rest is None else [(chain.test, state), *rest]
+            return [(None, _state(chain, outcomes))]
 
 
 def _as_map(
@@ -135,157 +119,124 @@ def _as_bins(branches: Sequence[_Branch], names: Mapping[str, str]) -> str | Non
 
     The constants cut the numbers into pieces; each has the state of the first test that holds.
     """
-    sources: set[str] = set()
-    intervals: list[tuple[_Interval, str]] = []
-    for test, state in branches:
-        found = _EVERYTHING if test is None else _interval(test, names, sources)
-        if found is None:
-            return None
-        intervals.append((found, state))
-    bounds = (bound for (low, high), _ in intervals for bound in (low[0], high[0]))
-    edges = sorted({bound for bound in bounds if math.isfinite(bound)})
-    if len(sources) != 1 or not edges:
+    nodes = [node for test, _ in branches if test is not None for node in ast.walk(test)]
+    sources = {name for node in nodes if (name := attribute_of(node, names))}
+    numbers = {number for node in nodes if math.isfinite(number := _number(node))}
+    if len(sources) != 1 or not numbers:
         return None
 
     def state_at(position: _Position) -> str | None:
-        return next((of for (low, high), of in intervals if low <= position <= high), None)
+        return next((state for test, state in branches if _holds(test, names, position)), None)
 
-    states, bins, closed = [state_at((edges[0], -1))], [], set()
-    for edge in edges:
+    bins, closed, states = [], set(), [state_at((min(numbers), -1))]
+    for edge in sorted(numbers):
         at, above = state_at((edge, 0)), state_at((edge, 1))
         if above == states[-1] == at:
             continue
         closed.add("right" if at == states[-1] else "left" if at == above else None)
         states.append(above)
-        bins.append(edge)
-    if {*states} != {of for _, of in intervals} or len(states) != len({*states}):
+        bins.append(int(edge) if edge.is_integer() else edge)
+    if {*states} != {state for _, state in branches} or len(states) != len({*states}):
         return None
-    if None in closed or len(closed) != 1:
+    if closed not in ({"left"}, {"right"}):
         return None
     order = ", ".join(quoted(state) for state in states if state is not None)
-    numbers = (int(edge) if edge.is_integer() else edge for edge in bins)
-    listed = ", ".join(dump_plain(number).strip() for number in numbers)
-    left = ", closed: left" if "left" in closed else ""
-    return f"{{input: {quoted(sources.pop())}, bins: [{listed}], order: [{order}]{left}}}"
+    listed = ", ".join(dump_plain(number).strip() for number in bins)
+    side = ", closed: left" if "left" in closed else ""
+    return f"{{input: {quoted(sources.pop())}, bins: [{listed}], order: [{order}]{side}}}"
 
 
-def _interval(test: ast.expr, names: Mapping[str, str], sources: set[str]) -> _Interval | None:
-    """Return where comparisons of one attribute with constants hold."""
-    if isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And):
-        parts = [_interval(value, names, sources) for value in test.values]
-    elif isinstance(test, ast.Compare):
-        parts = list(_halves(test, names, sources))
-    else:
-        return None
-    low, high = _EVERYTHING
-    for part in parts:
-        if part is None:
-            return None
-        low, high = max(low, part[0]), min(high, part[1])
-    return low, high
-
-
-def _halves(
-    test: ast.Compare, names: Mapping[str, str], sources: set[str]
-) -> Iterator[_Interval | None]:
-    """Yield where each comparison of a chain (``1 < x <= 2``) holds, ``None`` for another form."""
-    operands = [test.left, *test.comparators]
-    for left, op, right in zip(operands, test.ops, operands[1:], strict=False):
-        name, number = attribute_of(left, names), _number(right)
-        less = isinstance(op, ast.Lt | ast.LtE)
-        if name is None:
-            name, number, less = attribute_of(right, names), _number(left), not less
-        ordered = isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE)
-        if name is None or number is None or not ordered:
-            yield None
-            return
-        sources.add(name)
-        strict = isinstance(op, ast.Lt | ast.Gt)
-        if less:
-            yield _EVERYTHING[0], (number, -strict)
-        else:
-            yield (number, int(strict)), _EVERYTHING[1]
+def _holds(test: ast.expr | None, names: Mapping[str, str], position: _Position) -> bool:
+    """Return whether comparisons of an attribute with constants hold; KeyError: something else."""
+    match test:
+        case None:
+            return True
+        case ast.BoolOp(op=ast.And(), values=tests):
+            return all(_holds(part, names, position) for part in tests)
+        case ast.Compare(left=left, ops=ops, comparators=others):
+            operands = [
+                position if attribute_of(operand, names) else (_number(operand), 0)
+                for operand in (left, *others)
+            ]
+            if any(math.isnan(number) for number, _ in operands):
+                raise KeyError(ast.dump(test))
+            pairs = zip(operands, ops, operands[1:], strict=False)
+            return all(_ORDERS[type(op)](a, b) for a, op, b in pairs)
+        case _:
+            raise KeyError(ast.dump(test))
 
 
 def attribute_of(node: ast.AST, names: Mapping[str, str]) -> str | None:
     """Return the input that ``self.dra_data.x``, or a variable that holds it, refers to."""
-    if isinstance(node, ast.Name):
-        return names.get(node.id)
-    inner = node.value if isinstance(node, ast.Attribute) else None
-    if isinstance(node, ast.Attribute) and isinstance(inner, ast.Attribute):
-        is_data = inner.attr == "dra_data" and isinstance(inner.value, ast.Name)
-        return node.attr if is_data else None
+    match node:
+        case ast.Name(id=variable):
+            return names.get(variable)
+        case ast.Attribute(value=ast.Attribute(value=ast.Name(), attr="dra_data"), attr=name):
+            return name
     return None
 
 
-def _number(node: ast.expr) -> float | None:
+def _number(node: ast.AST) -> float:
+    """Return the number that is written there; not a number for anything else."""
     try:
-        value = ast.literal_eval(node)
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return float(value) if is_number else None
+        value = ast.literal_eval(node) if isinstance(node, ast.expr) else None
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
     except (ValueError, TypeError, OverflowError):
-        return None
+        pass
+    return math.nan
 
 
-def _state(body: Sequence[ast.stmt], outcomes: Mapping[str, str]) -> str | None:
-    """Return the state that a branch sets for sure, and nothing else."""
-    if len(body) != 1 or not isinstance(body[0], ast.Assign):
-        return None
-    target, value = body[0].targets[0], body[0].value
-    if not isinstance(target, ast.Name) or not isinstance(value, ast.Constant) or value.value != 1:
-        return None
-    return outcomes.get(target.id)
+def _state(body: Sequence[ast.stmt], outcomes: Mapping[str, str]) -> str:
+    """Return the state that a branch sets for sure, and nothing else (KeyError)."""
+    match body:
+        case [ast.Assign(targets=[ast.Name(id=variable), *_], value=ast.Constant(value=1))]:
+            return outcomes[variable]
+    raise KeyError(len(body))
 
 
-_OWN = {"__init__", "update_dra_data", "processing"}
-
-
-def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.AST]:
+def foreign(module: ParsedModule, prefix: str) -> Iterator[ast.stmt]:
     """Yield the statements of a module that the old generator did not write.
 
-    Args:
-        module: with one class of editable methods.
-        prefix: of these (``node_`` or ``process_``).
+    Its editable methods begin with a prefix, ``node_`` or ``process_``.
     """
     yield from module.other
     for method in module.methods.values():
-        if method.name.startswith(prefix):
-            yield from (one for one in _outside(method) if not _generated(one))
-        elif method.name not in _OWN:
-            yield method.tree
+        if method.name.startswith(prefix):  # a process method without markers is adopted whole
+            adopted = method.body is None and not method.name.startswith("node_")
+            yield from (s for s in method.outside if not adopted and not _is_of_fig_15(s))
+        elif method.name in {"__init__", "update_dra_data", "processing"}:
+            yield from (statement for statement in method.outside if not _is_frame(statement))
         else:
-            yield from (one for one in method.outside if not _ours(one))
+            yield method.tree
 
 
-def _outside(method: Method) -> tuple[ast.stmt, ...]:
-    """Return the statements outside of the markers; a method without them was adopted whole."""
-    return method.outside if method.body is not None or method.name.startswith("node_") else ()
+def _is_of_fig_15(node: ast.stmt) -> bool:
+    """Return whether a statement of a node's method is an initial value, or the result."""
+    match node:
+        case ast.Return() | ast.Pass():
+            return True
+        case (
+            ast.Assign(targets=[ast.Name(id=name), *_], value=ast.Constant(value=value))
+            | ast.AnnAssign(target=ast.Name(id=name), value=ast.Constant(value=value))
+        ):
+            return (
+                value is False
+                if name == "is_bn_output"
+                else (name.startswith("outcome_") and value == 0.0)
+            )
+    return False
 
 
-def _generated(node: ast.stmt) -> bool:
-    """Return whether a statement is one of Fig 15: initial values, and the result."""
-    if isinstance(node, ast.Return | ast.Pass):
-        return True
-    if not isinstance(node, ast.Assign | ast.AnnAssign):
-        return False
-    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-    value = node.value
-    name = targets[0].id if isinstance(targets[0], ast.Name) else ""
-    if not isinstance(value, ast.Constant):
-        return False
-    if name == "is_bn_output":
-        return value.value is False
-    return name.startswith("outcome_") and value.value == 0.0
-
-
-def _ours(node: ast.stmt) -> bool:
+def _is_frame(node: ast.stmt) -> bool:
     """Return whether a statement belongs to the generated frame of a class."""
+    names = [
+        call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+        for call in ast.walk(node)
+        if isinstance(call, ast.Call)
+    ]
     kinds = (ast.Assign, ast.AnnAssign, ast.If, ast.Return, ast.Pass, ast.Try)
-    return isinstance(node, kinds) and not any(
-        isinstance(one, ast.Call) and not _is_frame_call(one) for one in ast.walk(node)
+    called = {"hasattr", "getattr", "isinstance", "super"}
+    return isinstance(node, kinds) and all(
+        name.startswith("process_") or name in called for name in names
     )
-
-
-def _is_frame_call(call: ast.Call) -> bool:
-    name = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
-    return name.startswith("process_") or name in {"hasattr", "getattr", "isinstance", "super"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import EllipsisType
 
@@ -16,83 +16,49 @@ _TYPES = {bool: "bool", int: "int", float: "float", str: "str"}
 
 
 @dataclass(frozen=True)
-class Subscription:
-    """A topic that the node listens to.
-
-    Attributes:
-        type: ``package/Type``; empty when the import of its class was not found.
-    """
-
-    id: str
-    type: str
-    topic: str
-
-
-@dataclass(frozen=True)
 class OldInput:
-    """An input of the monitor.
-
-    Attributes:
-        default: value before the first message.
-        requires: ids of topics.
-        type: as its use tells, where there is no default.
-    """
+    """An input of the monitor."""
 
     id: str
-    default: JsonValue
-    requires: tuple[str, ...]
-    type: str | None = None
+    default: JsonValue  # value before the first message
+    requires: tuple[str, ...]  # ids of topics
+    type: str | None = None  # as its use tells, where there is no default
 
     @property
     def known_type(self) -> str | None:
         """Its type in a configuration, ``None`` where nothing tells."""
         return _TYPES.get(type(self.default), self.type)
 
+    def as_entry(self) -> dict[str, JsonValue]:
+        """Return its entry in a configuration."""
+        entry: dict[str, JsonValue] = {"id": self.id}
+        entry |= {"type": self.known_type} if self.known_type is not None else {}
+        entry["requires"] = list(self.requires)
+        return entry | ({"default": self.default} if self.default is not None else {})
+
 
 @dataclass(frozen=True)
 class Wiring:
-    """The content of a configuration, as far as it could be read."""
+    """The content of a configuration, as far as it could be read, and what could not."""
 
     options: Mapping[str, JsonValue] = field(default_factory=dict)
     frequency: float | None = None
-    topics: tuple[Subscription, ...] = ()
-    outputs: tuple[tuple[str, str], ...] = ()
-    inputs: tuple[OldInput, ...] = ()
-    lost: tuple[str, ...] = field(default=())
+    topics: Mapping[str, Mapping[str, JsonValue]] = field(default_factory=dict)  # entries by id
+    outputs: Mapping[str, str] = field(default_factory=dict)  # id -> topic
+    inputs: Sequence[OldInput] = ()
+    lost: Sequence[str] = ()
 
     def as_yaml(self, name: str, kind: str, model: str) -> str:
-        """Return the text of an ``eddi_config.yml``.
-
-        Args:
-            name: id of the model.
-            kind: spelling of its type in configurations.
-            model: file of the model, relative to the configuration.
-        """
-        section: dict[str, JsonValue] = {"id": name, "type": kind}
-        if self.frequency is not None:
-            section["frequency"] = self.frequency
-        section |= self.options
-        section["parameters"] = [{"model": model}]
+        """Return the text of an ``eddi_config.yml`` of a model of a kind, in a file beside it."""
+        frequency = {"frequency": self.frequency} if self.frequency is not None else {}
+        section = {"id": name, "type": kind, **frequency, **self.options}
         document = {
-            "Model": section,
-            "SimulatorOutputs": [
-                {"id": topic.id, "type": topic.type.replace("/", "."), "topic": topic.topic}
-                for topic in self.topics
-            ],
-            "EDDIInputs": [_input(input_) for input_ in self.inputs],
-            "EDDIOutputs": [{"id": name, "topic": topic} for name, topic in self.outputs],
+            "Model": {**section, "parameters": [{"model": model}]},
+            "SimulatorOutputs": list(self.topics.values()),
+            "EDDIInputs": [input_.as_entry() for input_ in self.inputs],
+            "EDDIOutputs": [{"id": id_, "topic": topic} for id_, topic in self.outputs.items()],
         }
         return dump_plain(document)
-
-
-def _input(one: OldInput) -> dict[str, JsonValue]:
-    found: dict[str, JsonValue] = {"id": one.id}
-    if one.known_type is not None:
-        found["type"] = one.known_type
-    found["requires"] = list(one.requires)
-    if one.default is not None:
-        found["default"] = one.default
-    return found
 
 
 def read_wiring(
@@ -102,123 +68,94 @@ def read_wiring(
 
     Without a class of inputs they are what the methods of a network read.
     """
-    if eddi_input is not None:
-        inputs = tuple(_inputs(eddi_input))
-    else:
-        inputs = tuple(inputs_read(config)) if config is not None else ()
+    read = inputs_read(config) if config is not None else ()
+    inputs = list(_inputs(eddi_input) if eddi_input is not None else read)
     if node is None:
         missing = "there is no RosNode.py, which has topics, their types, the rate and the outputs"
-        return Wiring(
-            inputs=tuple(replace(input_, requires=()) for input_ in inputs), lost=(missing,)
-        )
+        return Wiring(inputs=[replace(input_, requires=()) for input_ in inputs], lost=[missing])
     classes = dict(_message_classes(node))
     stored = dict(_stored(node))
     lost: list[str] = []
-    topics: dict[str, Subscription] = {}
+    topics: dict[str, dict[str, JsonValue]] = {}
     outputs: dict[str, str] = {}
+    frequency = None
     for call, target in _calls(node):
         words = [_constant(argument) for argument in call.args]
         name = _name_of(call.func)
         if name.endswith("Subscriber") and len(call.args) > 2:
             callback = _name_of(call.args[2]).rpartition(".")[2]
             id_ = stored.get(callback, callback.removesuffix("_callback"))
-            of = classes.get(_name_of(call.args[1]).rpartition(".")[2], "")
-            if isinstance(words[0], str) and of:
-                topics.setdefault(id_, Subscription(id_, of, words[0]))
+            type_ = classes.get(_name_of(call.args[1]).rpartition(".")[2], "")
+            if isinstance(words[0], str) and type_:
+                topics.setdefault(id_, {"id": id_, "type": type_, "topic": words[0]})
             else:
                 lost.append(f"{node.path.name}:{call.lineno}: topic or message type of {id_!r}")
         elif name.endswith("Publisher") and words and isinstance(words[0], str):
             outputs.setdefault(target.removesuffix("_pub") or "output", words[0])
-    frequency = next(_rates(node), None)
+        elif name.endswith("Rate") and words and isinstance(words[0], int | float):
+            frequency = frequency or words[0]
     if frequency is None:
         lost.append(f"{node.path.name}: the rate of the loop")
-    for input_ in inputs:
-        lost += [
-            f"{node.path.name}: the topic of {name!r}, which {input_.id} needs"
-            for name in input_.requires
-            if name not in topics
-        ]
-    kept = tuple(
+    lost += [
+        f"{node.path.name}: the topic of {name!r}, which {input_.id} needs"
+        for input_ in inputs
+        for name in input_.requires
+        if name not in topics
+    ]
+    connected = [
         replace(input_, requires=tuple(name for name in input_.requires if name in topics))
         for input_ in inputs
-    )
-    return Wiring(
-        frequency=frequency,
-        topics=tuple(topics.values()),
-        outputs=tuple(outputs.items()),
-        inputs=kept,
-        lost=tuple(lost),
-    )
+    ]
+    return Wiring({}, frequency, topics, outputs, connected, lost)
 
 
 def _message_classes(module: ParsedModule) -> Iterator[tuple[str, str]]:
     for node in module.imports:
         if isinstance(node, ast.ImportFrom) and node.module and node.module.endswith(".msg"):
-            package = node.module.removesuffix(".msg")
             for alias in node.names:
-                yield alias.asname or alias.name, f"{package}/{alias.name}"
+                name = alias.asname or alias.name
+                yield name, f"{node.module.removesuffix('.msg')}.{alias.name}"
 
 
 def _stored(module: ParsedModule) -> Iterator[tuple[str, str]]:
     """Yield callback -> key under which it keeps the message."""
     for name, method in module.methods.items():
-        for node in ast.walk(method.tree):
-            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
-                key = _constant(node.targets[0].slice)
-                if isinstance(key, str) and name.endswith("_callback"):
+        for node in ast.walk(method.tree) if name.endswith("_callback") else ():
+            match node:
+                case ast.Assign(targets=[ast.Subscript(slice=ast.Constant(value=str(key))), *_]):
                     yield name, key
 
 
 def _calls(module: ParsedModule) -> Iterator[tuple[ast.Call, str]]:
     """Yield every call with the attribute that it is assigned to, in the order of the file."""
-    for method in module.methods.values():
-        for node in ast.walk(method.tree):
-            if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
-                yield node.value, _name_of(node.targets[0]).rpartition(".")[2]
-            elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
-                yield node.value, ""
-
-
-def _rates(module: ParsedModule) -> Iterator[float]:
-    for call, _ in _calls(module):
-        if _name_of(call.func).endswith("Rate") and call.args:
-            value = _constant(call.args[0])
-            if isinstance(value, int | float) and not isinstance(value, bool):
-                yield value
+    for node in _nodes(module):
+        match node:
+            case ast.Assign(targets=[target, *_], value=ast.Call() as call):
+                yield call, _name_of(target).rpartition(".")[2]
+            case ast.Expr(value=ast.Call() as call):
+                yield call, ""
 
 
 def _inputs(module: ParsedModule) -> Iterator[OldInput]:
-    defaults = dict(_defaults(module))
-    required = dict(_required(module))
-    names = [
-        name.removeprefix("process_") for name in module.methods if name.startswith("process_")
-    ]
-    for name in dict.fromkeys([*defaults, *names]):
-        yield OldInput(name, defaults.get(name), required.get(name, ()))
-
-
-def _defaults(module: ParsedModule) -> Iterator[tuple[str, JsonValue]]:
-    method = module.methods.get("__init__")
-    for node in method.tree.body if method else ():
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Attribute):
-            value = _constant(node.value)
-            if not isinstance(value, bytes) and value is not Ellipsis:
-                yield node.targets[0].attr, value
-
-
-def _required(module: ParsedModule) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield input -> ids of the messages that ``processing`` passes to its method."""
-    method = module.methods.get("processing")
-    for node in ast.walk(method.tree) if method else ():
-        if isinstance(node, ast.Call):
-            name = _name_of(node.func).rpartition(".")[2]
-            keys = [
-                _constant(argument.slice)
-                for argument in node.args
-                if isinstance(argument, ast.Subscript)
-            ]
-            if name.startswith("process_"):
-                yield name.removeprefix("process_"), tuple(k for k in keys if isinstance(k, str))
+    """Yield the inputs of a class of inputs: with a value at first, or a method of their own."""
+    defaults: dict[str, JsonValue] = {}
+    required: dict[str, tuple[str, ...]] = {}
+    first, processing = module.methods.get("__init__"), module.methods.get("processing")
+    for node in first.tree.body if first else ():
+        match node:
+            case ast.Assign(targets=[ast.Attribute(attr=name), *_], value=value):
+                default = _constant(value)
+                if not isinstance(default, bytes | EllipsisType):
+                    defaults[name] = default
+    for call in ast.walk(processing.tree) if processing else ():
+        name = _name_of(call.func).rpartition(".")[2] if isinstance(call, ast.Call) else ""
+        if isinstance(call, ast.Call) and name.startswith("process_"):
+            keys = (_constant(arg.slice) for arg in call.args if isinstance(arg, ast.Subscript))
+            id_ = name.removeprefix("process_")
+            required[id_] = tuple(key for key in keys if isinstance(key, str))
+    methods = [name for name in module.methods if name.startswith("process_")]
+    for id_ in dict.fromkeys([*defaults, *(name.removeprefix("process_") for name in methods)]):
+        yield OldInput(id_, defaults.get(id_), required.get(id_, ()))
 
 
 def inputs_read(config: ParsedModule) -> Iterator[OldInput]:
@@ -227,75 +164,65 @@ def inputs_read(config: ParsedModule) -> Iterator[OldInput]:
     for method in config.methods.values():
         names: dict[str, str] = {}
         for node in ast.walk(method.tree):
-            name = attribute_of(node, {})
-            if name is not None:
+            if name := attribute_of(node, {}):
                 types.setdefault(name, set())
-            if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-                held = attribute_of(node.value, names)
-                names |= {node.targets[0].id: held} if held is not None else {}
-        for operand, of in _typed(method.tree):
-            name = attribute_of(operand, names)
-            if name is not None:
-                types[name].add(of)
-    for name, found in types.items():
-        yield OldInput(name, None, (), found.pop() if len(found) == 1 else None)
+            match node:
+                case ast.Assign(targets=[ast.Name(id=variable), *_], value=value):
+                    if source := attribute_of(value, names):
+                        names[variable] = source
+        for operand, type_ in _typed(method.tree):
+            if name := attribute_of(operand, names):
+                types[name].add(type_)
+    for name, known in types.items():
+        yield OldInput(name, None, (), known.pop() if len(known) == 1 else None)
 
 
 def _typed(tree: ast.AST) -> Iterator[tuple[ast.expr, str]]:
     """Yield expressions with the type that their use tells."""
     for node in ast.walk(tree):
         match node:
-            case ast.If(test=test) | ast.IfExp(test=test):
+            case ast.If(test=test) | ast.IfExp(test=test) | ast.UnaryOp(op=ast.Not(), operand=test):
                 yield test, "bool"
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                yield operand, "bool"
             case ast.BoolOp(values=values):
                 yield from ((value, "bool") for value in values)
             case ast.BinOp(left=left, right=right):
                 yield from ((left, "float"), (right, "float"))
             case ast.Compare(left=left, comparators=others):
                 operands = (left, *others)
-                is_text = any(isinstance(_constant(one), str) for one in operands)
-                yield from ((one, "str" if is_text else "float") for one in operands)
+                is_text = any(isinstance(_constant(operand), str) for operand in operands)
+                yield from ((operand, "str" if is_text else "float") for operand in operands)
 
 
-def compared_texts(eddi_input: ParsedModule | None) -> frozenset[str]:
+def _nodes(module: ParsedModule | None) -> Iterator[ast.AST]:
+    for method in module.methods.values() if module is not None else ():
+        yield from ast.walk(method.tree)
+
+
+def compared_texts(eddi_input: ParsedModule | None) -> set[str]:
     """Return the texts with which the methods of a class of inputs compare something."""
-    methods = eddi_input.methods.values() if eddi_input is not None else ()
-    tests = (
-        node
-        for method in methods
-        for node in ast.walk(method.tree)
-        if isinstance(node, ast.Compare)
-    )
-    values = (_constant(one) for test in tests for one in (test.left, *test.comparators))
-    return frozenset(value for value in values if isinstance(value, str))
+    tests = (node for node in _nodes(eddi_input) if isinstance(node, ast.Compare))
+    values = (_constant(node) for test in tests for node in (test.left, *test.comparators))
+    return {value for value in values if isinstance(value, str)}
 
 
-def published_ids(monitor: ParsedModule | None) -> frozenset[str]:
+def published_ids(monitor: ParsedModule | None) -> set[str]:
     """Return the ids of guarantees that an old monitor's results have (SESAME D7.2 Fig 9)."""
-    methods = monitor.methods.values() if monitor is not None else ()
-    results = (
-        node for method in methods for node in ast.walk(method.tree) if isinstance(node, ast.Dict)
-    )
-    found = set()
-    for result in results:
-        entry = {
-            _constant(key): _constant(value)
-            for key, value in zip(result.keys, result.values, strict=True)
-            if key is not None and isinstance(_constant(key), str)
-        }
-        if "active" in entry and isinstance(entry.get("id"), str):
-            found.add(str(entry["id"]))
-    return frozenset(found)
+    ids = set()
+    for result in _nodes(monitor):
+        if isinstance(result, ast.Dict):
+            keys = [key and _constant(key) for key in result.keys]
+            entry = dict(zip(map(str, keys), map(_constant, result.values), strict=True))
+            if "active" in entry and isinstance(id_ := entry.get("id"), str):
+                ids.add(id_)
+    return ids
 
 
 def _constant(node: ast.expr) -> JsonValue | bytes | EllipsisType:
     try:
-        found: JsonValue | bytes | EllipsisType = ast.literal_eval(node)
+        value: JsonValue | bytes | EllipsisType = ast.literal_eval(node)
     except (ValueError, TypeError, MemoryError, RecursionError):
         return None
-    return found
+    return value
 
 
 def _name_of(node: ast.AST) -> str:

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.kinds.bayesian_network.read_xml_formats import NoisyMaxError, noisy_max_table
-from eddi_scaffold.packages.assembly import monitors_of, rejoined
+from eddi_scaffold.packages.assembly import monitors_of
+from eddi_scaffold.packages.upgrading import rejoined
 from tests.kinds.bayesian_network.networks import read
 
 TWO = '<state id="y"/><state id="n"/>'
