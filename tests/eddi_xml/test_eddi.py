@@ -7,8 +7,9 @@ import io
 import pytest
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.eddi_xml.document import EddiDocument, read_document, read_stream, recognises
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import Limits
+from eddi_scaffold.eddi_xml.reading import read_document, read_stream, recognises
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 from tests.data_files import ORACLES

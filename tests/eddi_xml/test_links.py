@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.eddi_xml.document import EddiDocument, read_document
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.links import links_of
+from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.unread import unread
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models

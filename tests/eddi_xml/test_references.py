@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.eddi_xml.document import EddiDocument, read_stream
+from eddi_scaffold.eddi_xml.document import EddiDocument
+from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment, parse_token
 
 

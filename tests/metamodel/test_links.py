@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.eddi_xml.document import read_document
 from eddi_scaffold.eddi_xml.links import links_of
+from eddi_scaffold.eddi_xml.reading import read_document
 from tests.cli.command import run
 from tests.metamodel.expected import FOLDER, expected
 

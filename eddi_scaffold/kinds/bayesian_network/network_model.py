@@ -13,8 +13,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.eddi_xml.document import recognises as is_xml
 from eddi_scaffold.eddi_xml.parsing import load
+from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import (
     CrossCheck,
     EditableModule,
