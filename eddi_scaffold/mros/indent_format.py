@@ -59,6 +59,7 @@ class IndentReader:
 
     def _known(self, line: Line, keys: Sequence[str]) -> Iterator[tuple[str, LineCursor, Line]]:
         """Yield known keys below a line, in lower case, each with the rest of its line, and it."""
+        similar: dict[str, list[str]] = {}  # a generated file may repeat a key thousands of times
         for inner in line.below:
             rest = LineCursor(self.text, inner)
             place = Place(self.text.file, *rest.place())
@@ -66,9 +67,12 @@ class IndentReader:
             if key.lower() in keys:
                 yield key.lower(), rest, inner
                 continue
-            for meant in get_close_matches(key.lower(), keys, n=1, cutoff=0.8):
-                self.problems.append(problem("M006.misspelt", place, key=key, meant=meant))
-                break
+            if key not in similar:
+                similar[key] = get_close_matches(key.lower(), keys, n=1, cutoff=0.8)
+            if similar[key]:
+                self.problems.append(
+                    problem("M006.misspelt", place, key=key, meant=similar[key][0])
+                )
             else:
                 self.problems.append(problem("M005.unknown_key", place, key=key))
 

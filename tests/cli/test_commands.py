@@ -15,7 +15,7 @@ import pytest
 
 from eddi_scaffold import __version__, cli
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.packages.examples import names
+from eddi_scaffold.packages.examples import described
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import ROOT, Result, example, files_below, run
 from tests.diagnosed import assert_reported
@@ -118,7 +118,7 @@ def test_an_example_is_a_place_to_start_from(tmp_path: Path) -> None:
     lines = [
         line.split(maxsplit=1) for line in run("example", "list", cwd=tmp_path).out.splitlines()
     ]
-    assert [name for name, _ in lines] == names()
+    assert [name for name, _ in lines] == list(described())
 
 
 def test_an_example_links_only_to_what_is_written_with_it() -> None:
