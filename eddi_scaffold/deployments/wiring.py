@@ -14,7 +14,7 @@ from eddi_scaffold.common.graphs import reached
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import ByKey
 from eddi_scaffold.config.schema import InputQos, OutputEntry
-from eddi_scaffold.deployments.meanings import check_meanings, readings
+from eddi_scaffold.deployments.meanings import Readings, check_meanings
 from eddi_scaffold.deployments.support import WiredMonitor, check_acceptances, check_rings, supports
 from eddi_scaffold.deployments.topics import (
     Deployment,
@@ -34,7 +34,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
     for member in deployment.members:
         user = member.monitor
         seen: set[tuple[str, str]] = set()
-        for reading in readings(user).fields:
+        for reading in Readings(user).fields:
             publisher = deployment.publisher(member, reading.source)
             if publisher is None:
                 continue
