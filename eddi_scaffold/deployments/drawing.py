@@ -35,72 +35,67 @@ def diagram(fleet: Fleet, title: str) -> Diagram:
     """Return robots above their monitors, and lines from each monitor to those that rely on it."""
     nodes = [
         *(_robot(robot) for robot in fleet.robots),
-        *(_monitor(fleet, seat) for seat in fleet.seats),
+        *(_monitor(fleet, monitor) for monitor in fleet.monitors),
     ]
     edges = [
-        *(DiagramEdge(_id(seat.robot), _id(seat), arrow=False) for seat in fleet.seats),
+        *(DiagramEdge(_id(monitor.robot), _id(monitor), arrow=False) for monitor in fleet.monitors),
         *(edge for robot in fleet.robots for edge in _within(fleet, robot)),
         *_between(fleet),
     ]
-    count = f"{len(fleet.robots)} robots, {len(fleet.seats)} monitors"
-    lines = [
-        f"{bond.demand} of {bond.user.name} is fulfilled by "
-        + " or ".join(f"{offer.guarantee} of {offer.seat.name}" for offer in bond.offers)
-        for bond in fleet.bonds
-    ]
-    return Diagram(
-        title,
-        tuple(nodes),
-        tuple(edges),
-        "down",
-        (
-            LegendEntry("robot", "rounded", "neutral"),
-            LegendEntry("monitor", "table", "output"),
-            LegendEntry("monitor with demands of other robots", "table", "demand"),
-        ),
-        ". ".join([count, *lines]),
+    description = [f"{len(fleet.robots)} robots, {len(fleet.monitors)} monitors"]
+    for binding in fleet.bindings:
+        guarantees = [f"{each.guarantee} of {each.provider.name}" for each in binding.fulfilments]
+        demand = f"{binding.demand} of {binding.user.name}"
+        description.append(f"{demand} is fulfilled by {' or '.join(guarantees)}")
+    legend = (
+        LegendEntry("robot", "rounded", "neutral"),
+        LegendEntry("monitor", "table", "output"),
+        LegendEntry("monitor with demands of other robots", "table", "demand"),
     )
+    return Diagram(title, tuple(nodes), tuple(edges), "down", legend, ". ".join(description))
 
 
-def _id(one: FleetRobot | RobotMonitor) -> str:
-    return f"{one.robot.name}/{one.index}" if isinstance(one, RobotMonitor) else one.name
+def _id(part: FleetRobot | RobotMonitor) -> str:
+    return f"{part.robot.name}/{part.index}" if isinstance(part, RobotMonitor) else part.name
 
 
 def _robot(robot: FleetRobot) -> DiagramNode:
-    at = robot.graph
-    place = f"{at.key} {at.name}" if at is not None and at.name else ""
-    part = f"partition {at.partition}" if at is not None and at.partition else ""
-    lines = (robot.name, " ".join((robot.platform.name, robot.form.prefix or "/")), place, part)
-    return DiagramNode(_id(robot), tuple(line for line in lines if line), "rounded", "neutral")
+    graph = robot.graph
+    lines = [robot.name, f"{robot.platform.name} {robot.form.prefix or '/'}"]
+    if graph is not None:
+        lines += [f"{graph.key} {graph.name}"] if graph.name else []
+        lines += [f"partition {graph.partition}"] if graph.partition else []
+    return DiagramNode(_id(robot), tuple(lines), "rounded", "neutral")
 
 
-def _monitor(fleet: Fleet, seat: RobotMonitor) -> DiagramNode:
-    bound = [bond.demand for bond in fleet.bonds_of(seat)]
-    rows = [f"gives {name}" for name in seat.guarantees] + [f"needs {name}" for name in bound]
-    tone: Tone = "demand" if bound else "output"
-    lines = (seat.id, *(rows or [seat.monitor.kind.title]))
-    return DiagramNode(_id(seat), lines, "table", tone, f"{seat.name} ({seat.monitor.kind.title})")
+def _monitor(fleet: Fleet, monitor: RobotMonitor) -> DiagramNode:
+    title, demands = monitor.bound.kind.title, fleet.bindings_of(monitor)
+    rows = [f"gives {name}" for name in monitor.guarantees]
+    rows += [f"needs {binding.demand}" for binding in demands]
+    tone: Tone = "demand" if demands else "output"
+    lines = (monitor.id, *(rows or [title]))
+    return DiagramNode(_id(monitor), lines, "table", tone, f"{monitor.name} ({title})")
 
 
 def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
     """Yield a line for each guarantee that may fulfil a demand of another robot."""
     labels: dict[tuple[str, str], list[str]] = {}
-    for bond in fleet.bonds:
-        for offer in bond.offers:
-            ends = _id(offer.seat), _id(bond.user)
-            labels.setdefault(ends, []).append(f"{offer.guarantee} for {bond.demand}")
-    for (source, target), found in labels.items():
-        yield DiagramEdge(source, target, ", ".join(found))
+    for binding in fleet.bindings:
+        for fulfilment in binding.fulfilments:
+            ends = _id(fulfilment.provider), _id(binding.user)
+            labels.setdefault(ends, []).append(f"{fulfilment.guarantee} for {binding.demand}")
+    for (source, target), texts in labels.items():
+        yield DiagramEdge(source, target, ", ".join(texts))
 
 
 def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
     """Yield a line for each monitor of a robot that another one of it relies on, by topics."""
-    own = [(seat, Member(seat.monitor).participant) for seat in fleet.seats_of(robot)]
-    publishers = {topic: seat for seat, one in own for topic, _ in one.published}
+    wired = {_id(own): Member(own.bound).participant for own in fleet.monitors_of(robot)}
+    publishers = {topic: id_ for id_, monitor in wired.items() for topic, _ in monitor.published}
     ends = {
-        (_id(publishers[topic]), _id(seat)): None
-        for seat, one in own
-        for reads in one.topics_read.values()
+        (publishers[topic], id_): None
+        for id_, monitor in wired.items()
+        for reads in monitor.topics_read.values()
         for topic, _ in reads
         if topic in publishers
     }

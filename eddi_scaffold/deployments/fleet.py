@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
@@ -16,7 +17,7 @@ from eddi_scaffold.config.deployment_file import FleetFile, read_fleet
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, PeersSection, SimulatorOutput
 from eddi_scaffold.deployments.joining import join_pairs
-from eddi_scaffold.deployments.offers import DemandBinding, RobotMonitor, bonds_of
+from eddi_scaffold.deployments.offers import DemandBinding, RobotMonitor, demand_bindings
 from eddi_scaffold.deployments.robots import (
     FleetRobot,
     GuaranteeSource,
@@ -35,29 +36,32 @@ class Fleet:
     Attributes:
         file: the deployment file.
         robots: in its order.
-        seats: the monitors of all robots, as they are without the others.
-        bonds: the demands that other robots fulfil.
+        monitors: the monitors of all robots, as they are without the others.
+        bindings: the demands that other robots fulfil.
     """
 
     file: FleetFile
     robots: tuple[FleetRobot, ...]
-    seats: tuple[RobotMonitor, ...]
-    bonds: tuple[DemandBinding, ...]
+    monitors: tuple[RobotMonitor, ...]
+    bindings: tuple[DemandBinding, ...]
 
-    def seats_of(self, robot: FleetRobot) -> list[RobotMonitor]:
+    def monitors_of(self, robot: FleetRobot) -> list[RobotMonitor]:
         """Return the monitors of one robot."""
-        return [seat for seat in self.seats if seat.robot is robot]
+        return [monitor for monitor in self.monitors if monitor.robot is robot]
 
-    def bonds_of(self, seat: RobotMonitor) -> list[DemandBinding]:
+    def bindings_of(self, monitor: RobotMonitor) -> list[DemandBinding]:
         """Return the demands of a monitor that other robots fulfil."""
-        return [bond for bond in self.bonds if bond.user is seat]
+        return [binding for binding in self.bindings if binding.user is monitor]
 
-    def monitors(
+    def bound_monitors(
         self, robot: FleetRobot, config_of: Callable[[RobotMonitor], ConfigFile]
     ) -> tuple[list[BoundMonitor], list[Problem]]:
         """Return the monitors of a robot with other configurations, and what is wrong with them."""
         # the model as it was read, without the options of the configuration
-        pairs = [(robot.pairs[seat.index][0], config_of(seat)) for seat in self.seats_of(robot)]
+        pairs = [
+            (robot.pairs[monitor.index][0], config_of(monitor))
+            for monitor in self.monitors_of(robot)
+        ]
         return join_pairs(pairs)
 
 
@@ -77,21 +81,21 @@ def read_whole_fleet(
     problems += found
     if has_errors(problems):
         return None, problems
-    seats: list[RobotMonitor] = []
+    monitors: list[RobotMonitor] = []
     for robot in robots:
         for index, (model, config) in enumerate(robot.pairs):
             monitor, found = monitor_of(model, kinds()[model.kind], config)
             if monitor is None:
                 problems += found
             else:  # what is only a warning may be due to a demand that is not bound yet
-                seats.append(RobotMonitor(robot, index, monitor))
+                monitors.append(RobotMonitor(robot, index, monitor))
     if has_errors(problems):
         return None, problems
-    bonds, found = bonds_of(file, seats)
+    bindings, found = demand_bindings(file, monitors)
     problems += found
     if has_errors(problems):  # what else there is would follow from these
         return None, problems
-    return Fleet(file, tuple(robots), tuple(seats), tuple(bonds)), problems
+    return Fleet(file, tuple(robots), tuple(monitors), tuple(bindings)), problems
 
 
 Digests = Mapping[tuple[str, int], str]
@@ -107,14 +111,13 @@ def digests_of(fleet: Fleet) -> Digests:
     settles after as many rounds as there are robots in the longest chain of demands.
     """
     digests: Digests = {}
-    for _ in fleet.seats:
+    for _ in fleet.monitors:
         before = digests
+        config_of = partial(among_others, fleet, digests=before)
         digests = {
             (robot.name, index): monitor.facts.digest
             for robot in fleet.robots
-            for index, monitor in enumerate(
-                fleet.monitors(robot, lambda seat: among_others(fleet, seat, before))[0]  # noqa: B023
-            )
+            for index, monitor in enumerate(fleet.bound_monitors(robot, config_of)[0])
         }
         if digests == before:
             break
@@ -122,45 +125,42 @@ def digests_of(fleet: Fleet) -> Digests:
 
 
 def among_others(
-    fleet: Fleet, seat: RobotMonitor, digests: Digests, *, closed: bool = False
+    fleet: Fleet, monitor: RobotMonitor, digests: Digests, *, closed: bool = False
 ) -> ConfigFile:
     """Return the configuration of a monitor on its robot, one of a fleet.
 
     Args:
         fleet: of the deployment file.
-        seat: the monitor on its robot.
+        monitor: the monitor on its robot.
         digests: of the models of the others.
         closed: see ``is_closed``.
     """
-    shared, config = fleet.file.form.Fleet, seat.config
-    if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
+    shared, config = fleet.file.form.Fleet, monitor.config
+    if monitor.robot.graph is None or fleet_message(monitor.bound.kind) is None:
         return config
     section = FleetSection(
-        robot=seat.robot.name, topic=shared.topic, lease=shared.lease, closed=closed
+        robot=monitor.robot.name, topic=shared.topic, lease=shared.lease, closed=closed
     )
-    place = fleet.file.place("Fleet")
     places = dict(config.places)
-    places["Fleet",] = place
+    places["Fleet",] = fleet.file.place("Fleet")
     places["Fleet", "lease"] = fleet.file.place("Fleet", "lease")
     form = config.config.model_copy(update={"Fleet": section})
     config = replace(config, config=form, places=places)
-    for bond in fleet.bonds_of(seat):
-        found: dict[PeersSection, None] = {}  # of any robot, each model once
-        for offer in bond.offers:
-            robot, model = offer.seat.robot.name, offer.seat.monitor.model.name
-            found[
-                PeersSection(
-                    robots="any" if bond.of_any else (robot,),
-                    model=model,
-                    digest=digests.get((robot, offer.seat.index), _NOT_YET),
-                    guarantee=offer.guarantee,
-                )
-            ] = None
+    for binding in fleet.bindings_of(monitor):
+        peers = dict.fromkeys(  # of any robot, each model once
+            PeersSection(
+                robots="any" if binding.of_any else (fulfilment.provider.robot.name,),
+                model=fulfilment.provider.bound.model.name,
+                digest=digests.get(fulfilment.provider.key, _NOT_YET),
+                guarantee=fulfilment.guarantee,
+            )
+            for fulfilment in binding.fulfilments
+        )
         sources = []
-        for peers in found:
-            robot = "any" if peers.robots == "any" else peers.robots[0]
-            id_ = f"peer_{robot}_{attribute(peers.guarantee)}"
-            output = SimulatorOutput(id=id_, type=MESSAGE, topic=shared.topic, peers=peers)
-            sources.append(GuaranteeSource(output, peers.guarantee))
-        config = with_demand_inputs(config, bond.demand, sources, shared.lease, bond.place)
+        for entry in peers:
+            robot = "any" if binding.of_any else entry.robots[0]
+            id_ = f"peer_{robot}_{attribute(entry.guarantee)}"
+            output = SimulatorOutput(id=id_, type=MESSAGE, topic=shared.topic, peers=entry)
+            sources.append(GuaranteeSource(output, entry.guarantee))
+        config = with_demand_inputs(config, binding.demand, sources, shared.lease, binding.place)
     return config

@@ -24,33 +24,33 @@ from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
 
 
-def read_directly(fleet: Fleet, seat: RobotMonitor) -> ConfigFile:
+def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
     """Return the configuration of a monitor that publishes for others, and reads them, by topic."""
-    config, shared = seat.config, fleet.file.form.Fleet
+    config, shared = monitor.config, fleet.file.form.Fleet
     topic, lease = shared.topic, shared.lease
-    if seat.guarantees:
-        own = OutputEntry.model_construct(id="peers", topic=_topic(seat, topic))
+    if monitor.guarantees:
+        own = OutputEntry.model_construct(id="peers", topic=_topic(monitor, topic))
         outputs = [*config.config.EDDIOutputs, own]
         config = replace(config, config=config.config.model_copy(update={"EDDIOutputs": outputs}))
-    for bond in fleet.bonds_of(seat):
+    for binding in fleet.bindings_of(monitor):
         sources = [
             GuaranteeSource(
                 SimulatorOutput(
-                    id=f"peer_{offer.seat.robot.name}_{attribute(offer.guarantee)}",
-                    type=f"{MESSAGE_PACKAGE}/{offer.seat.monitor.kind.output_message}",
-                    topic=_topic(offer.seat, topic),
+                    id=f"peer_{fulfilment.provider.robot.name}_{attribute(fulfilment.guarantee)}",
+                    type=f"{MESSAGE_PACKAGE}/{fulfilment.provider.bound.kind.output_message}",
+                    topic=_topic(fulfilment.provider, topic),
                 ),
-                offer.guarantee,
+                fulfilment.guarantee,
             )
-            for offer in bond.offers
+            for fulfilment in binding.fulfilments
         ]
         if sources:
-            config = with_demand_inputs(config, bond.demand, sources, lease, bond.place)
+            config = with_demand_inputs(config, binding.demand, sources, lease, binding.place)
     return config
 
 
-def _topic(seat: RobotMonitor, topic: str) -> str:
-    return f"{topic}/{seat.robot.name}/{seat.monitor.package}"
+def _topic(monitor: RobotMonitor, topic: str) -> str:
+    return f"{topic}/{monitor.robot.name}/{monitor.bound.package}"
 
 
 _OWN_PERIODS = 2
@@ -86,8 +86,8 @@ def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
     closed = is_closed(fleet)
     members: dict[FleetRobot, list[Member]] = {}
     for robot in fleet.robots:
-        monitors, found = fleet.monitors(
-            robot, lambda seat: among_others(fleet, seat, {}, closed=closed)
+        monitors, found = fleet.bound_monitors(
+            robot, lambda monitor: among_others(fleet, monitor, {}, closed=closed)
         )
         members[robot] = [Member(monitor, robot.form.prefix) for monitor in monitors]
         problems += [
@@ -117,7 +117,7 @@ def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
 
 
 def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:
-    monitors, _ = fleet.monitors(robot, lambda seat: read_directly(fleet, seat))
+    monitors, _ = fleet.bound_monitors(robot, lambda monitor: read_directly(fleet, monitor))
     return [Member(monitor, robot.form.prefix) for monitor in monitors]
 
 
@@ -161,40 +161,42 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
     """Report monitors of one robot whose words nobody could tell apart (D010)."""
-    relied = {offer.seat for bond in fleet.bonds for offer in bond.offers}
+    relied = {
+        fulfilment.provider for binding in fleet.bindings for fulfilment in binding.fulfilments
+    }
     first: dict[tuple[str, str], RobotMonitor] = {}
-    for seat in fleet.seats:
-        if seat.robot.graph is None or fleet_message(seat.monitor.kind) is None:
+    for monitor in fleet.monitors:
+        if monitor.robot.graph is None or fleet_message(monitor.bound.kind) is None:
             continue
-        before = first.setdefault((seat.robot.name, seat.monitor.model.name), seat)
-        if before is not seat:
+        before = first.setdefault((monitor.robot.name, monitor.bound.model.name), monitor)
+        if before is not monitor:
             yield problem(
-                "D010.same_model" if relied & {before, seat} else "D010.same_model_unheard",
-                fleet.file.place("Robots", seat.robot.number, "monitors", seat.index),
+                "D010.same_model" if relied & {before, monitor} else "D010.same_model_unheard",
+                fleet.file.place("Robots", monitor.robot.number, "monitors", monitor.index),
                 first=before.name,
-                second=seat.name,
-                model=seat.monitor.model.name,
+                second=monitor.name,
+                model=monitor.bound.model.name,
             )
 
 
 def _check_ages(fleet: Fleet) -> Iterator[Problem]:
     """Report age limits that end before the next word can have come (D015)."""
-    for bond in fleet.bonds:
-        config = bond.user.config
+    for binding in fleet.bindings:
+        config = binding.user.config
         for index, entry in enumerate(config.config.EDDIInputs):
             limit = entry.max_age
-            if entry.id != bond.demand or not isinstance(limit, float):
+            if entry.id != binding.demand or not isinstance(limit, float):
                 continue
-            for seat in dict.fromkeys(offer.seat for offer in bond.offers):
-                least = _OWN_PERIODS / bond.user.frequency + 1 / seat.frequency
+            for monitor in dict.fromkeys(fulfilment.provider for fulfilment in binding.fulfilments):
+                least = _OWN_PERIODS / binding.user.frequency + 1 / monitor.frequency
                 if limit < least:
                     place = config.place("EDDIInputs", index, "max_age")
                     yield problem(
                         "D015",
                         place,
-                        demand=bond.demand,
+                        demand=binding.demand,
                         limit=limit,
-                        source=seat.name,
+                        source=monitor.name,
                         age=least,
-                        user=bond.user.name,
+                        user=binding.user.name,
                     )

@@ -41,7 +41,7 @@ def join(
     Returns:
         The monitors without errors, and all problems.
     """
-    problems = [found for config in configs for found in check_limits(config)]
+    problems = [reported for config in configs for reported in check_limits(config)]
     pairs: list[tuple[Model, ConfigFile | None]] = []
     for config in configs:
         try:
@@ -55,10 +55,9 @@ def join(
     if not configs:
         pairs = [(model, None) for model in models]
     monitors, found = join_pairs(pairs, marks)
-    found += _check_packages(monitors)
     members = members_of(monitors)
-    wrong = [*check_wiring(members), *check_ages(deployment(members))]
-    return monitors, [*problems, *found, *wrong]
+    problems += [*found, *_check_packages(monitors), *check_wiring(members)]
+    return monitors, [*problems, *check_ages(deployment(members))]
 
 
 def join_pairs(
@@ -92,12 +91,11 @@ def unanswered(problems: Iterable[Problem], configured: Iterable[Model]) -> list
         problems: of reading models.
         configured: the models that have configurations.
     """
-    places = {(one.place.file, one.place.path) for one in configured}
+    places = {(model.place.file, model.place.path) for model in configured}
 
     def is_answered(problem: Problem) -> bool:
-        place = problem.place
-        whole = (place.path or "").partition("/@values")[0] or None
-        return problem.code == "W003" and (place.file, whole) in places
+        model_path = (problem.place.path or "").partition("/@values")[0] or None
+        return problem.code == "W003" and (problem.place.file, model_path) in places
 
     return [problem for problem in problems if not is_answered(problem)]
 
@@ -117,14 +115,11 @@ def packages_of(
         package, found = platform.monitor(monitor)
         packages.append(package)
         problems += found
-        if monitor.config is not None and "lifecycle" not in package.answers:
-            problems += _check_life_cycle(monitor.config, platform)
+        config, is_managed = monitor.config, "lifecycle" in package.answers
+        if config is not None and config.config.Model.lifecycle and not is_managed:
+            place = config.place("Model", "lifecycle")
+            problems.append(problem("K084", place, platform=platform.name))
     return packages, problems
-
-
-def _check_life_cycle(config: ConfigFile, platform: Platform) -> Iterable[Problem]:
-    if config.config.Model.lifecycle:
-        yield problem("K084", config.place("Model", "lifecycle"), platform=platform.name)
 
 
 def _place_of_id(monitor: BoundMonitor) -> Place:
@@ -137,10 +132,8 @@ def _check_packages(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     for monitor in monitors:
         other = first.setdefault(monitor.package, monitor)
         if other is not monitor:
-            both = f"{other.model.name!r} and {monitor.model.name!r}"
-            yield problem(
-                "G004.same_package", _place_of_id(monitor), both=both, package=monitor.package
-            )
+            place, both = _place_of_id(monitor), f"{other.model.name!r} and {monitor.model.name!r}"
+            yield problem("G004.same_package", place, both=both, package=monitor.package)
 
 
 def _check_names(
@@ -148,19 +141,13 @@ def _check_names(
 ) -> Iterable[Problem]:
     taken = platform.taken_names(root)
     for monitor in monitors:
-        own = monitor.model.file_stem or monitor.model.name
-        shown = monitor.config.config.Model.id if monitor.config else own
+        model, config, package = monitor.model, monitor.config, monitor.package
+        id_ = config.config.Model.id if config else model.file_stem or model.name
         place = _place_of_id(monitor)
-        if not is_package_name(monitor.package):
-            yield problem("G002.no_package_name", place, id=shown)
-        if monitor.package in taken:
-            yield problem(
-                "G003.unusable_package",
-                place,
-                package=monitor.package,
-                taken=taken[monitor.package],
-                id=shown,
-            )
+        if not is_package_name(package):
+            yield problem("G002.no_package_name", place, id=id_)
+        if (why := taken.get(package)) is not None:
+            yield problem("G003.unusable_package", place, package=package, taken=why, id=id_)
 
 
 def accepted_of(
@@ -178,12 +165,12 @@ def accepted_of(
     if not configs:
         return [], list(models), []
     monitors, problems = join(models, configs, partial(checked_models, default_guarantees=marks))
-    wrong = [problem for problem in problems if problem.level == "error"]
-    if wrong:
-        return [], list(models), wrong
+    errors = [problem for problem in problems if problem.level == "error"]
+    if errors:
+        return [], list(models), errors
     accepted = acceptances([member.participant for member in members_of(monitors)])
-    made = {_identity(monitor.model): monitor.model for monitor in monitors}
-    return accepted, [made.get(_identity(model), model) for model in models], []
+    configured = {_identity(monitor.model): monitor.model for monitor in monitors}
+    return accepted, [configured.get(_identity(model), model) for model in models], []
 
 
 def _identity(model: Model) -> tuple[str, str, str]:

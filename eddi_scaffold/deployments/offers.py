@@ -14,7 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 
 BINDINGS = "Bindings"
 _MOST_REASONS = 3
-_MOST_OFFERS = 2_500
+_MOST_FULFILMENTS = 2_500
 """Each is checked, and most are written down: 50 robots of which each relies on any other one."""
 _COMPOSE = "`eddi-scaffold compose` shows which guarantees would"
 
@@ -26,18 +26,18 @@ class RobotMonitor:
     Attributes:
         robot: where it runs.
         index: of the monitor among those of the robot.
-        monitor: its model and configuration, as they are without other robots.
+        bound: its model and configuration, as they are without other robots.
     """
 
     robot: FleetRobot
     index: int
-    monitor: BoundMonitor
+    bound: BoundMonitor
 
     @property
     def config(self) -> ConfigFile:
         """Its configuration, as it is without other robots."""
-        assert self.monitor.config is not None
-        return self.monitor.config
+        assert self.bound.config is not None
+        return self.bound.config
 
     @property
     def id(self) -> str:
@@ -50,6 +50,11 @@ class RobotMonitor:
         return f"{self.robot.name}/{self.id}"
 
     @property
+    def key(self) -> tuple[str, int]:
+        """Robot and number of the monitor among those of it."""
+        return self.robot.name, self.index
+
+    @property
     def frequency(self) -> float:
         """Steps per second."""
         return self.config.config.Model.frequency
@@ -57,12 +62,12 @@ class RobotMonitor:
     @property
     def demands(self) -> Sequence[str]:
         """Ids of its demands."""
-        return [input_.model.id for input_ in self.monitor.inputs if input_.model.is_demand]
+        return [input_.model.id for input_ in self.bound.inputs if input_.model.is_demand]
 
     @property
     def guarantees(self) -> Sequence[str]:
         """Ids of its guarantees in messages."""
-        keys = self.monitor.model.element_keys() if self.monitor.kind.between_robots else {}
+        keys = self.bound.model.element_keys() if self.bound.kind.between_robots else {}
         return [key for of_list in keys.values() for key in of_list]
 
 
@@ -70,7 +75,7 @@ class RobotMonitor:
 class Fulfilment:
     """A guarantee that may fulfil a demand."""
 
-    seat: RobotMonitor
+    provider: RobotMonitor
     guarantee: str
 
 
@@ -81,41 +86,41 @@ class DemandBinding:
     Attributes:
         user: whose demand it is.
         demand: its id.
-        offers: of the robots of the deployment file.
-        of_any: whether it may be any robot; else those of the offers.
+        fulfilments: of the robots of the deployment file.
+        of_any: whether it may be any robot; else those of the fulfilments.
         place: in the deployment file.
     """
 
     user: RobotMonitor
     demand: str
-    offers: tuple[Fulfilment, ...]
+    fulfilments: tuple[Fulfilment, ...]
     of_any: bool
     place: Place
 
 
-def bonds_of(
-    file: FleetFile, seats: Sequence[RobotMonitor]
+def demand_bindings(
+    file: FleetFile, monitors: Sequence[RobotMonitor]
 ) -> tuple[list[DemandBinding], list[Problem]]:
     """Return every bound demand, and what is wrong with the bindings (D004, D011, D013)."""
-    binder = _Binder(file, seats)
+    binder = _Binder(file, monitors)
     problems = [found for index in range(len(file.form.Bindings)) for found in binder.bind(index)]
-    return list(binder.bonds.values()), problems
+    return list(binder.bindings.values()), problems
 
 
 class _Binder:
     """Binds demands, entry by entry of the deployment file."""
 
-    def __init__(self, file: FleetFile, seats: Sequence[RobotMonitor]) -> None:
-        self.file, self.seats = file, seats
-        self.bonds: dict[tuple[str, int, str], DemandBinding] = {}
+    def __init__(self, file: FleetFile, monitors: Sequence[RobotMonitor]) -> None:
+        self.file, self.monitors = file, monitors
+        self.bindings: dict[tuple[str, int, str], DemandBinding] = {}
         self.robots: dict[FleetRobot, list[RobotMonitor]] = {}
-        for seat in seats:
-            self.robots.setdefault(seat.robot, []).append(seat)
-        self.offers = 0
+        for monitor in monitors:
+            self.robots.setdefault(monitor.robot, []).append(monitor)
+        self.fulfilments = 0
 
     def bind(self, index: int) -> Iterator[Problem]:
         """Bind a demand of one robot, or of all that have it; yield what is wrong with that."""
-        if self.offers > _MOST_OFFERS:
+        if self.fulfilments > _MOST_FULFILMENTS:
             return
         binding, place = self.file.form.Bindings[index], partial(self.file.place, BINDINGS, index)
         unknown = list(self._unknown(binding, place))
@@ -123,9 +128,9 @@ class _Binder:
             yield from unknown
             return
         askers = [
-            seat
-            for seat in self.seats
-            if binding.robot in (None, seat.robot.name) and binding.monitor in (None, seat.id)
+            monitor
+            for monitor in self.monitors
+            if binding.robot in (None, monitor.robot.name) and binding.monitor in (None, monitor.id)
         ]
         users = [asker for asker in askers if binding.demand in asker.demands]
         if not users:
@@ -134,25 +139,25 @@ class _Binder:
             names = {"demand": binding.demand, "type": binding.robot or "any robot"}
             yield problem("D011.no_demand", place("demand"), hint=hint, **names)
         for user in users:
-            key = (user.robot.name, user.index, binding.demand)
-            if key in self.bonds:
-                line, names = self.bonds[key].place.line, {"user": user.name}
+            key = (*user.key, binding.demand)
+            if key in self.bindings:
+                line, names = self.bindings[key].place.line, {"user": user.name}
                 demand = binding.demand
                 yield problem(
                     "D011.bound_twice", place("demand"), demand=demand, line=line, **names
                 )
                 continue
-            offers = yield from self._offers(binding, user, place)
+            fulfilments = yield from self._fulfilments(binding, user, place)
             of_any = binding.from_ == "any"
-            self.bonds[key] = DemandBinding(
-                user, binding.demand, tuple(offers), of_any, place("demand")
+            self.bindings[key] = DemandBinding(
+                user, binding.demand, tuple(fulfilments), of_any, place("demand")
             )
-            self.offers += len(offers)
-            if self.offers > _MOST_OFFERS:
-                yield problem("D004.too_many", place("from"), limit=_MOST_OFFERS)
+            self.fulfilments += len(fulfilments)
+            if self.fulfilments > _MOST_FULFILMENTS:
+                yield problem("D004.too_many", place("from"), limit=_MOST_FULFILMENTS)
                 return
 
-    def _offers(
+    def _fulfilments(
         self, binding: Binding, user: RobotMonitor, place: Callable[[str], Place]
     ) -> Generator[Problem, None, list[Fulfilment]]:
         """Return what fulfils a demand; yield which robots do not (D004), or are not heard (D013).
@@ -164,7 +169,7 @@ class _Binder:
             platform = robot.platform.name
             yield problem("D013.alone", place("demand"), robot=robot.name, platform=platform)
             return []
-        offers: list[Fulfilment] = []
+        fulfilments: list[Fulfilment] = []
         all_reasons: dict[str, None] = {}
 
         def never(who: str, reasons: Sequence[str]) -> Problem:
@@ -173,7 +178,7 @@ class _Binder:
             at, hint = place("demand" if of_any else "from"), _COMPOSE if reasons else None
             return problem("D004.never", at, hint=hint, shown=shown, **names)
 
-        for other, seats in self.robots.items():
+        for other, monitors in self.robots.items():
             if other is robot or (not of_any and other.name not in binding.from_):
                 continue
             if other.graph != robot.graph:
@@ -184,23 +189,23 @@ class _Binder:
                 continue
             own: list[Fulfilment] = []
             reasons: list[str] = []
-            for seat in seats:
-                if seat.monitor.kind is not user.monitor.kind:
+            for monitor in monitors:
+                if monitor.bound.kind is not user.bound.kind:
                     continue
-                for name in seat.guarantees:
+                for name in monitor.guarantees:
                     if binding.guarantee not in (None, name):
                         continue
-                    model, demand = seat.monitor.model, binding.demand
-                    why = model.why_not_fulfilled(name, user.monitor.model, demand)
-                    own += [Fulfilment(seat, name)] if why is None else []
+                    model, demand = monitor.bound.model, binding.demand
+                    why = model.why_not_fulfilled(name, user.bound.model, demand)
+                    own += [Fulfilment(monitor, name)] if why is None else []
                     reasons += [why] if why is not None else []
             all_reasons |= dict.fromkeys(reasons)
-            offers += own
+            fulfilments += own
             if not own and not of_any:
                 yield never(other.name, reasons)
-        if not offers and of_any:
+        if not fulfilments and of_any:
             yield never("any robot that it hears", list(all_reasons))
-        return offers
+        return fulfilments
 
     def _unknown(self, binding: Binding, place: Callable[[str], Place]) -> Iterator[Problem]:
         """Report names that nothing has (D011)."""
@@ -215,8 +220,10 @@ class _Binder:
                 yield problem("D011.no_robot", place("from"), hint=similar.hint(name), robot=name)
             elif name == binding.robot:
                 yield problem("D011.own_demand", place("from"), name=name)
-        monitors = [seat.id for seat in self.seats if binding.robot in (None, seat.robot.name)]
-        guarantees = [name for seat in self.seats for name in seat.guarantees]
+        monitors = [
+            monitor.id for monitor in self.monitors if binding.robot in (None, monitor.robot.name)
+        ]
+        guarantees = [name for monitor in self.monitors for name in monitor.guarantees]
         monitor, guarantee = binding.monitor, binding.guarantee
         if monitor is not None and monitor not in monitors:
             hint = SimilarNames(monitors, "the monitors are").hint(monitor)

@@ -47,17 +47,17 @@ class FleetRobot:
 def read_robots(
     file: FleetFile, read: Callable[[Path], ReadResult]
 ) -> tuple[list[FleetRobot], list[Problem]]:
-    """Return the robots of a deployment file; one that cannot be used whole is left out.
+    """Return the robots of a deployment file that can be used as they are, and all problems.
 
     Args:
         file: the deployment file.
         read: reads a file of models; raises EddiError.
     """
     reader = _Reader(file, read)
-    robots = [reader.robot(number) for number in range(len(file.form.Robots))]
-    found = [robot for robot in robots if robot is not None]
-    reader.station()
-    return found, [*reader.problems, *_check_namespaces(file, found)]
+    all_robots = [reader.robot(number) for number in range(len(file.form.Robots))]
+    robots = [robot for robot in all_robots if robot is not None]
+    reader.platform(file.form.Station, "Station")
+    return robots, [*reader.problems, *_check_namespaces(file, robots)]
 
 
 @dataclass
@@ -67,38 +67,44 @@ class _Reader:
     problems: list[Problem] = field(default_factory=list)
     known: dict[Path, ReadResult] = field(default_factory=dict)
 
-    def station(self) -> None:
-        form = self.file.form.Station
-        try:
-            platform = chosen(form.platform) if form.platform is not None else None
-        except EddiError as failure:
-            self.problems += _at(failure, self.file.place("Station", "platform"))
-            return
-        if platform is not None:
-            self.problems += misplaced(self.file, form, platform, "Station")
-
     def robot(self, number: int) -> FleetRobot | None:
         form = self.file.form.Robots[number]
+        platform = self.platform(form, ROBOTS, number)
+        if platform is None:
+            return None
+        all_pairs = [self._pair(number, index) for index in range(len(form.monitors))]
+        pairs = tuple(pair for pair in all_pairs if pair is not None)
+        clashes = list(self._clashes(number, all_pairs))
+        self.problems += clashes
+        if len(pairs) < len(all_pairs) or clashes:
+            return None
+        return FleetRobot(form, number, platform, graph_of(form, platform), pairs)
+
+    def platform(self, form: Robot | StationSection, *path: str | int) -> Platform | None:
+        """Return a platform; report a place on it that it does not have (K003)."""
+        if form.platform is None:
+            return None
         try:
             platform = chosen(form.platform)
         except EddiError as failure:
-            self.problems += _at(failure, self.file.place(ROBOTS, number, "platform"))
+            place = self.file.place(*path, "platform")
+            self.problems += [replace(problem, place=place) for problem in failure.problems]
             return None
-        self.problems += misplaced(self.file, form, platform, ROBOTS, number)
-        pairs = [self._pair(number, index) for index in range(len(form.monitors))]
-        whole = [pair for pair in pairs if pair is not None]
-        clashes = list(self._clashes(number, pairs))
-        self.problems += clashes
-        if len(whole) < len(pairs) or clashes:
-            return None
-        return FleetRobot(form, number, platform, graph_of(form, platform), tuple(whole))
+        meeting = platform.meeting
+        own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
+        hint = f"name its `{own[0]}`" if own else "leave it out"
+        for key in ("master", "domain", "partition"):
+            if key not in own and getattr(form, key) is not None:
+                place, names = self.file.place(*path, key), {"platform": platform.name}
+                self.problems.append(problem("K003.platform", place, hint=hint, key=key, **names))
+        return platform
 
     def _pair(self, robot: int, monitor: int) -> Pair | None:
         try:
             config_file, model_file = self.file.files(robot, monitor)
             override = self.file.overrides.get((robot, monitor))
-            config, found = read_config(read_source(config_file), override=override)
-            self.problems += found
+            config, problems = read_config(read_source(config_file), override=override)
+            self.problems += problems
             if config is None:
                 return None
             models = self._models(model_file).models if model_file is not None else ()
@@ -130,45 +136,21 @@ def graph_of(form: Robot | StationSection, platform: Platform) -> MeetingPlace |
     """Return where a robot or station hears others."""
     if platform.meeting is None:
         return None
-    key, given = platform.meeting.key, getattr(form, platform.meeting.key)
-    name = platform.meeting.default if given is None else str(given)
+    key = platform.meeting.key
+    named = getattr(form, key)
+    name = platform.meeting.default if named is None else str(named)
     return MeetingPlace(key, name, form.partition or "")
-
-
-def misplaced(
-    file: FleetFile, form: Robot | StationSection, platform: Platform, *path: str | int
-) -> Iterator[Problem]:
-    """Report a ``master``, ``domain`` or ``partition`` that the platform does not have (K003)."""
-    meeting = platform.meeting
-    own = [meeting.key, *(["partition"] if meeting.has_partitions else [])] if meeting else []
-    for key in ("master", "domain", "partition"):
-        if key not in own and getattr(form, key) is not None:
-            hint = f"name its `{own[0]}`" if own else "leave it out"
-            yield problem(
-                "K003.platform", file.place(*path, key), hint=hint, platform=platform.name, key=key
-            )
 
 
 def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator[Problem]:
     """Report robots that nobody could tell apart (D010)."""
     first: dict[tuple[MeetingPlace, str], FleetRobot] = {}
     for robot in robots:
-        if robot.graph is None:
-            continue
-        before = first.setdefault((robot.graph, robot.form.prefix), robot)
+        prefix, place = robot.form.prefix, file.place(ROBOTS, robot.number, "namespace")
+        before = first.setdefault((robot.graph, prefix), robot) if robot.graph else robot
         if before is not robot:
-            keys = (ROBOTS, robot.number)
-            yield problem(
-                "D010.same_namespace",
-                file.place(*keys, "namespace"),
-                other=before.name,
-                robot=robot.name,
-                prefix=robot.form.prefix or "/",
-            )
-
-
-def _at(failure: EddiError, place: Place) -> list[Problem]:
-    return [replace(problem, place=place) for problem in failure.problems]
+            names = {"other": before.name, "robot": robot.name, "prefix": prefix or "/"}
+            yield problem("D010.same_namespace", place, **names)
 
 
 @dataclass(frozen=True)
@@ -204,21 +186,22 @@ def with_demand_inputs(
     outputs = list(form.SimulatorOutputs)
     names: list[str] = []
     for source in sources:
-        taken = {attribute(one.id) for one in (*outputs, *form.EDDIInputs)}
+        taken = {attribute(entry.id) for entry in (*outputs, *form.EDDIInputs)}
         names.append(free_name(attribute(source.output.id), taken))
         places["SimulatorOutputs", len(outputs)] = place
         outputs.append(source.output.model_copy(update={"id": names[-1]}))
-    fields = [f"guarantees[{key_text(one.guarantee)}].active" for one in sources]
+    fields = [f"guarantees[{key_text(source.guarantee)}].active" for source in sources]
     how: dict[str, object] = {"field": fields[0]}
     if len(sources) > 1:
-        words = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
-        how = {"expression": " OR ".join(words)}
+        read = [f"{name}.{field}" for name, field in zip(names, fields, strict=True)]
+        how = {"expression": " OR ".join(read)}
     entries = list(form.EDDIInputs)
-    index = next((k for k, entry in enumerate(entries) if entry.id == demand), len(entries))
-    old = entries[index] if index < len(entries) else InputEntry(id=demand, type="bool")
-    computed = {"field": None, "expression": None, "expression_file": None, "states": None}
+    ids = [entry.id for entry in entries]
+    index = ids.index(demand) if demand in ids else len(ids)
+    old = entries[index] if index < len(ids) else InputEntry(id=demand, type="bool")
+    replaced = dict.fromkeys(("field", "expression", "expression_file", "states"))
     age = max_age if old.max_age is None else old.max_age
-    new = {**computed, **how, "requires": names, "max_age": age}
+    new = {**replaced, **how, "requires": names, "max_age": age}
     entries[index : index + 1] = [old.model_copy(update=new)]
     places |= {("EDDIInputs", index, key): place for key in ("requires", *how)}
     places.setdefault(("EDDIInputs", index), place)

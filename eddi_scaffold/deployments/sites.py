@@ -75,8 +75,8 @@ def sites_of(
     digests = digests_of(fleet)
     sites = []
     for robot in fleet.robots:
-        monitors, found = fleet.monitors(
-            robot, lambda seat: among_others(fleet, seat, digests, closed=closed)
+        monitors, found = fleet.bound_monitors(
+            robot, lambda monitor: among_others(fleet, monitor, digests, closed=closed)
         )
         if has_errors(found):
             raise EddiError(*found)

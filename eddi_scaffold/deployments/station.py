@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from eddi_scaffold.common.files import Source
@@ -13,7 +13,6 @@ from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.fleet import Fleet
 from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
-from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.deployments.topics import Member
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import monitor_of
@@ -23,7 +22,7 @@ from eddi_scaffold.yaml_text.nodes import dump_plain
 
 STATION = "Station"
 _KIND = "consert"
-_FOUND = "told_"
+_DEMAND = "told_"
 """Before the name of a guarantee: the demand that it is active."""
 
 
@@ -33,27 +32,30 @@ def with_station(fleet: Fleet) -> Fleet:
     Raises:
         EddiError: there is no such platform (G008).
     """
-    form = fleet.file.form.Station
+    name = fleet.file.form.Station.name
     platform, graph = _place(fleet)
-    offers = _named(_heard(fleet))
-    if platform is None or not offers:
+    heard: dict[str, Fulfilment] = {}  # by a name that tells whose they are
+    for fulfilment in _heard(fleet):
+        whose = f"{fulfilment.provider.robot.name}_{attribute(fulfilment.guarantee)}"
+        heard[free_name(whose, heard)] = fulfilment
+    if platform is None or not heard:
         return fleet
-    model, config = _pair(form.name, offers)
-    entry = Robot.model_construct(name=form.name, platform=platform.name, monitors=[])
+    model, config = _pair(name, heard)
+    entry = Robot.model_construct(name=name, platform=platform.name, monitors=[])
     robot = FleetRobot(entry, len(fleet.robots), platform, graph, ((model, config),))
-    monitor, problems = monitor_of(model, kinds()[_KIND], config)
-    if monitor is None:
+    bound, problems = monitor_of(model, kinds()[_KIND], config)
+    if bound is None:
         raise EddiError(*problems)
-    seat, place = RobotMonitor(robot, 0, monitor), fleet.file.place(STATION)
-    bonds = [
-        DemandBinding(seat, f"{_FOUND}{name}", (offer,), of_any=False, place=place)
-        for name, offer in offers.items()
+    monitor, place = RobotMonitor(robot, 0, bound), fleet.file.place(STATION)
+    bindings = [
+        DemandBinding(monitor, f"{_DEMAND}{id_}", (fulfilment,), of_any=False, place=place)
+        for id_, fulfilment in heard.items()
     ]
     return replace(
         fleet,
         robots=(*fleet.robots, robot),
-        seats=(*fleet.seats, seat),
-        bonds=(*fleet.bonds, *bonds),
+        monitors=(*fleet.monitors, monitor),
+        bindings=(*fleet.bindings, *bindings),
     )
 
 
@@ -78,75 +80,55 @@ def _place(fleet: Fleet) -> tuple[Platform | None, MeetingPlace | None]:
         platform = first.platform
     else:
         return None, None
-    graph = graph_of(form, platform)
-    named = (form.master, form.domain, form.partition) != (None, None, None)
-    if first is None or first.graph is None or graph is None or named:
+    graph, meeting = graph_of(form, platform), platform.meeting
+    is_named = (form.master, form.domain, form.partition) != (None, None, None)
+    if first is None or first.graph is None or meeting is None or is_named:
         return platform, graph
-    return platform, _reached(first.graph, platform) or graph
-
-
-def _reached(graph: MeetingPlace, platform: Platform) -> MeetingPlace | None:
-    """Return a place if robots of a platform can be there."""
-    meeting = platform.meeting
-    if meeting is None or meeting.key != graph.key:
-        return None
-    return graph if meeting.has_partitions or not graph.partition else None
+    can_be_there = meeting.key == first.graph.key and (
+        meeting.has_partitions or not first.graph.partition
+    )
+    return platform, first.graph if can_be_there else graph
 
 
 def _heard(fleet: Fleet) -> list[Fulfilment]:
     """Return the guarantees of all robots where the station is."""
-    graph = _place(fleet)[1]
-    heard = [seat for seat in fleet.seats if graph is not None and seat.robot.graph == graph]
-    return [Fulfilment(seat, name) for seat in heard for name in seat.guarantees]
+    _, graph = _place(fleet)
+    return [
+        Fulfilment(monitor, guarantee)
+        for monitor in fleet.monitors
+        if graph is not None and monitor.robot.graph == graph
+        for guarantee in monitor.guarantees
+    ]
 
 
-def _named(offers: Sequence[Fulfilment]) -> Mapping[str, Fulfilment]:
-    """Return guarantees by a name that tells whose they are."""
-    names: dict[str, Fulfilment] = {}
-    for offer in offers:
-        wanted = f"{offer.seat.robot.name}_{attribute(offer.guarantee)}"
-        names[free_name(wanted, names)] = offer
-    return names
-
-
-def _pair(name: str, offers: Mapping[str, Fulfilment]) -> Pair:
+def _pair(name: str, heard: Mapping[str, Fulfilment]) -> Pair:
+    dimensions = [{"Binary": {"type": "Active"}}]
     model = {
         "guarantees": [
             {
                 "id": id_,
-                "description": f"{offer.seat.name} guarantees {offer.guarantee}",
-                "dimensions": [_binary("Active")],
+                "description": f"{fulfilment.provider.name} guarantees {fulfilment.guarantee}",
+                "dimensions": dimensions,
             }
-            for id_, offer in offers.items()
+            for id_, fulfilment in heard.items()
         ],
-        "demands": [{"id": f"{_FOUND}{id_}", "dimensions": [_binary("Active")]} for id_ in offers],
+        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in heard],
         "evidence": [],
         "gates": [],
-        "tree_propagations": [{"from": f"{_FOUND}{id_}", "to": id_} for id_ in offers],
+        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in heard],
         "required_services": [],
         "provided_services": [],
     }
+    frequency = max(fulfilment.provider.frequency for fulfilment in heard.values())
     config = {
-        "Model": {
-            "id": name,
-            "type": "ConSert",
-            "frequency": max(offer.seat.frequency for offer in offers.values()),
-        },
+        "Model": {"id": name, "type": "ConSert", "frequency": frequency},
         "EDDIOutputs": [{"id": "station", "topic": "guarantees"}],
     }
-    reading = read_models(_source(f"{name}.yml", model))
-    file, problems = read_config(_source(f"{name}_config.yml", config))
+    reading = read_models(Source(f"{name}.yml", dump_plain(model).encode()))
+    file, problems = read_config(Source(f"{name}_config.yml", dump_plain(config).encode()))
     if file is None or not reading.models:
         raise EddiError(*reading.problems, *problems)
     return reading.models[0], file
-
-
-def _binary(type_: str) -> dict[str, object]:
-    return {"Binary": {"type": type_}}
-
-
-def _source(name: str, data: Mapping[str, object]) -> Source:
-    return Source(name, dump_plain(data).encode())
 
 
 def is_closed(fleet: Fleet) -> bool:
@@ -155,19 +137,22 @@ def is_closed(fleet: Fleet) -> bool:
     Who relies on any robot may rely on one that is not in the file. By its digest its model is one
     of those here, and so no circle leads through it if their guarantees rest on no other monitor.
     """
-    offers = dict.fromkeys(one for bond in fleet.bonds if bond.of_any for one in bond.offers)
-    if not offers:
+    of_any = [binding.fulfilments for binding in fleet.bindings if binding.of_any]
+    if not of_any:
         return True
-    seats = {seat: Member(seat.monitor, seat.robot.form.prefix).participant for seat in fleet.seats}
-    published = {topic for monitor in seats.values() for topic, _ in monitor.published}
-    bound: dict[RobotMonitor, set[str]] = {}
-    for bond in fleet.bonds:
-        bound.setdefault(bond.user, set()).add(bond.demand)
+    wired = {
+        monitor: Member(monitor.bound, monitor.robot.form.prefix).participant
+        for monitor in fleet.monitors
+    }
+    published = {topic for monitor in wired.values() for topic, _ in monitor.published}
+    bound_demands = {(binding.user, binding.demand) for binding in fleet.bindings}
 
-    def rests_on_others(offer: Fulfilment) -> bool:
-        one: WiredMonitor = seats[offer.seat]
-        inputs = one.claims[offer.guarantee].rests_on
-        read = {topic for input_ in inputs for topic, _ in one.topics_read.get(input_, ())}
-        return not (inputs.isdisjoint(bound.get(offer.seat, ())) and read.isdisjoint(published))
+    def rests_on_others(fulfilment: Fulfilment) -> bool:
+        provider, monitor = fulfilment.provider, wired[fulfilment.provider]
+        return any(
+            (provider, input_) in bound_demands
+            or any(topic in published for topic, _ in monitor.topics_read.get(input_, ()))
+            for input_ in monitor.claims[fulfilment.guarantee].rests_on
+        )
 
-    return not any(map(rests_on_others, offers))
+    return not any(rests_on_others(fulfilment) for each in of_any for fulfilment in each)

@@ -35,8 +35,10 @@ def whole(folder: Path, text: str) -> Fleet:
 
 def offered(fleet: Fleet) -> dict[str, list[str]]:
     return {
-        f"{bond.user.name}.{bond.demand}": [f"{o.seat.name}.{o.guarantee}" for o in bond.offers]
-        for bond in fleet.bonds
+        f"{binding.user.name}.{binding.demand}": [
+            f"{o.provider.name}.{o.guarantee}" for o in binding.fulfilments
+        ]
+        for binding in fleet.bindings
     }
 
 

@@ -141,8 +141,8 @@ def test_the_station_is_where_the_first_robot_is(
     assert fleet is not None, problems
     found = with_station(fleet).robots[-1]
     assert (found.platform.name, found.graph) == (platform, graph)
-    (bond,) = with_station(fleet).bonds
-    assert bond.offers[0].seat.robot.graph == graph
+    (binding,) = with_station(fleet).bindings
+    assert binding.fulfilments[0].provider.robot.graph == graph
 
 
 def test_how_a_robot_is_started_where_it_meets_others() -> None:
@@ -174,9 +174,9 @@ def configured(text: str, folder: Path = EXAMPLE) -> dict[str, Config]:
     fleet, problems = read_whole_fleet(source, checked_models)
     assert fleet is not None, problems
     digests = digests_of(fleet)
-    found = {one.robot.name: among_others(fleet, one, digests) for one in fleet.seats}
+    found = {one.robot.name: among_others(fleet, one, digests) for one in fleet.monitors}
     for robot in fleet.robots:  # what the others are told is what the monitor is
-        ((monitor,), _) = fleet.monitors(robot, lambda seat: found[seat.robot.name])
+        ((monitor,), _) = fleet.bound_monitors(robot, lambda monitor: found[monitor.robot.name])
         assert monitor.facts.digest == digests[robot.name, 0]
     return {name: config.config for name, config in found.items()}
 
