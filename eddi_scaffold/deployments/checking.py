@@ -66,7 +66,7 @@ def check_files(
     target = chosen(platform) if platform is not None else None
     read = partial(_named, marks=default_guarantees)
     problems: list[Problem] = []
-    named: set[Path] = set()  # these are checked with their deployment file
+    of_fleets: set[Path] = set()  # these are checked with their deployment file
     sources: list[Source | EddiError] = []
     for path in files:
         try:
@@ -77,27 +77,33 @@ def check_files(
         if not is_fleet(source):
             sources.append(source)
             continue
-        found, of_fleet = check_fleet(source, read)
-        problems += found
-        named |= of_fleet
-    models, configs, found, are_whole = _read_files(
-        [of for of in sources if isinstance(of, EddiError) or Path(of.name).resolve() not in named],
+        reported, of_fleet = check_fleet(source, read)
+        problems += reported
+        of_fleets |= of_fleet
+    models, configs, reported, are_complete = _read_files(
+        [
+            source
+            for source in sources
+            if isinstance(source, EddiError) or Path(source.name).resolve() not in of_fleets
+        ],
         default_guarantees,
         robot,
         target,
     )
-    problems += found
+    problems += reported
     alone = [] if models else [config for config in configs if not _names_its_model(config)]
     if not has_errors(problems):  # else what is wrong may be the file with their models
-        problems += [found for config in alone for found in _check_without_model(config, target)]
+        problems += [
+            reported for config in alone for reported in _check_without_model(config, target)
+        ]
     configs = [config for config in configs if config not in alone]
     if target is None and configs:
         managed = any(config.config.Model.lifecycle for config in configs)
         target = chosen("ros2" if managed else DEFAULT)
-    found = _together(models, configs, target, default_guarantees)
-    found = [one for one in found if are_whole or one.code not in _OF_WHAT_LACKS]
+    reported = _together(models, configs, target, default_guarantees)
+    problems += [each for each in reported if are_complete or each.code not in _OF_WHAT_LACKS]
     # that a VAR has no TIMEOUT is a question to whoever uses the model without a configuration
-    return [one for one in (*problems, *found) if one.code != "W003"]
+    return [each for each in problems if each.code != "W003"]
 
 
 def _read_files(
@@ -110,16 +116,16 @@ def _read_files(
     models: list[Model] = []
     configs: list[ConfigFile] = []
     problems: list[Problem] = []
-    are_whole = True
+    are_complete = True
     for source in files:
         if isinstance(source, EddiError):
             problems += source.problems
-            are_whole = False
+            are_complete = False
         elif is_config(source):
-            config, found = read_config(source, robot, partly=True)
+            config, reported = read_config(source, robot, partly=True)
             configs += [config] if config is not None else []
-            are_whole &= not has_errors(found)
-            problems += found
+            are_complete &= not has_errors(reported)
+            problems += reported
         else:
             reading = read_models(source, marks)
             own = [*reading.problems, *reading.unread, *_static(reading.models)]
@@ -127,8 +133,8 @@ def _read_files(
                 own.append(_requested(no_model(source), target))
             models += reading.models
             problems += own
-            are_whole &= bool(reading.models)
-    return models, configs, problems, are_whole
+            are_complete &= bool(reading.models)
+    return models, configs, problems, are_complete
 
 
 def _requested(missing: Problem, target: Platform | None) -> Problem:
@@ -137,7 +143,7 @@ def _requested(missing: Problem, target: Platform | None) -> Problem:
 
 
 def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
-    """Report what can be found in a configuration without its model."""
+    """Report what can be reported in a configuration without its model."""
     yield _requested(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
     yield from check_types(config, used)
@@ -171,24 +177,20 @@ def _together(
         return []
     monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
     problems += packages_of(monitors, platform, None)[1]
-    if {monitor.config.name for monitor in monitors if monitor.config} >= {
-        config.name for config in configs
-    }:
+    joined = {monitor.config.name for monitor in monitors if monitor.config}
+    if joined >= {config.name for config in configs}:
         problems += absent_publishers(deployment(members_of(monitors)))
     return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 
 def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Name the models of an EDDI that should observe something, but run nowhere (X037)."""
-    bound = {
-        (monitor.model.source.name, monitor.model.place.path)
-        for monitor in monitors
-        if monitor.config
-    }
-    for model in models if bound else ():
-        if model.observes and (model.source.name, model.place.path) not in bound:
-            of = shortened_list({name: None for name, _ in model.observes})
-            yield problem("X037", model.place, event=of, model=model.name)
+    running = [monitor.model for monitor in monitors if monitor.config]
+    places = {(model.source.name, model.place.path) for model in running}
+    for model in models if places else ():
+        if model.observes and (model.source.name, model.place.path) not in places:
+            events = shortened_list({name: None for name, _ in model.observes})
+            yield problem("X037", model.place, event=events, model=model.name)
 
 
 def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
@@ -196,20 +198,15 @@ def _by_hand(monitors: Iterable[BoundMonitor]) -> Iterable[Problem]:
     for monitor in monitors:
         if monitor.config is None:
             continue
+        config, package = monitor.config, monitor.package
         if needed := monitor.needed_methods:
             regions = tuple(method.name for method in needed)
-            methods = problem(
-                "K050.methods", monitor.config.place("Model"), names=shortened_list(regions)
-            )
-            yield UnwrittenInput(**vars(methods), package=monitor.package, regions=regions)
-        index = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
+            reported = problem("K050.methods", config.place("Model"), names=shortened_list(regions))
+            yield UnwrittenInput(**vars(reported), package=package, regions=regions)
+        index = {entry.id: number for number, entry in enumerate(config.config.EDDIInputs)}
         for binding in monitor.inputs:
             if binding.requires and not binding.is_given:
                 of = f"{binding.model.id} (input of {monitor.id})"
-                place = monitor.config.place("EDDIInputs", index[binding.model.id])
-                yield ByHand(
-                    **vars(problem("K050.input", place, input=of)),
-                    package=monitor.package,
-                    regions=binding.regions,
-                    of=of,
-                )
+                place = config.place("EDDIInputs", index[binding.model.id])
+                reported, regions = problem("K050.input", place, input=of), binding.regions
+                yield ByHand(**vars(reported), package=package, regions=regions, of=of)

@@ -77,22 +77,22 @@ def read_whole_fleet(
     file, problems = read_fleet(source)
     if file is None:
         return None, problems
-    robots, found = read_robots(file, read)
-    problems += found
+    robots, reported = read_robots(file, read)
+    problems += reported
     if has_errors(problems):
         return None, problems
     monitors: list[RobotMonitor] = []
     for robot in robots:
         for index, (model, config) in enumerate(robot.pairs):
-            monitor, found = monitor_of(model, kinds()[model.kind], config)
+            monitor, reported = monitor_of(model, kinds()[model.kind], config)
             if monitor is None:
-                problems += found
+                problems += reported
             else:  # what is only a warning may be due to a demand that is not bound yet
                 monitors.append(RobotMonitor(robot, index, monitor))
     if has_errors(problems):
         return None, problems
-    bindings, found = demand_bindings(file, monitors)
-    problems += found
+    bindings, reported = demand_bindings(file, monitors)
+    problems += reported
     if has_errors(problems):  # what else there is would follow from these
         return None, problems
     return Fleet(file, tuple(robots), tuple(monitors), tuple(bindings)), problems

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
@@ -20,6 +21,7 @@ from eddi_scaffold.deployments.station import check_station, is_closed
 from eddi_scaffold.deployments.topics import Deployment, Member, absent_publishers, deployment
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
 from eddi_scaffold.kinds import ReadResult
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.monitors.robots import fleet_message
 
@@ -27,34 +29,30 @@ from eddi_scaffold.monitors.robots import fleet_message
 def read_directly(fleet: Fleet, monitor: RobotMonitor) -> ConfigFile:
     """Return the configuration of a monitor that publishes for others, and reads them, by topic."""
     config, shared = monitor.config, fleet.file.form.Fleet
-    topic, lease = shared.topic, shared.lease
+
+    def topic(publisher: RobotMonitor) -> str:
+        return f"{shared.topic}/{publisher.robot.name}/{publisher.bound.package}"
+
     if monitor.guarantees:
-        own = OutputEntry.model_construct(id="peers", topic=_topic(monitor, topic))
+        own = OutputEntry.model_construct(id="peers", topic=topic(monitor))
         outputs = [*config.config.EDDIOutputs, own]
         config = replace(config, config=config.config.model_copy(update={"EDDIOutputs": outputs}))
     for binding in fleet.bindings_of(monitor):
-        sources = [
-            GuaranteeSource(
-                SimulatorOutput(
-                    id=f"peer_{fulfilment.provider.robot.name}_{attribute(fulfilment.guarantee)}",
-                    type=f"{MESSAGE_PACKAGE}/{fulfilment.provider.bound.kind.output_message}",
-                    topic=_topic(fulfilment.provider, topic),
-                ),
-                fulfilment.guarantee,
-            )
-            for fulfilment in binding.fulfilments
-        ]
+        sources = []
+        for fulfilment in binding.fulfilments:
+            provider, guarantee = fulfilment.provider, fulfilment.guarantee
+            id_ = f"peer_{provider.robot.name}_{attribute(guarantee)}"
+            type_ = f"{MESSAGE_PACKAGE}/{provider.bound.kind.output_message}"
+            output = SimulatorOutput(id=id_, type=type_, topic=topic(provider))
+            sources.append(GuaranteeSource(output, guarantee))
         if sources:
-            config = with_demand_inputs(config, binding.demand, sources, lease, binding.place)
+            place = binding.place
+            config = with_demand_inputs(config, binding.demand, sources, shared.lease, place)
     return config
 
 
-def _topic(monitor: RobotMonitor, topic: str) -> str:
-    return f"{topic}/{monitor.robot.name}/{monitor.bound.package}"
-
-
 _OWN_PERIODS = 2
-"""Of a robot that relies on a word: it is an answer to its own last word, and used at its step."""
+"""Of a robot that relies on a statement, which answers its own last one and is used at its step."""
 
 
 def check_fleet(
@@ -74,33 +72,43 @@ def check_fleet(
     return problems_of(fleet, problems), frozenset(Path(name).resolve() for name in names)
 
 
-def problems_of(fleet: Fleet, found: Iterable[Problem]) -> list[Problem]:
+def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
     """Return what is wrong with robots that could be read: each by itself, then together.
 
     Args:
         fleet: the robots.
-        found: when they were read.
+        reported: when they were read.
     """
-    told = unanswered(found, [model for robot in fleet.robots for model, _ in robot.pairs])
-    problems = [*told, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
-    closed = is_closed(fleet)
-    members: dict[FleetRobot, list[Member]] = {}
+    open_ = unanswered(reported, [model for robot in fleet.robots for model, _ in robot.pairs])
+    problems = [*open_, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
+    config_of = partial(among_others, fleet, digests={}, closed=is_closed(fleet))
+    groups: dict[object, list[FleetRobot]] = {}  # of robots that hear each other
+    running: dict[FleetRobot, list[Member]] = {}
     for robot in fleet.robots:
-        monitors, found = fleet.bound_monitors(
-            robot, lambda monitor: among_others(fleet, monitor, {}, closed=closed)
-        )
-        members[robot] = [Member(monitor, robot.form.prefix) for monitor in monitors]
-        problems += [
-            *(_with_binding(one, robot) for one in found),
-            *packages_of(monitors, robot.platform, None)[1],
+        groups.setdefault(robot.graph or robot.name, []).append(robot)
+        monitors, of_robot = fleet.bound_monitors(robot, config_of)
+        running[robot] = _members(robot, monitors)
+        problems += [_with_binding(problem, robot) for problem in of_robot]
+        problems += packages_of(monitors, robot.platform, None)[1]
+    if has_errors(problems):
+        return problems
+    by_topic = partial(read_directly, fleet)
+    for robots in groups.values():
+        members = [
+            member
+            for robot in robots
+            for member in _members(robot, fleet.bound_monitors(robot, by_topic)[0])
         ]
-    if not has_errors(problems):
-        for robots in _meetings(fleet.robots):
-            problems += _check_together([member for of in robots for member in _members(fleet, of)])
-            together = [one for of in robots for one in members[of]]
-            problems += check_hidden([one.participant for one in together])
-            problems += check_ages(deployment(together))  # words have ages of their own: D015
+        together = deployment(members)
+        problems += [*check_wiring(members), *absent_publishers(together), *_check_shared(together)]
+        members = [member for robot in robots for member in running[robot]]
+        problems += check_hidden([member.participant for member in members])
+        problems += check_ages(deployment(members))  # statements have ages of their own: D015
     return problems
+
+
+def _members(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[Member]:
+    return [Member(monitor, robot.form.prefix) for monitor in monitors]
 
 
 def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
@@ -116,26 +124,6 @@ def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
     return replace(problem, message=f"{robot.name}: {problem.message}", hint=hint)
 
 
-def _members(fleet: Fleet, robot: FleetRobot) -> list[Member]:
-    monitors, _ = fleet.bound_monitors(robot, lambda monitor: read_directly(fleet, monitor))
-    return [Member(monitor, robot.form.prefix) for monitor in monitors]
-
-
-def _meetings(robots: Sequence[FleetRobot]) -> list[list[FleetRobot]]:
-    """Return the robots in groups that hear each other."""
-    groups: dict[object, list[FleetRobot]] = {}
-    for robot in robots:
-        groups.setdefault(robot.graph or robot.name, []).append(robot)
-    return list(groups.values())
-
-
-def _check_together(members: Sequence[Member]) -> Iterator[Problem]:
-    yield from check_wiring(members)
-    together = deployment(members)
-    yield from absent_publishers(together)
-    yield from _check_shared(together)
-
-
 def _check_shared(together: Deployment) -> Iterator[Problem]:
     """Report topics of sensors that several robots read (D014)."""
     first: dict[str, Member] = {}
@@ -149,54 +137,39 @@ def _check_shared(together: Deployment) -> Iterator[Problem]:
             before = first.setdefault(source.topic, member) if source.topic[0] == "/" else member
             if before.namespace != member.namespace:
                 place = member.config.place("SimulatorOutputs", index, "topic")
-                yield problem(
-                    "D014",
-                    place,
-                    other=before.name,
-                    robot=member.name,
-                    topic=source.topic,
-                    relative=source.topic[1:],
-                )
+                values = {"topic": source.topic, "relative": source.topic[1:]}
+                yield problem("D014", place, other=before.name, robot=member.name, **values)
 
 
 def _check_names(fleet: Fleet) -> Iterator[Problem]:
-    """Report monitors of one robot whose words nobody could tell apart (D010)."""
-    relied = {
+    """Report monitors of one robot whose statements nobody could tell apart (D010)."""
+    providers = {
         fulfilment.provider for binding in fleet.bindings for fulfilment in binding.fulfilments
     }
     first: dict[tuple[str, str], RobotMonitor] = {}
     for monitor in fleet.monitors:
-        if monitor.robot.graph is None or fleet_message(monitor.bound.kind) is None:
+        robot, model = monitor.robot, monitor.bound.model.name
+        if robot.graph is None or fleet_message(monitor.bound.kind) is None:
             continue
-        before = first.setdefault((monitor.robot.name, monitor.bound.model.name), monitor)
+        before = first.setdefault((robot.name, model), monitor)
         if before is not monitor:
-            yield problem(
-                "D010.same_model" if relied & {before, monitor} else "D010.same_model_unheard",
-                fleet.file.place("Robots", monitor.robot.number, "monitors", monitor.index),
-                first=before.name,
-                second=monitor.name,
-                model=monitor.bound.model.name,
-            )
+            is_relied_on = providers & {before, monitor}
+            case = "D010.same_model" if is_relied_on else "D010.same_model_unheard"
+            place = fleet.file.place("Robots", robot.number, "monitors", monitor.index)
+            yield problem(case, place, first=before.name, second=monitor.name, model=model)
 
 
 def _check_ages(fleet: Fleet) -> Iterator[Problem]:
-    """Report age limits that end before the next word can have come (D015)."""
+    """Report age limits that end before the next statement can have come (D015)."""
     for binding in fleet.bindings:
-        config = binding.user.config
-        for index, entry in enumerate(config.config.EDDIInputs):
+        user, demand = binding.user, binding.demand
+        for index, entry in enumerate(user.config.config.EDDIInputs):
             limit = entry.max_age
-            if entry.id != binding.demand or not isinstance(limit, float):
+            if entry.id != demand or not isinstance(limit, float):
                 continue
-            for monitor in dict.fromkeys(fulfilment.provider for fulfilment in binding.fulfilments):
-                least = _OWN_PERIODS / binding.user.frequency + 1 / monitor.frequency
-                if limit < least:
-                    place = config.place("EDDIInputs", index, "max_age")
-                    yield problem(
-                        "D015",
-                        place,
-                        demand=binding.demand,
-                        limit=limit,
-                        source=monitor.name,
-                        age=least,
-                        user=binding.user.name,
-                    )
+            place = user.config.place("EDDIInputs", index, "max_age")
+            for provider in dict.fromkeys(each.provider for each in binding.fulfilments):
+                age = _OWN_PERIODS / user.frequency + 1 / provider.frequency
+                if limit < age:
+                    names = {"demand": demand, "source": provider.name, "user": user.name}
+                    yield problem("D015", place, limit=limit, age=age, **names)

@@ -54,9 +54,9 @@ def join(
         pairs.append((model, config))
     if not configs:
         pairs = [(model, None) for model in models]
-    monitors, found = join_pairs(pairs, marks)
+    monitors, reported = join_pairs(pairs, marks)
     members = members_of(monitors)
-    problems += [*found, *_check_packages(monitors), *check_wiring(members)]
+    problems += [*reported, *_check_packages(monitors), *check_wiring(members)]
     return monitors, [*problems, *check_ages(deployment(members))]
 
 
@@ -76,8 +76,8 @@ def join_pairs(
     problems: list[Problem] = []
     monitors: list[BoundMonitor] = []
     for model, config in pairs:
-        monitor, found = monitor_of(model, kinds()[model.kind], config, marks)
-        problems += found
+        monitor, reported = monitor_of(model, kinds()[model.kind], config, marks)
+        problems += reported
         monitors += [monitor] if monitor is not None else []
     return monitors, [*problems, *check_ids(monitors)]
 
@@ -112,9 +112,9 @@ def packages_of(
     for monitor in monitors:
         if monitor.config is None and platform.needs_config:
             return [], [*problems, problem("G001.configuration", platform=platform.name)]
-        package, found = platform.monitor(monitor)
+        package, reported = platform.monitor(monitor)
         packages.append(package)
-        problems += found
+        problems += reported
         config, is_managed = monitor.config, "lifecycle" in package.answers
         if config is not None and config.config.Model.lifecycle and not is_managed:
             place = config.place("Model", "lifecycle")

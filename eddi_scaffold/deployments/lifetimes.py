@@ -126,7 +126,7 @@ def check_ages(together: Deployment) -> Iterator[Problem]:
     for participant in together.participants:
         for topic, _ in participant.published:
             publishers.setdefault(topic, []).append(participant)
-    there = set(map(id, together.others))  # what is between these was told when they were made
+    there = set(map(id, together.others))  # what is between these was reported when they were made
     for reader in together.participants:
         required = {input_.id: input_.requires for input_ in reader.facts.inputs}
         for index, entry in enumerate(reader.config.config.EDDIInputs):

@@ -103,7 +103,8 @@ def demand_bindings(
 ) -> tuple[list[DemandBinding], list[Problem]]:
     """Return every bound demand, and what is wrong with the bindings (D004, D011, D013)."""
     binder = _Binder(file, monitors)
-    problems = [found for index in range(len(file.form.Bindings)) for found in binder.bind(index)]
+    entries = range(len(file.form.Bindings))
+    problems = [reported for index in entries for reported in binder.bind(index)]
     return list(binder.bindings.values()), problems
 
 
@@ -123,35 +124,30 @@ class _Binder:
         if self.fulfilments > _MOST_FULFILMENTS:
             return
         binding, place = self.file.form.Bindings[index], partial(self.file.place, BINDINGS, index)
-        unknown = list(self._unknown(binding, place))
-        if unknown:
+        if unknown := list(self._unknown(binding, place)):
             yield from unknown
             return
-        askers = [
+        demand = binding.demand
+        asked = [
             monitor
             for monitor in self.monitors
             if binding.robot in (None, monitor.robot.name) and binding.monitor in (None, monitor.id)
         ]
-        users = [asker for asker in askers if binding.demand in asker.demands]
+        users = [monitor for monitor in asked if demand in monitor.demands]
         if not users:
-            known = list(dict.fromkeys(demand for asker in askers for demand in asker.demands))
-            hint = SimilarNames(known, "the demands are").hint(binding.demand)
-            names = {"demand": binding.demand, "type": binding.robot or "any robot"}
+            known = list(dict.fromkeys(name for monitor in asked for name in monitor.demands))
+            hint = SimilarNames(known, "the demands are").hint(demand)
+            names = {"demand": demand, "type": binding.robot or "any robot"}
             yield problem("D011.no_demand", place("demand"), hint=hint, **names)
         for user in users:
-            key = (*user.key, binding.demand)
+            key = (*user.key, demand)
             if key in self.bindings:
-                line, names = self.bindings[key].place.line, {"user": user.name}
-                demand = binding.demand
-                yield problem(
-                    "D011.bound_twice", place("demand"), demand=demand, line=line, **names
-                )
+                line, names = self.bindings[key].place.line, {"demand": demand, "user": user.name}
+                yield problem("D011.bound_twice", place("demand"), line=line, **names)
                 continue
-            fulfilments = yield from self._fulfilments(binding, user, place)
+            fulfilments = tuple((yield from self._fulfilments(binding, user, place)))
             of_any = binding.from_ == "any"
-            self.bindings[key] = DemandBinding(
-                user, binding.demand, tuple(fulfilments), of_any, place("demand")
-            )
+            self.bindings[key] = DemandBinding(user, demand, fulfilments, of_any, place("demand"))
             self.fulfilments += len(fulfilments)
             if self.fulfilments > _MOST_FULFILMENTS:
                 yield problem("D004.too_many", place("from"), limit=_MOST_FULFILMENTS)
@@ -233,10 +229,10 @@ class _Binder:
             yield problem("D011.no_guarantee", place("guarantee"), hint=hint, guarantee=guarantee)
 
 
-def _apart(one: FleetRobot, other: FleetRobot) -> str:
-    here, there = one.graph, other.graph
+def _apart(robot: FleetRobot, other: FleetRobot) -> str:
+    here, there = robot.graph, other.graph
     if here is None or there is None or here.key != there.key:
-        return f"one runs on {one.platform.name}, the other on {other.platform.name}"
+        return f"one runs on {robot.platform.name}, the other on {other.platform.name}"
     if here.name != there.name:
         return f"they have different {here.key}s, {_shown(here.name)} and {_shown(there.name)}"
     parts = f"{_shown(here.partition)} and {_shown(there.partition)}"

@@ -75,10 +75,10 @@ def sites_of(
     digests = digests_of(fleet)
     sites = []
     for robot in fleet.robots:
-        monitors, found = fleet.bound_monitors(
+        monitors, reported = fleet.bound_monitors(
             robot, lambda monitor: among_others(fleet, monitor, digests, closed=closed)
         )
-        if has_errors(found):
-            raise EddiError(*found)
+        if has_errors(reported):
+            raise EddiError(*reported)
         sites.append(Site(robot, tuple(monitors)))
     return sites, problems

@@ -165,19 +165,18 @@ def check_alone(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
             reads = dict.fromkeys(topic for topic, _ in reader.topics_read.get(entry.id, ()))
             for topic in (topic for topic in reads if topic in alone):
                 publisher, field = alone[topic]
-                place, names = reader.config.place("EDDIInputs", index), {"monitor": publisher.name}
-                yield problem(
-                    "D001.alone", place, input=entry.id, topic=topic, field=field, **names
-                )
+                place = reader.config.place("EDDIInputs", index)
+                names = {"input": entry.id, "topic": topic, "monitor": publisher.name}
+                yield problem("D001.alone", place, field=field, **names)
 
 
 def check_types(deployment: Deployment) -> Iterator[Problem]:
     """Report topics that monitors read, or read and publish, with different types (D005)."""
     first: dict[str, tuple[str, str]] = {}
     several = set()
-    for topic, found in deployment.publishers.items():
-        first[topic] = found[0].publication.type, found[0].member.name
-        if any(one.publication.type != found[0].publication.type for one in found):
+    for topic, publishers in deployment.publishers.items():
+        first[topic] = publishers[0].publication.type, publishers[0].member.name
+        if len({publisher.publication.type for publisher in publishers}) > 1:
             several.add(topic)  # reported as D005
     for member in deployment.members:
         for index, source in enumerate(member.config.config.SimulatorOutputs):
@@ -212,12 +211,8 @@ def shared_by_robots(members: Sequence[Member]) -> str | None:
         for publication in member.publications
         if publication.output.topic.startswith("/")
     }
-    if not topics:
-        return None
-    shown = ", ".join(sorted(topics))
-    return (
-        f"two robots on one master would share {shown}: topics without `/` at the start are apart"
-    )
+    shared = f"two robots on one master would share {', '.join(sorted(topics))}"
+    return f"{shared}: topics without `/` at the start are apart" if topics else None
 
 
 def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
