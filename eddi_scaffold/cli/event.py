@@ -78,7 +78,7 @@ def event(
     from eddi_scaffold.conditions.report import as_text
     from eddi_scaffold.conditions.standalone import generate, without_limits
     from eddi_scaffold.conditions.tokens import EXPRESSION
-    from eddi_scaffold.program.standalone import check_module_name
+    from eddi_scaffold.program.standalone import check_module_name, module_name
 
     path = file or _file_of(text or "")
     if not serve and name is not None:
@@ -114,23 +114,15 @@ def event(
     elif check:
         console.data("\n".join(as_text(analysis)))
     else:
-        stem = name or ("event" if path is None else _name_of(path))
+        own = path.stem if path is not None else "event"
+        stem = name or module_name(own)
+        if name is None and stem != own:
+            console.say(
+                f"note: files and functions begin with {stem!r}, not {own!r}; "
+                "--name chooses another"
+            )
         files = generate(analysis, target.value, stem)
         _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
-
-
-def _name_of(file: Path) -> str:
-    """Return the prefix of files and functions; report it where it is not the file's name."""
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.program.standalone import module_name
-
-    name = module_name(file.stem)
-    if name != file.stem:
-        console.say(
-            f"note: files and functions begin with {name!r}, not {file.stem!r}; "
-            "--name chooses another"
-        )
-    return name
 
 
 def _file_of(text: str) -> Path | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.options import DryRun
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.rossystem import Parsed
@@ -52,9 +53,7 @@ def parse_rossystem(
     config: Annotated[
         Path, typer.Option("-c", "--config", help="The configuration to update or to create.")
     ] = Path("eddi_config.yml"),
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Print the difference, change nothing.")
-    ] = False,
+    dry_run: DryRun = False,
     format: Annotated[  # noqa: A002 - the name of the option
         Format, typer.Option("--format", help="yaml writes the configuration, json prints.")
     ] = Format.yaml,
@@ -112,8 +111,7 @@ def parse_rossystem(
     if format is Format.json:
         console.json(parsed.as_json())
     elif dry_run:
-        diff = parsed.diff(str(config))
-        if diff:
+        if diff := parsed.diff(str(config)):
             console.data(diff.rstrip("\n"))
     elif parsed.is_changed:
         save(config, parsed.after, parsed.before)
@@ -136,8 +134,8 @@ def _summary(parsed: Parsed) -> str:
     def counted(*keys: str) -> list[str]:
         return [plural(counts[key], key.removesuffix("s")) for key in keys]
 
-    deaf = [text for text in counted("services", "actions") if not text.startswith("0 ")]
-    silent = f"; {' and '.join(deaf)} cannot be listened to" if deaf else ""
+    unheard = " and ".join(counted(*(key for key in ("services", "actions") if counts[key])))
+    silent = f"; {unheard} cannot be listened to" if unheard else ""
     topics = ", ".join(counted("components", "publishers", "topics"))
     return f"{topics}{silent}; {', '.join(counted('errors', 'warnings'))}"
 
