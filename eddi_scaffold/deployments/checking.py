@@ -143,7 +143,7 @@ def _requested(missing: Problem, target: Platform | None) -> Problem:
 
 
 def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
-    """Report what can be reported in a configuration without its model."""
+    """Report what shows in a configuration without its model."""
     yield _requested(without_model(config), target)
     used = {name for entry in config.config.EDDIInputs for name in entry.requires}
     yield from check_types(config, used)

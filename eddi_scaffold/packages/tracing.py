@@ -14,6 +14,7 @@ from typing import Any
 
 from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.facts import from_json as facts_of
@@ -26,21 +27,18 @@ COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")
 class TraceLink:
     """An element of the EDDI that nothing monitors by itself, and that is linked with a row."""
 
-    class_name: str  # its class as the file states it
-    name: str  # its name
-    line: int | None  # line of it in the model file
-    path: str  # EMF fragment path
+    to: Link
     through: str = ""  # the element on which the row rests, and which has the link; or its own
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the JSON form of ``trace --json``."""
-        place = {"line": self.line, "path": self.path, "through": self.through or None}
-        return {"class": self.class_name, "name": self.name, **place}
+        place = {"line": self.to.line, "path": self.to.path, "through": self.through or None}
+        return {"class": self.to.class_name, "name": self.to.name, **place}
 
     def as_text(self, file: str) -> str:
         """Return the link for people."""
         through = f" through {self.through}" if self.through else ""
-        return f"{self.class_name} {self.name} ({file}:{self.line or '-'}){through}"
+        return f"{self.to.class_name} {self.to.name} ({file}:{self.to.line or '-'}){through}"
 
 
 @dataclass(frozen=True)
@@ -147,10 +145,7 @@ def _trace_of(answers: Mapping[str, Any]) -> Trace:
     section = config.get("Model") or {}
     limits = [*(section.get("evidence") or ()), *(section.get("thresholds") or ())]
     configured = {limit["id"] for limit in limits} | inputs.keys()
-    links = {
-        path: tuple(TraceLink(to.class_name, to.name, to.line, to.path) for to in linked.links)
-        for path, linked in all_links.items()
-    }
+    links = {path: tuple(map(TraceLink, linked.links)) for path, linked in all_links.items()}
     names = {element.id for element in facts.elements}
     elements = [*facts.elements, *(Element("input", name) for name in inputs if name not in names)]
     rows: list[TraceRow] = []
@@ -208,10 +203,10 @@ def _with_support(
     rests_on = {published.get(claim.id, claim.id): claim.rests_on for claim in facts.claims}
     supported = []
     for row in rows:
-        links = {link.path: link for link in row.links}
+        links = {link.to.path: link for link in row.links}
         for name in sorted(rests_on.get(row.id, ())):
             for link in linked.get(name, ()):
-                links.setdefault(link.path, replace(link, through=name))
+                links.setdefault(link.to.path, TraceLink(link.to, name))
         supported.append(replace(row, links=tuple(links.values())))
     return supported
 
