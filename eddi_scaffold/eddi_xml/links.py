@@ -17,7 +17,6 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
-from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
         links: of the whole document.
     """
     element = document.at(place.path) if links and place.path else None
-    while element is not None and kind_of_model(document, element) not in MONITORED:
+    while element is not None and not document.is_monitored(element):
         parent = element.getparent()
         if parent is None or fold(feature_of(element)) == _MAPS:
             break
@@ -157,7 +156,7 @@ class _LinkGraph:
             ends = self._ends(path)
             if ends:
                 feature = fold(feature_of(start)).removesuffix("s").removeprefix("runtime")
-                name = name_of(self._document, start)
+                name = self._document.name_of(start)
                 if feature == "value":  # of a map of events: the name stands first
                     feature = (start.get("tag") or feature).lower()
                     name = (start.get("value") or "").lstrip().partition(" ")[0].partition("(")[0]
@@ -168,7 +167,7 @@ class _LinkGraph:
     def _link(self, element: Element) -> Link:
         place = self._document.place(element)
         class_name = local_name(self._document.class_or_feature(element))
-        name = name_of(self._document, element) or element.get("gid") or ""
+        name = self._document.name_of(element) or element.get("gid") or ""
         condition = element.get("condition")
         if condition and fold(class_name).endswith("event"):  # for people: nothing evaluates it
             name += f" ({condition})"
@@ -179,7 +178,7 @@ class _LinkGraph:
         waiting = [root]
         while waiting:
             element = waiting.pop()
-            if kind_of_model(self._document, element) in MONITORED:
+            if self._document.is_monitored(element):
                 self._models.append(element)
                 self._visit_model(element)
                 continue
@@ -292,10 +291,7 @@ class _LinkGraph:
             package: str | None = ""
             if self._document.is_root(element) or self._document.is_package(element):
                 package = self._document.class_of(element).name
-            elif (
-                fold(feature_of(element)) == _MAPS
-                or kind_of_model(self._document, element) in MONITORED
-            ):
+            elif fold(feature_of(element)) == _MAPS or self._document.is_monitored(element):
                 package = None
             elif parent is not None:
                 package = self._package(parent)

@@ -22,7 +22,6 @@ from eddi_scaffold.eddi_xml.extensions import (
     unknown_tags,
 )
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
-from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.eddi_xml.vocabulary import fold
 
 if TYPE_CHECKING:
@@ -78,8 +77,8 @@ class Observed:
         maps = list(extension_maps(document, MONITORED_BY))
         if any(value.tag in _TAG_OF_KIND.values() for map_ in maps for value in map_.values):
             for element in document.document.iter():
-                kind = kind_of_model(document, element)
-                if kind in MONITORED and kind in _TAG_OF_KIND:
+                kind = document.kind_of(element)
+                if kind in _TAG_OF_KIND:
                     models = self._models[_TAG_OF_KIND[kind]]
                     models[element.get("name") or ""] = document.references.path(element)
         for extension_map in maps:
@@ -88,7 +87,7 @@ class Observed:
     def by_model(self, path: str | None) -> tuple[tuple[str, str], ...]:
         """Return what the model at a path observes: names of elements, each with its claim."""
         pairs = (
-            (name_of(self._document, element) or feature_of(element), claim)
+            (self._document.name_of(element) or feature_of(element), claim)
             for element, by, claim in self.by
             if path is not None and f"{by}/".startswith(f"{path}/")
         )
