@@ -22,7 +22,7 @@ from eddi_scaffold.eddi_xml.parsing import (
     only,
     select,
 )
-from eddi_scaffold.eddi_xml.references import References, parse_token
+from eddi_scaffold.eddi_xml.references import References, parse_fragment
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
 
 MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
@@ -91,10 +91,6 @@ class EddiDocument:
     def at(self, path: str) -> Element | None:
         """Return the element at a canonical path, ``None`` when there is none."""
         return self.references.at(path)
-
-    def feature(self, element: Element) -> str:
-        """Return the name of the feature that contains an element."""
-        return feature_of(element)
 
     def class_or_feature(self, element: Element) -> str:
         """Return the class that an element states, else the feature that it is in."""
@@ -169,17 +165,18 @@ class EddiDocument:
 
     def target(self, element: Element, feature: str, text: str) -> Element | Problem:
         """Resolve one reference of a feature of an element."""
-        token = parse_token(text)
+        resource, sharp, token = text.partition("#")
         fields = {"feature": feature, "token": text}
-        if token.resource:
-            return problem("X007.resource", self.place(element), **fields, file=token.resource)
-        if token.fragment is not None:
-            target = self.references.resolve(token.fragment)
-            why = "" if target is not None else self.references.explain(token.fragment)
-        elif token.id is not None:
-            same = self.references.by_id(token.id)
+        if sharp and resource:
+            return problem("X007.resource", self.place(element), **fields, file=resource)
+        token = token if sharp else text
+        if token and not token.startswith("/"):
+            same = self.references.by_id(token)
             target = same[0] if len(same) == 1 else None
-            why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token.id}"'
+            why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token}"'
+        elif (fragment := parse_fragment(token)) is not None:
+            target = self.references.resolve(fragment)
+            why = "" if target is not None else self.references.explain(fragment)
         else:
             return problem("X007.token", self.place(element), **fields)
         if target is None:

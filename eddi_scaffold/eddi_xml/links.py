@@ -128,6 +128,7 @@ class _LinkGraph:
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document
         self._references = References(document.roots)  # must not disturb a reader's remarks
+        self._path = self._references.path
         self._models: list[Element] = []
         # Path -> path and element of each that refers to it; to which it refers.
         self._referring: dict[str, dict[str, Element]] = {}
@@ -145,7 +146,12 @@ class _LinkGraph:
                 self._stands_for.setdefault(self._path(owner), []).append(by)
         for model in self._models if self._referring or self._referred else ():
             for cause in document.children(model, names.CAUSES):
-                self._name_failure(model, cause)
+                failures, _, _ = document.targets(cause, names.FAILURE)
+                if not failures and cause.get("name"):
+                    own = document.children(model, names.FAILURES)
+                    failures = [f for f in own if f.get("name") == cause.get("name")]
+                for failure in failures[:1]:
+                    self._stands_for.setdefault(self._path(cause), []).append(self._path(failure))
 
     def linked(self) -> Iterator[tuple[str, Linked]]:
         """Yield path and links of each monitored element that has some."""
@@ -180,7 +186,12 @@ class _LinkGraph:
             element = waiting.pop()
             if self._document.is_monitored(element):
                 self._models.append(element)
-                self._visit_model(element)
+                for part in element.iterchildren():
+                    for inner in part.iter():
+                        targets = dict(self._targets(inner))
+                        ends = [end for ends in targets.values() for end in ends]
+                        if ends:  # what is known of a node, or wanted, is the node's
+                            self._connect(targets.get("node", [part]), ends)
                 continue
             waiting += reversed(element)
             targets = dict(self._targets(element))
@@ -201,15 +212,6 @@ class _LinkGraph:
                 [self._owner(element)], [end for ends in targets.values() for end in ends]
             )
 
-    def _visit_model(self, model: Element) -> None:
-        """Note what the parts of a model refer to outside of all models."""
-        for part in model.iterchildren():
-            for element in part.iter():
-                targets = dict(self._targets(element))
-                ends = [end for ends in targets.values() for end in ends]
-                if ends:  # what is known of a node, or wanted, is the node's
-                    self._connect(targets.get("node", [part]), ends)
-
     def _connect(self, starts: Iterable[Element], ends: Sequence[Element]) -> None:
         """Note that elements refer to others, as far as either is an end of links."""
         for start in starts:
@@ -225,14 +227,6 @@ class _LinkGraph:
         for owner in owners:
             for path in known:
                 self._referring.setdefault(path, {})[self._path(owner)] = owner
-
-    def _name_failure(self, model: Element, cause: Element) -> None:
-        failures, _, _ = self._document.targets(cause, names.FAILURE)
-        if not failures and cause.get("name"):
-            own = self._document.children(model, names.FAILURES)
-            failures = [failure for failure in own if failure.get("name") == cause.get("name")]
-        if failures:
-            self._stands_for.setdefault(self._path(cause), []).append(self._path(failures[0]))
 
     def _targets(self, element: Element) -> Iterator[tuple[str, list[Element]]]:
         """Yield the features of an element that refer to others, by path or by ``xmi:id``."""
@@ -307,6 +301,3 @@ class _LinkGraph:
                 return owner
             owner = parent
         return owner
-
-    def _path(self, element: Element) -> str:
-        return self._references.path(element)

@@ -7,7 +7,7 @@ names, and a name that means nothing is found here.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from typing import TYPE_CHECKING, NamedTuple
 
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
@@ -94,7 +94,13 @@ class Observed:
         return tuple(dict.fromkeys(pairs))
 
     def _read_events(self, extension_map: ExtensionMap, model: str) -> None:
-        events = dict(_declared_events(extension_map))
+        events: dict[str, _Event] = {}
+        for value in extension_map.of("EVENT"):
+            match = _EVENT.match(value.text)
+            if match is not None:
+                uses = frozenset(_NAME.findall(value.text[match.end() :]))
+                is_hazard = (match[2] or "").upper() == "HAZARD"
+                events[match[1]] = _Event(value.place.path or "", is_hazard, uses)
         for event in events.values():
             paths = (events[name].path for name in event.uses if name in events)
             self.events[event.path] = [path for path in paths if path != event.path]
@@ -148,12 +154,3 @@ class Observed:
         self.problems.append(
             problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)
         )
-
-
-def _declared_events(extension_map: ExtensionMap) -> Iterator[tuple[str, _Event]]:
-    for value in extension_map.of("EVENT"):
-        match = _EVENT.match(value.text)
-        if match is not None:
-            uses = frozenset(_NAME.findall(value.text[match.end() :]))
-            is_hazard = (match[2] or "").upper() == "HAZARD"
-            yield match[1], _Event(value.place.path or "", is_hazard, uses)
