@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from eddi_scaffold.common.problems import Place, Problem, problem
+from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.parsing import (
     XSI_TYPE,
     Element,
@@ -19,14 +20,33 @@ from eddi_scaffold.eddi_xml.parsing import (
     feature_of,
     line_of,
     only,
+    select,
 )
-from eddi_scaffold.eddi_xml.references import References, parse_token
-from eddi_scaffold.eddi_xml.vocabulary import (
-    ClassName,
-    Spelling,
-    fold,
-    package_key,
-)
+from eddi_scaffold.eddi_xml.references import References, parse_fragment
+from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
+
+MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
+"""Kinds of models that monitors are made of."""
+_BY_CLASS = {
+    "bayesiannetwork": "bayesian_network",
+    "faulttree": "fault_tree",
+    "markovchain": "markov_chain",
+    "statemachine": "state_machine",
+    "fmea": "fmea",
+    "fmeda": "fmea",
+    "failuremodel": "failure_model",
+    "assurancecasepackage": "assurance_case",
+}
+_BY_FEATURE = {
+    # The class of these features where xsi:type is absent.
+    "failuremodels": "failure_model",
+    "bayesiannetworks": "bayesian_network",
+    "bayesiannetwork": "bayesian_network",
+    "assurancecasepackages": "assurance_case",
+    "assurancecasepackage": "assurance_case",
+    "conserts": "consert",
+    "consert": "consert",
+}
 
 
 class EddiDocument:
@@ -71,10 +91,6 @@ class EddiDocument:
     def at(self, path: str) -> Element | None:
         """Return the element at a canonical path, ``None`` when there is none."""
         return self.references.at(path)
-
-    def feature(self, element: Element) -> str:
-        """Return the name of the feature that contains an element."""
-        return feature_of(element)
 
     def class_or_feature(self, element: Element) -> str:
         """Return the class that an element states, else the feature that it is in."""
@@ -134,19 +150,33 @@ class EddiDocument:
         ends = [end for end in resolved if not isinstance(end, Problem)]
         return ends, [end for end in resolved if isinstance(end, Problem)], bool(tokens)
 
+    def references_in(self, element: Element) -> Iterator[tuple[Element, str, str]]:
+        """Yield owner, feature and text of the references that an element states.
+
+        They are its attributes; a ``href`` belongs to the parent, whose feature the element is.
+        """
+        parent, limit = element.getparent(), self.limits.reference_tokens
+        for key, value in element.attrib.items():
+            name = str(key)
+            if fold(name) in names.REFERENCES:
+                yield from ((element, name, text) for text in str(value).split()[:limit])
+            if name == "href" and parent is not None:
+                yield parent, feature_of(element), str(value)
+
     def target(self, element: Element, feature: str, text: str) -> Element | Problem:
         """Resolve one reference of a feature of an element."""
-        token = parse_token(text)
+        resource, sharp, token = text.partition("#")
         fields = {"feature": feature, "token": text}
-        if token.resource:
-            return problem("X007.resource", self.place(element), **fields, file=token.resource)
-        if token.fragment is not None:
-            target = self.references.resolve(token.fragment)
-            why = "" if target is not None else self.references.explain(token.fragment)
-        elif token.id is not None:
-            same = self.references.by_id(token.id)
+        if sharp and resource:
+            return problem("X007.resource", self.place(element), **fields, file=resource)
+        token = token if sharp else text
+        if token and not token.startswith("/"):
+            same = self.references.by_id(token)
             target = same[0] if len(same) == 1 else None
-            why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token.id}"'
+            why = f'{len(same) or "no"} element{"s have" if same else " has"} xmi:id "{token}"'
+        elif (fragment := parse_fragment(token)) is not None:
+            target = self.references.resolve(fragment)
+            why = "" if target is not None else self.references.explain(fragment)
         else:
             return problem("X007.token", self.place(element), **fields)
         if target is None:
@@ -159,6 +189,60 @@ class EddiDocument:
             return True
         printed = element.get(XSI_TYPE)
         return printed is not None and fold(printed).endswith("package")
+
+    def name_of(self, element: Element) -> str:
+        """Return the name; in SACM it is an object with a content, often of the part only."""
+        name = self.attribute(element, names.NAME)
+        if name is not None:
+            return name
+        query = '*[local-name()="name"]/@content'
+        contents = select(element, query) or select(element, f"*/{query}")
+        return str(contents[0]) if contents else ""
+
+    def kind_of(self, element: Element) -> str | None:
+        """Return the kind of the model that an element is, ``None`` when it is none."""
+        feature, parent = fold(feature_of(element)), element.getparent()
+        class_name = fold((element.get(XSI_TYPE) or "").rpartition(":")[2])
+        kind = _BY_CLASS.get(class_name) or _BY_FEATURE.get(feature)
+        if kind is None and self.is_root(element):
+            kind = _BY_CLASS.get(feature)
+        if kind == "state_machine" and self._is_chain(element):
+            return "markov_chain"
+        if kind == "consert" and parent is not None and not self.is_root(element):
+            is_in_package = self.class_of(parent).name == names.PACKAGE_CLASS
+            return (
+                kind if is_in_package or names.CONFIGURATIONS.accepts(feature_of(parent)) else None
+            )
+        if kind == "assurance_case":
+            outer = (fold(feature_of(ancestor)) for ancestor in element.iterancestors())
+            return None if any("assurancecasepackage" in feature for feature in outer) else kind
+        return kind
+
+    def is_monitored(self, element: Element) -> bool:
+        """Tell whether an element is a model that monitors are made of."""
+        return self.kind_of(element) in MONITORED
+
+    def _is_chain(self, machine: Element) -> bool:
+        """Tell whether every transition has a rate, and none a trigger."""
+        transitions = self.children(machine, names.TRANSITIONS)
+        return bool(transitions) and all(
+            self.has_rate(transition)
+            and not (self.attribute(transition, names.TRIGGERS) or "").strip()
+            and not self.children(transition, names.TRIGGERS)
+            for transition in transitions
+        )
+
+    def has_rate(self, transition: Element) -> bool:
+        """Tell whether a transition has a rate; EMF may write the zero that was not given."""
+        if (self.attribute(transition, names.RATE) or "").strip("0. "):
+            return True
+        laws = self.children(transition, names.RATE_DISTRIBUTION)
+        return not all(map(self.is_no_law, laws))
+
+    def is_no_law(self, distribution: Element) -> bool:
+        """Tell whether a distribution says that there is none."""
+        type_ = (self.attribute(distribution, names.DISTRIBUTION_TYPE) or "").strip().casefold()
+        return type_ in ("", "none") and not self.children(distribution, names.PARAMETERS)
 
 
 class EddiFindings:

@@ -17,7 +17,6 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
-from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
         links: of the whole document.
     """
     element = document.at(place.path) if links and place.path else None
-    while element is not None and kind_of_model(document, element) not in MONITORED:
+    while element is not None and not document.is_monitored(element):
         parent = element.getparent()
         if parent is None or fold(feature_of(element)) == _MAPS:
             break
@@ -129,6 +128,7 @@ class _LinkGraph:
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document
         self._references = References(document.roots)  # must not disturb a reader's remarks
+        self._path = self._references.path
         self._models: list[Element] = []
         # Path -> path and element of each that refers to it; to which it refers.
         self._referring: dict[str, dict[str, Element]] = {}
@@ -146,7 +146,12 @@ class _LinkGraph:
                 self._stands_for.setdefault(self._path(owner), []).append(by)
         for model in self._models if self._referring or self._referred else ():
             for cause in document.children(model, names.CAUSES):
-                self._name_failure(model, cause)
+                failures, _, _ = document.targets(cause, names.FAILURE)
+                if not failures and cause.get("name"):
+                    own = document.children(model, names.FAILURES)
+                    failures = [f for f in own if f.get("name") == cause.get("name")]
+                for failure in failures[:1]:
+                    self._stands_for.setdefault(self._path(cause), []).append(self._path(failure))
 
     def linked(self) -> Iterator[tuple[str, Linked]]:
         """Yield path and links of each monitored element that has some."""
@@ -157,7 +162,7 @@ class _LinkGraph:
             ends = self._ends(path)
             if ends:
                 feature = fold(feature_of(start)).removesuffix("s").removeprefix("runtime")
-                name = name_of(self._document, start)
+                name = self._document.name_of(start)
                 if feature == "value":  # of a map of events: the name stands first
                     feature = (start.get("tag") or feature).lower()
                     name = (start.get("value") or "").lstrip().partition(" ")[0].partition("(")[0]
@@ -168,7 +173,7 @@ class _LinkGraph:
     def _link(self, element: Element) -> Link:
         place = self._document.place(element)
         class_name = local_name(self._document.class_or_feature(element))
-        name = name_of(self._document, element) or element.get("gid") or ""
+        name = self._document.name_of(element) or element.get("gid") or ""
         condition = element.get("condition")
         if condition and fold(class_name).endswith("event"):  # for people: nothing evaluates it
             name += f" ({condition})"
@@ -179,9 +184,14 @@ class _LinkGraph:
         waiting = [root]
         while waiting:
             element = waiting.pop()
-            if kind_of_model(self._document, element) in MONITORED:
+            if self._document.is_monitored(element):
                 self._models.append(element)
-                self._visit_model(element)
+                for part in element.iterchildren():
+                    for inner in part.iter():
+                        targets = dict(self._targets(inner))
+                        ends = [end for ends in targets.values() for end in ends]
+                        if ends:  # what is known of a node, or wanted, is the node's
+                            self._connect(targets.get("node", [part]), ends)
                 continue
             waiting += reversed(element)
             targets = dict(self._targets(element))
@@ -202,15 +212,6 @@ class _LinkGraph:
                 [self._owner(element)], [end for ends in targets.values() for end in ends]
             )
 
-    def _visit_model(self, model: Element) -> None:
-        """Note what the parts of a model refer to outside of all models."""
-        for part in model.iterchildren():
-            for element in part.iter():
-                targets = dict(self._targets(element))
-                ends = [end for ends in targets.values() for end in ends]
-                if ends:  # what is known of a node, or wanted, is the node's
-                    self._connect(targets.get("node", [part]), ends)
-
     def _connect(self, starts: Iterable[Element], ends: Sequence[Element]) -> None:
         """Note that elements refer to others, as far as either is an end of links."""
         for start in starts:
@@ -226,14 +227,6 @@ class _LinkGraph:
         for owner in owners:
             for path in known:
                 self._referring.setdefault(path, {})[self._path(owner)] = owner
-
-    def _name_failure(self, model: Element, cause: Element) -> None:
-        failures, _, _ = self._document.targets(cause, names.FAILURE)
-        if not failures and cause.get("name"):
-            own = self._document.children(model, names.FAILURES)
-            failures = [failure for failure in own if failure.get("name") == cause.get("name")]
-        if failures:
-            self._stands_for.setdefault(self._path(cause), []).append(self._path(failures[0]))
 
     def _targets(self, element: Element) -> Iterator[tuple[str, list[Element]]]:
         """Yield the features of an element that refer to others, by path or by ``xmi:id``."""
@@ -292,10 +285,7 @@ class _LinkGraph:
             package: str | None = ""
             if self._document.is_root(element) or self._document.is_package(element):
                 package = self._document.class_of(element).name
-            elif (
-                fold(feature_of(element)) == _MAPS
-                or kind_of_model(self._document, element) in MONITORED
-            ):
+            elif fold(feature_of(element)) == _MAPS or self._document.is_monitored(element):
                 package = None
             elif parent is not None:
                 package = self._package(parent)
@@ -311,6 +301,3 @@ class _LinkGraph:
                 return owner
             owner = parent
         return owner
-
-    def _path(self, element: Element) -> str:
-        return self._references.path(element)

@@ -7,7 +7,7 @@ names, and a name that means nothing is found here.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from typing import TYPE_CHECKING, NamedTuple
 
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
@@ -22,7 +22,6 @@ from eddi_scaffold.eddi_xml.extensions import (
     unknown_tags,
 )
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
-from eddi_scaffold.eddi_xml.survey import MONITORED, kind_of_model, name_of
 from eddi_scaffold.eddi_xml.vocabulary import fold
 
 if TYPE_CHECKING:
@@ -78,8 +77,8 @@ class Observed:
         maps = list(extension_maps(document, MONITORED_BY))
         if any(value.tag in _TAG_OF_KIND.values() for map_ in maps for value in map_.values):
             for element in document.document.iter():
-                kind = kind_of_model(document, element)
-                if kind in MONITORED and kind in _TAG_OF_KIND:
+                kind = document.kind_of(element)
+                if kind in _TAG_OF_KIND:
                     models = self._models[_TAG_OF_KIND[kind]]
                     models[element.get("name") or ""] = document.references.path(element)
         for extension_map in maps:
@@ -88,14 +87,20 @@ class Observed:
     def by_model(self, path: str | None) -> tuple[tuple[str, str], ...]:
         """Return what the model at a path observes: names of elements, each with its claim."""
         pairs = (
-            (name_of(self._document, element) or feature_of(element), claim)
+            (self._document.name_of(element) or feature_of(element), claim)
             for element, by, claim in self.by
             if path is not None and f"{by}/".startswith(f"{path}/")
         )
         return tuple(dict.fromkeys(pairs))
 
     def _read_events(self, extension_map: ExtensionMap, model: str) -> None:
-        events = dict(_declared_events(extension_map))
+        events: dict[str, _Event] = {}
+        for value in extension_map.of("EVENT"):
+            match = _EVENT.match(value.text)
+            if match is not None:
+                uses = frozenset(_NAME.findall(value.text[match.end() :]))
+                is_hazard = (match[2] or "").upper() == "HAZARD"
+                events[match[1]] = _Event(value.place.path or "", is_hazard, uses)
         for event in events.values():
             paths = (events[name].path for name in event.uses if name in events)
             self.events[event.path] = [path for path in paths if path != event.path]
@@ -149,12 +154,3 @@ class Observed:
         self.problems.append(
             problem("X033.unknown", value.place, hint=hint, tag=value.tag, event=name)
         )
-
-
-def _declared_events(extension_map: ExtensionMap) -> Iterator[tuple[str, _Event]]:
-    for value in extension_map.of("EVENT"):
-        match = _EVENT.match(value.text)
-        if match is not None:
-            uses = frozenset(_NAME.findall(value.text[match.end() :]))
-            is_hazard = (match[2] or "").upper() == "HAZARD"
-            yield match[1], _Event(value.place.path or "", is_hazard, uses)

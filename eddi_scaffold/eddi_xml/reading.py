@@ -8,7 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import DEFAULT_LIMITS, Limits, load
-from eddi_scaffold.eddi_xml.unread import unknown_classes
+from eddi_scaffold.eddi_xml.survey import unknown_classes
 from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint, local_name
 from eddi_scaffold.eddi_xml.xml_text import HEAD_BYTES, looks_like_xml
 

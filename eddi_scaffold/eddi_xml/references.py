@@ -34,34 +34,10 @@ class Fragment(NamedTuple):
     segments: str
 
 
-class ReferenceToken(NamedTuple):
-    """One reference as written.
-
-    Attributes:
-        resource: the other file that it names, empty for this one.
-        fragment: the parsed path, ``None`` when it is an ``xmi:id`` or does not parse.
-        id: the ``xmi:id``, ``None`` when it is a path or does not parse.
-    """
-
-    resource: str
-    fragment: Fragment | None = None
-    id: str | None = None
-
-
 def parse_fragment(text: str) -> Fragment | None:
     """Parse a fragment path; ``None`` when it is none."""
     match = _FRAGMENT.fullmatch(text)
     return Fragment(int(match.group(1) or 0), match.group(2)) if match else None
-
-
-def parse_token(text: str) -> ReferenceToken:
-    """Parse one reference: a path, ``#`` and a path, another file's, or an ``xmi:id``."""
-    resource, sharp, rest = text.partition("#")
-    if not sharp:
-        resource, rest = "", text
-    if rest.startswith("/"):
-        return ReferenceToken(resource, fragment=parse_fragment(rest))
-    return ReferenceToken(resource, id=rest or None)
 
 
 class _Children:

@@ -1,25 +1,70 @@
-"""What is in an EDDI, whether or not we have a monitor for it: for ``show`` and for reports.
+"""What is in an EDDI, for ``show`` and for reports, and what of it no monitor is made of.
 
-Unlike reading, a survey visits every element of the file.
+A survey visits every element, whether or not we have a monitor for it. Models in packages that
+nothing reads would otherwise be lost silently; so would misspelt classes, references that no
+monitor uses, and one of two spellings of one thing.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
+from eddi_scaffold.common.problems import Place, Problem, plural, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.document import MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold
+from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold, local_name
 
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
+MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
+"""Classes that monitors are made of."""
+PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")
+"""Packages that hold them."""
+OTHERS = (
+    *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
+    *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),
+    *("RosAction", "StateMachineAction"),
+    *("AssuranceCasePackage", "ArgumentPackage", "ArtifactPackage", "TerminologyPackage"),
+    *("ArchitecturePackage", "DesignPackage", "DependabilityPackage", "RequirementPackage"),
+    *("DomainPackage", "HARAPackage", "TARAPackage", "StandardPackage", "ODEProductPackage"),
+    *("EventPackage", "TraceabilityPackage", "SafetyRelatedSystem"),
+    *("System", "PhysicalComponent", "LogicalComponent", "SoftwareComponent", "Function"),
+)
+"""Classes of the metamodel that are left out on purpose."""
+CLASSES = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
+"""All that are known, folded."""
 
-MONITORED = frozenset({"bayesian_network", "consert", "fault_tree", "markov_chain"})
-"""Kinds of models that monitors are made of."""
+_READ_CLASSES = {fold(name): name for name in (*PACKAGES, *MODELS)}
+_COMPLETELY_KNOWN = frozenset({"failurelogic", "bayesiannetwork"})
+"""Packages of which every class should be known."""
+_SIMILAR = 0.8
+_READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
+"""Packages that readers look into, whether or not there is a model in them."""
+_LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
+"""Models of which no monitors are generated."""
+_DESIGN = frozenset(
+    {"systems", "serviceconfigurations", "requiredservices", "providedservices"}
+    | {"servicetype", "configurations"}
+)
+"""Features of a design that readers look into."""
+_MAPS = "keyvaluemaps"
+_ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
+"""Names in the namespaces of all generations of the metamodel."""
+_OTHER_FORMATS = {
+    "launch": "a launch file",
+    "package": "the package.xml of a ROS package",
+    "pnml": "a Petri net",
+    "robot": "a URDF",
+    "sdf": "an SDF world or model",
+    "svg": "a picture",
+}
 
 
 def survey(document: EddiDocument) -> dict[str, Any]:
@@ -33,15 +78,10 @@ def survey(document: EddiDocument) -> dict[str, Any]:
     elements = total = unresolved = 0
     for element in document.document.iter():
         elements += 1
-        kind = kind_of_model(document, element)
+        kind = document.kind_of(element)
         if kind is not None:
-            name = name_of(document, element) or PurePath(document.name).stem
-            counts = {
-                key: count(document, element)
-                if callable(count)
-                else _count(document, element, count)
-                for key, count in _COUNTS[kind].items()
-            }
+            name = document.name_of(element) or PurePath(document.name).stem
+            counts = {key: count(document, element) for key, count in _COUNTS[kind].items()}
             models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
         # a reference shows by its form, in any attribute
         texts = (str(value) for value in element.values() if "/@" in value)
@@ -51,18 +91,16 @@ def survey(document: EddiDocument) -> dict[str, Any]:
                 total += 1
                 unresolved += references.resolve(fragment) is None
     for extension_map in extension_maps(document, EVENTS, SAFEML):
-        counts = {"settings": len(extension_map.values)}
+        kind, counts = "safeml", {"settings": len(extension_map.values)}
         if extension_map.key == EVENTS:
-            tags = {"events": "EVENT", "variables": "VAR"}
+            kind, tags = "event", {"events": "EVENT", "variables": "VAR"}
             counts = {name: len(extension_map.of(tag)) for name, tag in tags.items()}
-        kind = extension_map.key.removeprefix("eddi.").removesuffix("s")
-        at = _at(document, extension_map.element)
-        name = extension_map.model or ""
+        at, name = _at(document, extension_map.element), extension_map.model or ""
         models.append({"kind": kind, "name": name, **at, "counts": counts})
     packages = [
         {
             "class": document.class_or_feature(package),
-            "name": name_of(document, package),
+            "name": document.name_of(package),
             **_at(document, package),
         }
         for package in document.packages()
@@ -80,98 +118,19 @@ def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
     return {"path": place.path or "/", "line": place.line}
 
 
-def name_of(document: EddiDocument, element: Element) -> str:
-    """Return the name; in SACM it is an object with a content, often of the part only."""
-    name = document.attribute(element, names.NAME)
-    if name is not None:
-        return name
-    query = '*[local-name()="name"]/@content'
-    contents = select(element, query) or select(element, f"*/{query}")
-    return str(contents[0]) if contents else ""
+Count = Callable[[EddiDocument, Element], int]
 
 
-_BY_CLASS = {
-    "bayesiannetwork": "bayesian_network",
-    "faulttree": "fault_tree",
-    "markovchain": "markov_chain",
-    "statemachine": "state_machine",
-    "fmea": "fmea",
-    "fmeda": "fmea",
-    "failuremodel": "failure_model",
-    "assurancecasepackage": "assurance_case",
-}
-_BY_FEATURE = {
-    # The class of these features where xsi:type is absent.
-    "failuremodels": "failure_model",
-    "bayesiannetworks": "bayesian_network",
-    "bayesiannetwork": "bayesian_network",
-    "assurancecasepackages": "assurance_case",
-    "assurancecasepackage": "assurance_case",
-    "conserts": "consert",
-    "consert": "consert",
-}
+def _at_end_of(*path: Spelling) -> Count:
+    """Count the elements at the end of a path of features."""
 
+    def count(document: EddiDocument, element: Element) -> int:
+        elements = [element]
+        for spelling in path:
+            elements = [c for element in elements for c in document.children(element, spelling)]
+        return len(elements)
 
-def kind_of_model(document: EddiDocument, element: Element) -> str | None:
-    """Return the kind of the model that an element is, ``None`` when it is none."""
-    class_name = element.get(XSI_TYPE)
-    feature = fold(feature_of(element))
-    kind = _BY_CLASS.get(fold(class_name.rpartition(":")[2])) if class_name is not None else None
-    kind = kind or _BY_FEATURE.get(feature)
-    if kind is None and feature in _BY_CLASS and document.is_root(element):
-        kind = _BY_CLASS[feature]
-    if kind == "state_machine" and is_chain(document, element):
-        return "markov_chain"
-    if kind == "consert" and not document.is_root(element):
-        return kind if _holds_conserts(document, element.getparent()) else None
-    if kind == "assurance_case":
-        outer = (fold(feature_of(ancestor)) for ancestor in element.iterancestors())
-        return None if any("assurancecasepackage" in feature for feature in outer) else kind
-    return kind
-
-
-def _holds_conserts(document: EddiDocument, parent: Element | None) -> bool:
-    if parent is None:
-        return False
-    is_package = document.class_of(parent).name == names.PACKAGE_CLASS
-    return is_package or names.CONFIGURATIONS.accepts(feature_of(parent))
-
-
-def is_chain(document: EddiDocument, machine: Element) -> bool:
-    """Tell whether every transition has a rate, and none a trigger."""
-    transitions = document.children(machine, names.TRANSITIONS)
-    return bool(transitions) and all(
-        has_rate(document, transition) and not has_trigger(document, transition)
-        for transition in transitions
-    )
-
-
-def has_rate(document: EddiDocument, transition: Element) -> bool:
-    """Tell whether a transition has a rate; EMF may write the zero that was not given."""
-    if (document.attribute(transition, names.RATE) or "").strip("0. "):
-        return True
-    laws = document.children(transition, names.RATE_DISTRIBUTION)
-    return any(not is_none(document, law) for law in laws)
-
-
-def has_trigger(document: EddiDocument, transition: Element) -> bool:
-    """Tell whether a transition waits for an event."""
-    triggers = (document.attribute(transition, names.TRIGGERS) or "").strip()
-    return bool(triggers or document.children(transition, names.TRIGGERS))
-
-
-def is_none(document: EddiDocument, distribution: Element) -> bool:
-    """Tell whether a distribution says that there is none."""
-    type_ = (document.attribute(distribution, names.DISTRIBUTION_TYPE) or "").strip().casefold()
-    return type_ in ("", "none") and not document.children(distribution, names.PARAMETERS)
-
-
-def _count(document: EddiDocument, element: Element, path: tuple[Spelling, ...]) -> int:
-    """Return how many elements there are at the end of a path of features."""
-    elements = [element]
-    for spelling in path:
-        elements = [c for element in elements for c in document.children(element, spelling)]
-    return len(elements)
+    return count
 
 
 def _services(feature: Spelling, link: Spelling, listed: Spelling) -> Count:
@@ -212,20 +171,19 @@ def _below(feature: str, class_name: str = "") -> Count:
     return count
 
 
-Count = Callable[["EddiDocument", Element], int]
-_FAILURES = (names.FAILURES,)
-_CHAIN: Mapping[str, tuple[Spelling, ...]] = {
-    "states": (names.STATES,),
-    "transitions": (names.TRANSITIONS,),
+_FAILURES = _at_end_of(names.FAILURES)
+_CHAIN = {
+    "states": _at_end_of(names.STATES),
+    "transitions": _at_end_of(names.TRANSITIONS),
     "failures": _FAILURES,
 }
-_COUNTS: Mapping[str, Mapping[str, Count | tuple[Spelling, ...]]] = {
+_COUNTS: Mapping[str, Mapping[str, Count]] = {
     "consert": {
-        "guarantees": (names.GUARANTEES,),
-        "demands": (names.DEMANDS,),
-        "evidence": (names.EVIDENCE,),
-        "gates": (names.GATES,),
-        "tree_propagations": (names.PROPAGATIONS,),
+        "guarantees": _at_end_of(names.GUARANTEES),
+        "demands": _at_end_of(names.DEMANDS),
+        "evidence": _at_end_of(names.EVIDENCE),
+        "gates": _at_end_of(names.GATES),
+        "tree_propagations": _at_end_of(names.PROPAGATIONS),
         "required_services": _services(
             names.DEMANDS, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES
         ),
@@ -234,20 +192,20 @@ _COUNTS: Mapping[str, Mapping[str, Count | tuple[Spelling, ...]]] = {
         ),
     },
     "bayesian_network": {
-        "nodes": (names.NODES,),
-        "states": (names.NODES, names.NODE_STATES),
-        "connections": (names.CONNECTIONS,),
-        "rows": (names.NODES, names.ROWS),
+        "nodes": _at_end_of(names.NODES),
+        "states": _at_end_of(names.NODES, names.NODE_STATES),
+        "connections": _at_end_of(names.CONNECTIONS),
+        "rows": _at_end_of(names.NODES, names.ROWS),
     },
     "fault_tree": {
-        "causes": (names.CAUSES,),
+        "causes": _at_end_of(names.CAUSES),
         "basic_events": _basic_events,
         "gates": _gates,
         "failures": _FAILURES,
     },
     "markov_chain": _CHAIN,
     "state_machine": _CHAIN,
-    "fmea": {"entries": (Spelling("entries"),), "failures": _FAILURES},
+    "fmea": {"entries": _at_end_of(Spelling("entries")), "failures": _FAILURES},
     "failure_model": {"failures": _FAILURES},
     "assurance_case": {
         "argumentation_elements": _below("argumentationElement"),
@@ -256,3 +214,206 @@ _COUNTS: Mapping[str, Mapping[str, Count | tuple[Spelling, ...]]] = {
         "artifact_elements": _below("artifactElement"),
     },
 }
+
+
+class Unread(NamedTuple):
+    """Packages and models of one class that nothing reads.
+
+    Attributes:
+        class_name: their class as the file states it, or the feature that they are in.
+        number: how many.
+        elements: number of elements, with all inside.
+        inside: class -> how many packages and models of it lie in them.
+        place: of the first one.
+    """
+
+    class_name: str
+    number: int
+    elements: int
+    inside: Mapping[str, int]
+    place: Place
+
+    def as_json(self) -> dict[str, object]:
+        """Return the stable JSON form of ``show --json``."""
+        return {
+            "class": self.class_name,
+            "count": self.number,
+            "elements": self.elements,
+            "inside": dict(self.inside),
+            "path": self.place.path,
+            "line": self.place.line,
+        }
+
+    def problem(self) -> Problem:
+        """Return the warning (X021)."""
+        name = local_name(self.class_name)
+        listed = plural(self.elements, "element")
+        if self.inside:
+            listed += f" with {', '.join(f'{n} {what}' for what, n in self.inside.items())}"
+        listed = listed if name == self.class_name else f"{self.class_name}, {listed}"
+        verb, them = ("is", "it") if self.number == 1 else ("are", "them")
+        read = f"{verb} not read: no monitor is made of {them}"
+        if fold(name) == "statemachine":
+            read = f"{verb} listed by `show`: no monitor is made of {them} yet"
+        fields = {"name": name, "listed": listed, "read": read}
+        return problem("X021.ignored", self.place, number=self.number, **fields)
+
+
+def unread(document: EddiDocument) -> list[Unread]:
+    """Return each class of packages and models that nothing reads, in document order."""
+    classes: dict[str, list[Element]] = {}
+    for element in _unread_elements(document):
+        classes.setdefault(document.class_or_feature(element), []).append(element)
+    result = []
+    for class_name, elements in classes.items():
+        below = [each for element in elements for each in element.iterdescendants()]
+        inside = Counter(
+            local_name(document.class_or_feature(each))
+            for each in below
+            if _is_left_out(document, each)
+        )
+        number, place = len(elements), document.place(elements[0])
+        result.append(Unread(class_name, number, number + len(below), inside, place))
+    return result
+
+
+def _unread_elements(document: EddiDocument) -> Iterator[Element]:
+    """Yield packages without a model for a monitor, and other models next to such ones."""
+    packages = list(document.packages())
+    known = set(packages)
+    inside: set[Element] = set()
+    for package in packages:
+        if document.is_monitored(package):
+            continue  # a model by itself is read completely
+        if package.getparent() in inside:
+            inside.add(package)  # reported with the enclosing package
+        elif document.class_of(package).name in _READ or _holds_models(document, package):
+            for child in package.iterchildren():
+                if child not in known and fold(feature_of(child)) != _MAPS:
+                    yield from _unread_of_child(document, package, child)
+        elif fold(document.class_or_feature(package)).endswith(("package", "packages")):
+            inside.add(package)
+            yield package
+
+
+def _unread_of_child(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
+    """Yield what is not read of a child of a package that is, at least in part."""
+    if document.class_of(package).name not in _READ - {"ddipackage"} and not _holds_models(
+        document, child
+    ):
+        yield child
+        return
+    waiting = [child]
+    while waiting:
+        element = waiting.pop()
+        if _is_left_out(document, element):
+            yield element
+        else:
+            waiting += reversed(element)
+
+
+def _is_left_out(document: EddiDocument, element: Element) -> bool:
+    """Tell whether an element is a model or a package that no monitor is made of."""
+    name = fold(local_name(document.class_or_feature(element)))
+    is_package = name.endswith(("package", "packages")) and not _holds_models(document, element)
+    is_left_out = is_package or name.endswith("action") or name.removesuffix("s") in _LEFT_OUT
+    return is_left_out and not document.is_monitored(element)
+
+
+def _holds_models(document: EddiDocument, element: Element) -> bool:
+    return any(document.is_monitored(each) for each in element.iter())
+
+
+def event_monitors(document: EddiDocument) -> Iterator[Problem]:
+    """Yield an info (X021) on what event monitors read: here the configuration says it."""
+    query = 'descendant::*[local-name()="monitors"][@variableName]'
+    monitors = [monitor for root in document.roots for monitor in select(root, query)]
+    if monitors:
+        variables = [str(monitor.get("variableName")) for monitor in monitors]
+        listed = ", ".join(variables[:8]) + (", ..." if len(variables) > 8 else "")
+        fields = {"number": plural(len(monitors), "EventMonitor"), "listed": listed}
+        yield problem("X021.variables", document.place(monitors[0]), **fields)
+
+
+def unused_design(document: EddiDocument) -> Iterator[Problem]:
+    """Yield an info (X021) on what the design holds besides systems and services."""
+    unused: list[Element] = []
+    packages = document.packages()
+    waiting = [p for p in packages if document.class_of(p).name == "designpackage"]
+    for element in waiting:
+        for child in element.iterchildren():
+            feature = fold(feature_of(child))
+            if feature in _DESIGN:
+                waiting.append(child)
+            elif feature != _MAPS and not _holds_models(document, child):
+                unused.append(child)
+    if unused:
+        counts = Counter(map(feature_of, unused))
+        text = ", ".join(f"{count} {feature}" for feature, count in counts.items())
+        first = min(map(document.place, unused), key=lambda place: place.line or 0)
+        yield problem("X021.unused", first, elements=text)
+
+
+def foreign(document: EddiDocument) -> Problem | None:
+    """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
+    for root in document.roots:
+        uri = str(root.tag).rpartition("}")[0]
+        if document.class_of(root).name in CLASSES or _ODE.search(uri) is not None:
+            return None
+    root = document.roots[0] if document.roots else document.document
+    name, place = feature_of(root), document.place(root)
+    if local_name(name) in _OTHER_FORMATS:
+        return problem("F003.foreign", place, name=name, format=_OTHER_FORMATS[local_name(name)])
+    return problem("F003.root", place, name=name)
+
+
+def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
+    """Yield a warning (X006) for each element of a package whose class looks like a misspelt one.
+
+    In the packages that hold chains, trees and networks every unknown class is named.
+    """
+    for package in document.packages():
+        if document.is_monitored(package):
+            continue  # the root is a model, whose reader knows its parts
+        for element in package.iterchildren():
+            class_name = document.class_of(element)
+            if element.get(XSI_TYPE) is None or class_name.name in CLASSES:
+                continue
+            similar = get_close_matches(class_name.name, _READ_CLASSES, 1, _SIMILAR)
+            meant = _READ_CLASSES[similar[0]] if similar else None
+            is_package = class_name.name.endswith("package")
+            if meant is None and (class_name.package not in _COMPLETELY_KNOWN or is_package):
+                continue
+            name = element.get("name")
+            subject = feature_of(element) + (f' "{name}"' if name else "")
+            is_read = _holds_models(document, element)
+            yield problem(
+                "X006.unknown_class" if is_read else "X006.unread_class",
+                document.place(element),
+                hint=f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}",
+                subject=subject,
+                class_name=class_name.printed,
+            )
+
+
+def check_features(document: EddiDocument) -> Iterator[Problem]:
+    """Yield X011 for two spellings of one thing, and X007 for references."""
+    waiting = list(reversed(document.roots))
+    while waiting:
+        element = waiting.pop()
+        if document.kind_of(element) not in MONITORED | {"failure_model", "state_machine"}:
+            waiting += reversed(element)
+            continue
+        for part in element.iter():
+            first: dict[str, str] = {}
+            for name in map(str, part.attrib):
+                other = first.setdefault(names.ONE_THING.get(fold(name), name), name)
+                if other != name:
+                    place = document.place(part)
+                    yield problem("X011.two_spellings", place, first=other, second=name)
+            for owner, feature, text in document.references_in(part):
+                end = document.target(owner, feature, text)
+                if isinstance(end, Problem):
+                    # what a monitor needs not be there: a requirement in a file of its own, say
+                    is_needed = end.case != "X007.resource" or fold(feature) not in names.LINKS
+                    yield end if is_needed else replace(end, level="warning")

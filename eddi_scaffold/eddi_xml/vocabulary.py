@@ -76,8 +76,6 @@ def package_key(uri_or_prefix: str) -> str:
 
 
 PACKAGE_CLASS = "consertpackage"
-CONSERT_CLASS = "consert"
-SYSTEM_CLASS = "system"
 
 # containment
 CONSERTS = Spelling("conSerts", ("conSert",))
@@ -128,14 +126,6 @@ INCLUSIVE = Spelling("inclusive")
 SUBSET = Spelling("subset")
 UNIT = Spelling("unitOfMeasure", ("uom",))
 PUBLIC_UNIT = Spelling("unitOfMeasurement")
-PUBLIC_UNITS = {
-    "MPS": "m/s",
-    "KMH": "km/h",
-    "METER": "m",
-    "KILOMETER": "km",
-    "SECOND": "s",
-    "NEWTON": "N",
-}
 NUMBER = Spelling("number")
 EPSILON = Spelling("epsilon")
 NUMBER_TYPE = Spelling("numberType")
@@ -146,9 +136,6 @@ RELATION_TYPE = Spelling("dimensionRelationType")
 SAFETY_PROPERTIES = Spelling("safetyProperties", ("safetyProperty",))
 REFINEMENT = Spelling("refinement")
 INTEGRITY_LEVEL = Spelling("integrityLevel", ("asilLevel",))
-
-COMMON = (Spelling("Id"), Spelling("gid"), NAME, DESCRIPTION, KEY_VALUE_MAPS)
-"""Every object of an ODE model may have these; they are known and not used."""
 
 # maps
 KEY = Spelling("key")

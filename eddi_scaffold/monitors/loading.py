@@ -29,7 +29,7 @@ from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.eddi_xml.unread import (
+from eddi_scaffold.eddi_xml.survey import (
     check_features,
     event_monitors,
     foreign,

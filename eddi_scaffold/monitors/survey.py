@@ -15,8 +15,7 @@ from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.eddi_xml.survey import survey
-from eddi_scaffold.eddi_xml.unread import foreign, unread
+from eddi_scaffold.eddi_xml.survey import foreign, survey, unread
 from eddi_scaffold.kinds import JsonValue, Model, kinds
 from eddi_scaffold.monitors.loading import YAML_SUFFIXES, is_config, is_mros, read_models
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models, read_rossystem

@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.reading import read_stream
-from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment, parse_token
+from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 
 
 @pytest.mark.parametrize("text", ["/", "//", "/0", "//0", "///"])
@@ -30,7 +31,6 @@ def test_forms_of_the_root(text: str) -> None:
 )
 def test_fragments(text: str, root: int, segments: str) -> None:
     assert parse_fragment(text) == Fragment(root, segments)
-    assert parse_token(f"#{text}").fragment == Fragment(root, segments)
 
 
 @pytest.mark.parametrize(
@@ -38,13 +38,6 @@ def test_fragments(text: str, root: int, segments: str) -> None:
 )
 def test_what_is_no_fragment(text: str) -> None:
     assert parse_fragment(text) is None
-
-
-def test_other_files_and_ids() -> None:
-    assert parse_token("other.xml#//@a").resource == "other.xml"
-    assert parse_token("_x1").id == "_x1"
-    assert parse_token("#_x1").id == "_x1"
-    assert parse_token("#").id is None
 
 
 def document(text: str) -> EddiDocument:
@@ -67,6 +60,24 @@ def test_xmi_ids() -> None:
     doc = document('<a xmlns:xmi="http://www.omg.org/XMI"><b xmi:id="_1" id="_2"/></a>')
     assert doc.references.by_id("_1") == [doc.roots[0][0]]
     assert not doc.references.by_id("_2")
+
+
+@pytest.mark.parametrize(
+    ("text", "case"),
+    [
+        ("other.xml#//@a", "X007.resource"),
+        ("_x1", "X007.nothing"),
+        ("//@a.9", "X007.nothing"),
+        ("#", "X007.token"),
+        ("/topic", "X007.token"),
+        ("#//@a.0", None),
+        ("//@a", None),
+    ],
+)
+def test_other_files_ids_and_what_is_no_reference(text: str, case: str | None) -> None:
+    doc = document("<r><a/></r>")
+    end = doc.target(doc.roots[0], "f", text)
+    assert end.case == case if isinstance(end, Problem) else end is doc.roots[0][0] and not case
 
 
 def test_an_index_out_of_range_says_the_range() -> None:

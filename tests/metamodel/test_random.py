@@ -11,8 +11,9 @@ from lxml import etree
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.eddi_xml.document import MONITORED
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.survey import MONITORED, survey
+from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models

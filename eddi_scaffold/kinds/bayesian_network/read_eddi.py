@@ -9,7 +9,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
-from eddi_scaffold.eddi_xml.parsing import Element, select
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of, select
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.bayesian_network.checks import check_network
 from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, Row
@@ -25,7 +25,7 @@ def read_networks(document: EddiDocument, source: Source) -> tuple[list[Network]
     elements = [e for root in document.roots for e in select(root, vocabulary.NETWORKS)]
     for element in elements:
         class_name = document.class_of(element).name
-        feature = vocabulary.fold(document.feature(element))
+        feature = vocabulary.fold(feature_of(element))
         if class_name != CLASS and (class_name or feature not in _FEATURES):
             continue
         reader = _Reader(document, element)

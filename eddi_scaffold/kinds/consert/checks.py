@@ -119,10 +119,7 @@ def _check_support(consert: ConSert) -> Iterator[Problem]:
     """Check which nodes have inputs, and which are inputs of others."""
     inputs = consert.inputs
     for guarantee in consert.guarantees:
-        name, has_support = (
-            f"guarantee {shown(guarantee.id)}",
-            bool(inputs[guarantee.id]),
-        )
+        name, has_support = f"guarantee {shown(guarantee.id)}", bool(inputs[guarantee.id])
         if guarantee.default and has_support:
             yield problem("C011.default_with_support", guarantee.place, name=name)
         elif not guarantee.default and not has_support:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles
@@ -24,7 +25,7 @@ from eddi_scaffold.kinds.consert.consert import (
     Service,
 )
 from eddi_scaffold.kinds.consert.graph import constants
-from eddi_scaffold.kinds.consert.ranges import Interval, common, is_inside, span
+from eddi_scaffold.kinds.consert.ranges import common, is_inside, span
 
 Ref = tuple[str, str]
 """Instance name and id."""
@@ -56,22 +57,17 @@ class Composition:
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``compose --json``."""
-        return {
-            "composable": self.composable,
-            "order": list(self.order),
-            "bindings": [
-                {
-                    "instance": instance,
-                    "demand": demand,
-                    "guarantees": [{"instance": i, "guarantee": g} for i, g in guarantees],
-                }
-                for (instance, demand), guarantees in self.bindings.items()
-            ],
-            "unmatched_demands": list(self.unmatched_demands),
-            "unmatched_services": list(self.unmatched_services),
-            "reasons": list(self.reasons),
-            "warnings": [problem.message for problem in self.problems],
-        }
+        content = {k: list(v) if isinstance(v, tuple) else v for k, v in vars(self).items()}
+        del content["problems"]
+        content["bindings"] = [
+            {
+                "instance": instance,
+                "demand": demand,
+                "guarantees": [{"instance": i, "guarantee": g} for i, g in guarantees],
+            }
+            for (instance, demand), guarantees in self.bindings.items()
+        ]
+        return {**content, "warnings": [problem.message for problem in self.problems]}
 
     def as_text(self) -> list[str]:
         """Return the same as lines for people."""
@@ -80,12 +76,12 @@ class Composition:
             for demand, guarantees in self.bindings.items()
             if guarantees
         ]
-        return [
-            "composable" if self.composable else "not composable",
-            *([f"order: {', '.join(self.order)}"] if self.order else []),
-            *(["bindings:", *bound] if bound else []),
-            *(["reasons:", *(f"  {reason}" for reason in self.reasons)] if self.reasons else []),
-        ]
+        lines = ["composable" if self.composable else "not composable"]
+        lines += [f"order: {', '.join(self.order)}"] if self.order else []
+        lines += ["bindings:", *bound] if bound else []
+        return (
+            [*lines, "reasons:", *(f"  {text}" for text in self.reasons)] if self.reasons else lines
+        )
 
 
 @dataclass
@@ -151,6 +147,7 @@ class _Composer:
         self.rounds = self._rounds()
 
     def composition(self) -> Composition:
+        rounds = dict.fromkeys(dict(self.instances), len(self.instances)) | self.rounds
         return Composition(
             composable=len(self.rounds) == len(self.instances),
             order=tuple(self.rounds),
@@ -159,7 +156,7 @@ class _Composer:
                 (need.instance, need.id): tuple(
                     (other, id_)
                     for other, ids in need.met_by.items()
-                    if self._round(other) < self._round(need.instance)
+                    if rounds[other] < rounds[need.instance]
                     for id_ in ids
                 )
                 for need in self.needs
@@ -185,7 +182,7 @@ class _Composer:
                 mismatches.append(difference)
         reason = "no other ConSert guarantees anything"
         if mismatches:
-            reason = min(mismatches, key=lambda mismatch: mismatch.distance).text
+            reason = min(mismatches, key=itemgetter(0))[1]
         elif types:
             reason += f" in a service of type {' or '.join(types)}"
         need.reason = f"demand {need.name} is not fulfilled: {reason}"
@@ -202,22 +199,14 @@ class _Composer:
 
     def _rounds(self) -> dict[str, int]:
         """Accept in rounds what needs only what has been accepted; instance -> its round."""
-        needs: dict[str, list[_Need]] = {name: [] for name, _ in self.instances}
-        for need in self.needs:
-            needs[need.instance].append(need)
         rounds: dict[str, int] = {}
         while True:
-            ready = [
-                name
-                for name, own in needs.items()
-                if name not in rounds and all(not rounds.keys().isdisjoint(n.met_by) for n in own)
-            ]
+            unmet = (n.instance for n in self.needs if rounds.keys().isdisjoint(n.met_by))
+            waiting = {*unmet, *rounds}
+            ready = [name for name, _ in self.instances if name not in waiting]
             if not ready:
                 return rounds
             rounds |= dict.fromkeys(ready, len(rounds))
-
-    def _round(self, instance: str) -> int:
-        return self.rounds.get(instance, len(self.instances))
 
     def _unmatched(self, *, is_demand: bool) -> Iterator[str]:
         needs = [need for need in self.needs if need.is_demand == is_demand]
@@ -264,10 +253,10 @@ class _Composer:
                 pairs = [at[place] for place in service.allocated if place in at]
                 pairs += [by_required[service.place]] if service.place in by_required else []
                 for other, provider in dict(pairs).items():
+                    offered = set(provider.members)
+                    members = service.members
                     unmet = [
-                        id_
-                        for id_ in service.members
-                        if set(provider.members).isdisjoint(met_by[name, id_].get(other, ()))
+                        m for m in members if offered.isdisjoint(met_by[name, m].get(other, ()))
                     ]
                     if unmet:
                         what = f"{name}/{service.id} is allocated to {other}/{provider.id}"
@@ -275,9 +264,7 @@ class _Composer:
                         yield problem("X009.unmet", service.place, subject=what, unmet=text)
 
 
-def service_types(
-    services: Sequence[Service],
-) -> Mapping[str, Mapping[str, None]]:
+def service_types(services: Sequence[Service]) -> Mapping[str, Mapping[str, None]]:
     """Return demand or guarantee -> types of the services that group it."""
     types: dict[str, dict[str, None]] = defaultdict(dict)
     for service in services:
@@ -293,8 +280,8 @@ def why_not_fulfilled(
 
     Evidence asks for nothing that a guarantee could fulfil; it is not judged.
     """
-    demand = next((demand for demand in user.demands if demand.id == demand_id), None)
-    guarantee = next((known for known in provider.guarantees if known.id == guarantee_id), None)
+    demand = {demand.id: demand for demand in user.demands}.get(demand_id)
+    guarantee = {each.id: each for each in provider.guarantees}.get(guarantee_id)
     if demand is None or guarantee is None:
         return None
     name = f"{provider.name}/{guarantee_id}"
@@ -306,36 +293,17 @@ def why_not_fulfilled(
     if constants(provider)[guarantee_id] is False:
         return f"{name} can never be active"
     difference = _mismatch(guarantee, demand, name)
-    return None if difference is None else difference.text
+    return None if difference is None else difference[1]
 
 
-@dataclass(frozen=True)
-class _Mismatch:
-    """Why a guarantee does not fulfil a demand.
-
-    Attributes:
-        distance: the more, the less the guarantee is what the author of the demand had in mind.
-        text: the first dimension in the way.
-    """
-
-    distance: tuple[int, int]
-    text: str
-
-
-def _mismatch(guarantee: Guarantee, demand: Demand, name: str) -> _Mismatch | None:
-    """Compare a guarantee with a demand.
+def _mismatch(
+    guarantee: Guarantee, demand: Demand, name: str
+) -> tuple[tuple[int, int], str] | None:
+    """Return how far a guarantee is from fulfilling a demand, and its first dimension in the way.
 
     Every dimension of the demand needs one of the guarantee with the same kind and type, whose
     covered values fit in the direction of the demand's subset flag; a flag of the guarantee must be
     the same, and further dimensions of the guarantee do not matter.
-
-    Args:
-        guarantee: what another ConSert offers.
-        demand: what is needed.
-        name: how the guarantee is called in the text.
-
-    Returns:
-        ``None`` when the guarantee fulfils the demand.
     """
     missing: list[tuple[int, str]] = []
     for dimension in demand.dimensions:
@@ -346,10 +314,10 @@ def _mismatch(guarantee: Guarantee, demand: Demand, name: str) -> _Mismatch | No
                 break
             reasons.append(reason)
         else:
-            missing.append(min(reasons, key=lambda reason: reason[0]))
+            missing.append(min(reasons, key=itemgetter(0)))
     if not missing:
         return None
-    return _Mismatch((len(missing), sum(rank for rank, _ in missing)), missing[0][1])
+    return (len(missing), sum(rank for rank, _ in missing)), missing[0][1]
 
 
 def _difference(
@@ -367,7 +335,7 @@ def _difference(
     if offered.subset not in (None, demanded.subset):
         subsets = f"{offered.subset} in {name} and {demanded.subset} in {demand}"
         return 2, f"{title}: the subset is {subsets}"
-    their_units = [_unit(offered), _unit(demanded)]
+    their_units = [d.uom if isinstance(d, NumericDimension) else None for d in (offered, demanded)]
     if units.factor(*their_units) is None:
         texts = [f"the unit {unit}" if unit else "the ratio" for unit in their_units]
         return 2, f"{title}: {texts[0]} of {name} and {texts[1]} of {demand} do not compare"
@@ -380,40 +348,26 @@ def _difference(
     return 1, f"{title}: {sides[0]} {relation} {sides[1]}"
 
 
-def _unit(dimension: CategoricalDimension | NumericDimension) -> str | None:
-    return dimension.uom if isinstance(dimension, NumericDimension) else None
-
-
 def _wrong_relation(
     offered: CategoricalDimension | NumericDimension,
     demanded: CategoricalDimension | NumericDimension,
 ) -> str | None:
     """Return how the covered values lie to each other where the demand wants it otherwise."""
-    needed, covered = _Values(demanded), _Values(offered)
+    if isinstance(demanded, NumericDimension) and isinstance(offered, NumericDimension):
+        needed, covered = (  # exact, in the basic unit
+            [span(c, (units.find(d.uom) or units.RATIO).factor) for c in d.covered]
+            for d in (demanded, offered)
+        )
+        has_common = common(needed, covered)
+        is_enough, is_allowed = is_inside(needed, covered), is_inside(covered, needed)
+    else:
+        texts, others = set(demanded.covered), set(offered.covered)
+        has_common = not texts.isdisjoint(others)
+        is_enough, is_allowed = texts.issubset(others), others.issubset(texts)
     if demanded.subset == "Intersection":
-        return None if needed.meet(covered) else "has nothing in common with"
+        return None if has_common else "has nothing in common with"
     if demanded.subset == "Demand":
-        return None if needed.are_in(covered) else "is not inside"
+        return None if is_enough else "is not inside"
     if demanded.subset == "Guarantee":
-        return None if covered.are_in(needed) else "is not inside"
-    is_equal = needed.are_in(covered) and covered.are_in(needed)
-    return None if is_equal else "does not equal"
-
-
-class _Values:
-    """What a dimension covers: texts, or exact ranges in the basic unit."""
-
-    def __init__(self, dimension: CategoricalDimension | NumericDimension) -> None:
-        self.texts: set[str] = set()
-        self.spans: list[Interval] = []
-        if isinstance(dimension, CategoricalDimension):
-            self.texts = set(dimension.covered)
-        else:
-            unit = units.find(dimension.uom) or units.RATIO
-            self.spans = [span(covered, unit.factor) for covered in dimension.covered]
-
-    def meet(self, other: _Values) -> bool:
-        return bool(self.texts & other.texts) or common(self.spans, other.spans)
-
-    def are_in(self, other: _Values) -> bool:
-        return self.texts <= other.texts and is_inside(self.spans, other.spans)
+        return None if is_allowed else "is not inside"
+    return None if is_enough and is_allowed else "does not equal"

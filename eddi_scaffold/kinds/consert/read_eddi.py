@@ -8,7 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
-from eddi_scaffold.eddi_xml.parsing import Element, stray_texts
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of, stray_texts
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
@@ -29,6 +29,9 @@ from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
 _FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
+_IDS = Spelling("Id"), Spelling("gid")
+_COMMON = (*_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS)
+"""Every object of an ODE model may have these; they are known and not used."""
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
@@ -84,11 +87,11 @@ def consert_elements(document: EddiDocument) -> Iterator[Element]:
     """Yield the elements that hold a ConSert, of both dialects, in document order."""
     for package in document.packages():
         class_name = document.class_of(package).name
-        if class_name == names.CONSERT_CLASS and document.is_root(package):
+        if class_name == "consert" and document.is_root(package):
             yield package
         elif class_name == names.PACKAGE_CLASS:
             yield from document.children(package, names.CONSERTS)
-        elif class_name == names.SYSTEM_CLASS:
+        elif class_name == "system":
             for configuration in document.children(package, names.CONFIGURATIONS):
                 yield from document.children(configuration, names.CONSERTS)
 
@@ -266,7 +269,7 @@ class _ConSertReader:
             if end in self.ids:
                 continue
             where, hint = "which is not a node", None
-            if any(part.accepts(self.document.feature(end)) for part in _NODES):
+            if any(part.accepts(feature_of(end)) for part in _NODES):
                 where = "of another ConSert"
                 hint = "ConSerts are connected by services: a demand there, a guarantee here"
             fields = {"feature": spelling.name, "end": self.document.describe(end), "where": where}
@@ -302,7 +305,7 @@ class _ConSertReader:
             self.findings.add(*problems)
             members[service] = []
             for end in ends:
-                if end in self.ids and member.accepts(self.document.feature(end)):
+                if end in self.ids and member.accepts(feature_of(end)):
                     members[service].append(self.ids[end])
                 else:
                     fields = {"link": member.name, "actual": self.document.describe(end)}
@@ -322,7 +325,7 @@ class _ConSertReader:
     def _configuration(self) -> Element | None:
         """Return the configuration that holds a ConSert of the older dialect."""
         owner = self.element.getparent()
-        is_older = owner is not None and names.CONFIGURATIONS.accepts(self.document.feature(owner))
+        is_older = owner is not None and names.CONFIGURATIONS.accepts(feature_of(owner))
         return owner if is_older else None
 
 
@@ -370,7 +373,7 @@ def _check_names(consert: Element, findings: EddiFindings) -> None:
     waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
     while waiting:
         element, feature = waiting.pop()
-        known = (*_KNOWN[feature], *names.COMMON)
+        known = (*_KNOWN[feature], *_COMMON)
         keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
         parts = [("attribute", key, element) for key in keys]
         parts += [("child", local_name(str(child.tag)), child) for child in element.iterchildren()]
@@ -378,7 +381,7 @@ def _check_names(consert: Element, findings: EddiFindings) -> None:
         for kind, name, part in parts:
             match = next((spelling for spelling in known if spelling.accepts(name)), None)
             if match is None:
-                owner = findings.document.feature(element)
+                owner = feature_of(element)
                 findings.count("X006.unknown", part, subject=kind, name=name, owner=owner)
                 continue
             if not match.is_exact(name):

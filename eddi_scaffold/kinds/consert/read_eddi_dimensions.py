@@ -17,7 +17,7 @@ from dataclasses import replace
 from eddi_scaffold.common import units
 from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiFindings
-from eddi_scaffold.eddi_xml.parsing import Element
+from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
@@ -33,6 +33,14 @@ from eddi_scaffold.kinds.consert.names import class_name
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
 _SUBSETS: dict[str, Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
+_PUBLIC_UNITS = {
+    "MPS": "m/s",
+    "KMH": "km/h",
+    "METER": "m",
+    "KILOMETER": "km",
+    "SECOND": "s",
+    "NEWTON": "N",
+}
 _RELATIONS: dict[str, Subset] = {
     "DinG": "Demand",
     "GinD": "Guarantee",
@@ -62,7 +70,7 @@ class DimensionReader:
             for child in self.document.children(part, names.DIMENSION):
                 dimensions[child] = self._dimension(child)
         relations = self._relations(element, dimensions)
-        if names.DEMANDS.accepts(self.document.feature(element)):
+        if names.DEMANDS.accepts(feature_of(element)):
             for child, dimension in dimensions.items():
                 if not isinstance(dimension, BinaryDimension):
                     dimensions[child] = self._related(child, dimension, relations.get(child))
@@ -117,7 +125,9 @@ class DimensionReader:
             categories = tuple(self._mandatory(part, spelling) for part in parts)
             return CategoricalDimension(type_, categories, subset, place)
         if is_public:
-            ranges: tuple[Range, ...] = (self._public_range(element),)
+            start, is_start_inside = self._boundary(element, names.START, "-inf")
+            end, is_end_inside = self._boundary(element, names.END, "inf")
+            ranges: tuple[Range, ...] = (Range(start, end, is_end_inside, place, is_start_inside),)
         else:
             ranges = tuple(self._range(part) for part in parts)
         unit = self._unit(element, type_, is_public=is_public)
@@ -213,15 +223,10 @@ class DimensionReader:
         text = self.document.attribute(element, names.PUBLIC_UNIT)
         text = self.document.attribute(element, names.UNIT) if text is None else text
         if text is None and is_public:
-            known = ", ".join(names.PUBLIC_UNITS)
+            known = ", ".join(_PUBLIC_UNITS)
             self.findings.report("X014.unit", element, kind=type_, units=known)
-            return names.PUBLIC_UNITS["MPS"]
-        return None if text is None else names.PUBLIC_UNITS.get(text.strip(), text)
-
-    def _public_range(self, element: Element) -> Range:
-        start, is_start_inside = self._boundary(element, names.START, "-inf")
-        end, is_end_inside = self._boundary(element, names.END, "inf")
-        return Range(start, end, is_end_inside, self.document.place(element), is_start_inside)
+            return _PUBLIC_UNITS["MPS"]
+        return None if text is None else _PUBLIC_UNITS.get(text.strip(), text)
 
     def _boundary(self, element: Element, spelling: Spelling, unbounded: str) -> tuple[Bound, bool]:
         """Return one end of a range and whether it lies inside; absent, there is no bound."""

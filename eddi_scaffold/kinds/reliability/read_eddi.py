@@ -11,7 +11,6 @@ from eddi_scaffold.common.problems import Place, Problem
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
-from eddi_scaffold.eddi_xml.survey import has_rate, kind_of_model
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES, Spelling, fold
 from eddi_scaffold.kinds.reliability.read_eddi_laws import CommonCauses, Laws
 from eddi_scaffold.kinds.reliability.system import (
@@ -58,7 +57,7 @@ class _Reader:
     def systems(self) -> list[ReliabilitySystem]:
         elements = [e for root in self.document.roots for e in select(root, CHAINS_AND_TREES)]
         for element in elements:
-            kind = kind_of_model(self.document, element)
+            kind = self.document.kind_of(element)
             if kind in ("markov_chain", "fault_tree"):
                 self.names[element] = self._unique_name(element)
             if kind == "markov_chain":
@@ -141,7 +140,7 @@ class _Reader:
     def _warn_of_machine(self, element: Element) -> None:
         """Warn of a state machine that is none by its rates alone."""
         transitions = self.document.children(element, word.TRANSITIONS)
-        rates = [transition for transition in transitions if has_rate(self.document, transition)]
+        rates = [transition for transition in transitions if self.document.has_rate(transition)]
         if rates:
             machine, number = self.document.describe(element), len(transitions)
             self.findings.report(

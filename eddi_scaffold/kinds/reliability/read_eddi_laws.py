@@ -16,7 +16,6 @@ from eddi_scaffold.common.units import (
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, only, select
-from eddi_scaffold.eddi_xml.survey import is_none
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
 from eddi_scaffold.kinds.reliability.system import Law
 from eddi_scaffold.kinds.reliability.values import case_of
@@ -69,7 +68,7 @@ class Laws:
         if self.findings.errors == errors:
             distributions = self.document.children(transition, word.RATE_DISTRIBUTION)
             for distribution in distributions[:1]:
-                if not is_none(self.document, distribution):
+                if not self.document.is_no_law(distribution):
                     kind = self.document.attribute(distribution, word.DISTRIBUTION_TYPE)
                     self.findings.report("X020.distribution", transition, arc=subject, kind=kind)
                     return None
@@ -83,7 +82,7 @@ class Laws:
         distribution = self.findings.only(element, feature)
         text = self.document.attribute(element, rate_feature)
         try:
-            if distribution is not None and not is_none(self.document, distribution):
+            if distribution is not None and not self.document.is_no_law(distribution):
                 if text and text.strip("0. "):  # EMF may write what is not given
                     name = rate_feature.name
                     self.findings.report("X014.rate", distribution, subject=subject, rate=name)
