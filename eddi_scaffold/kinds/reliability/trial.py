@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.kinds.reliability.chains import STATES_WRITTEN_OUT
@@ -134,24 +133,3 @@ def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> Modu
 
 def _in_order(system: ReliabilitySystem) -> dict[str, Any]:
     return {input_.id: input_.sample for input_ in inputs_of(system.without_unused())}
-
-
-def proximity(
-    track: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
-) -> tuple[float, float]:
-    """Return the fraction of samples nearer than a distance in m, as lower and upper bound.
-
-    Both tracks have a row of coordinates in m for each of the same times. A sample that is not
-    finite counts for the upper bound only; NaN, NaN without samples.
-
-    Raises:
-        ValueError: the tracks do not have the same shape.
-    """
-    a, b = np.asarray(track, dtype=float), np.asarray(other, dtype=float)
-    if a.shape != b.shape or a.ndim > 2:
-        raise ValueError(f"the tracks have the shapes {a.shape} and {b.shape}")
-    if not a.size:
-        return float("nan"), float("nan")
-    known = (np.isfinite(a) & np.isfinite(b)).all(axis=1)
-    nearer = int((np.linalg.norm(a[known] - b[known], axis=1) < distance).sum())
-    return nearer / len(a), (nearer + int((~known).sum())) / len(a)
