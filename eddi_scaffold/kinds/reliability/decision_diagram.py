@@ -121,7 +121,6 @@ def _built(
 def _smallest(
     tree: Tree, top: int, borders: frozenset[int], first: frozenset[int], limit: int
 ) -> Module:
-    """Return the smallest diagram of a module in several orders of its variables."""
     inner = reached(tree.gates, top, borders, behind=True)
     gates = {n: tree.gates[n] for n in inner if n in tree.gates and (n == top or n not in borders)}
     orders = list(dict.fromkeys(_orders(gates, top, first)))

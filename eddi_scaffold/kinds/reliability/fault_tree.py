@@ -277,7 +277,6 @@ class _Search:
             raise _TooMuchError
 
     def _minimal(self, sets: Iterable[int]) -> list[int]:
-        """Return the sets that contain no other one."""
         kept: list[int] = []
         by_lowest: dict[int, list[int]] = {}
         ordered = sorted(set(sets), key=lambda cut_set: (cut_set.bit_count(), cut_set))

@@ -183,7 +183,6 @@ class _Reader:
         return variant
 
     def chain_of(self, failure: Element) -> str | None:
-        """Return the chain of which some states are a failure."""
         states = self.states_of.get(failure, [])
         if len({self.states[state][0] for state in states}) > 1:
             subject = self.document.describe(failure)
@@ -243,9 +242,8 @@ class _TreeReader:
                 below = self.reader.below.get(cause, ())
                 waiting += reversed([b for b in below if b in self.reader.tree_of])
         taken: set[str] = set()
-        for i, cause in enumerate(
-            reached
-        ):  # its own name where that is unique, else its model's too
+        # its own name where that is unique, else its model's too
+        for i, cause in enumerate(reached):
             name, owner = self.reader.name_of(cause, f"cause{i}"), self.reader.tree_of[cause]
             long = f"{self.reader.names[owner]}/{name}"
             candidates = [*([name] if owner is self.element else []), long, f"{long}#{i}"]
