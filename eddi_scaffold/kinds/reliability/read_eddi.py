@@ -109,6 +109,7 @@ class _Reader:
             states[state] = label if label not in states.values() else f"{label}#{i}"
         transitions = self.document.children(element, word.TRANSITIONS)
         arcs = [arc for transition in transitions for arc in self._arcs(transition, states)]
+        initial: list[str] = []
         fail, fail_by_failures = [], []
         for state, label in states.items():
             self.states[state] = name, label
@@ -120,12 +121,10 @@ class _Reader:
                 fail.append(label)
             elif failures:
                 fail_by_failures.append(label)
+            initial += [label] if self._is(state, word.IS_INITIAL) else []
         self._warn_of_unused(element)
-        initial = tuple(
-            label for state, label in states.items() if self._is(state, word.IS_INITIAL)
-        )
-        fail = fail or fail_by_failures
-        chain = Chain(tuple(states.values()), initial, tuple(fail), tuple(arcs))
+        starts, fails = tuple(initial), tuple(fail or fail_by_failures)
+        chain = Chain(tuple(states.values()), starts, fails, tuple(arcs))
         place = self.document.place(element)
         self.chains[name] = ComponentModel(name, "markov", chain, place=place)
 
@@ -255,8 +254,7 @@ class _TreeReader:
                 fields = {"value": stated, "cause_types": ", ".join(_CAUSE_TYPES)}
                 subject = self.document.describe(cause)
                 self.findings.report("X011.cause_type", cause, cause=subject, **fields)
-            is_port = fold(stated) not in _EVENTS
-            if is_port or self.reader.is_gate(cause):
+            if fold(stated) not in _EVENTS or self.reader.is_gate(cause):  # a port, or a gate
                 self.gates[id_] = self._gate(cause, id_)
             else:
                 self.events[id_] = self._event(cause, id_)

@@ -197,13 +197,13 @@ def _content(
 
 def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     entry.only("type", "configuration", "rate", "rates", "positions", "status", "repair")
-    configuration = entry.text("configuration", required=True) or ""
-    motors = len(configuration)
+    configuration = entry.text("configuration", required=True)
+    motors = len(configuration or "")
     rates, common_rate = entry.quantities("rates", units.rate), entry.quantity("rate", units.rate)
     positions = entry.data["positions"] if entry.has("positions") else list(range(motors))
     places = sorted(map(repr, positions)) if isinstance(positions, list) else None
     fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
-    if not configuration:
+    if configuration is None:
         pass  # it was reported
     elif not is_configuration(configuration):
         entry.report(

@@ -207,8 +207,8 @@ class _Planner:
             self._report("L011.raised", "window_size", ratio=plan.threshold / plan.theoretical)
         if plan.calibration.is_last:
             level, windows = settings.significance_level, plan.calibration.windows
-            fields = {"significance_level": level, "windows": windows}
-            self._report("L011.resolution", "significance_level", **fields)
+            key = "significance_level"
+            self._report("L011.resolution", key, significance_level=level, windows=windows)
 
 
 def _listed(what: str, numbers: Sequence[int]) -> str:
