@@ -38,12 +38,7 @@ _HEAT = ("t_ref", "t_max", "activation_energy")
 def read_system(
     values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
-    """Read the keys of a monitor.
-
-    Args:
-        values: the keys with their places.
-        library: systems that ``model: NAME`` of an entry may name.
-        base: the existing content, which is changed; None: nothing.
+    """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
 
     Returns:
         The system, None after an error (R001, R002, R004, R005), and all problems.

@@ -33,10 +33,7 @@ def at_start(
 ) -> ReliabilityResult:
     """Return the first result with everything in order, or with nothing known.
 
-    Args:
-        system: the models.
-        known: everything is in order.
-        seconds_left: to the end of the mission, where that is an input; None: the longest.
+    Where the mission's end is an input, it is ``seconds_left`` away; None: as long as it can be.
     """
     monitor: Reliability = _module(system).Monitor()
     values = _in_order(system) if known else {}
@@ -111,9 +108,7 @@ def _integral(reliability: Callable[[float], float]) -> float:
 def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
     """Return the monitor of a module with another horizon, at the start of the mission.
 
-    Args:
-        compiled: a model whose horizon is no input, compiled without numbers of one horizon.
-        hours: at least 0.
+    The horizon of the module is no input, and none of its numbers is of one horizon.
     """
     for made in vars(compiled).values():
         if isinstance(made, type) and "horizon" in vars(made):

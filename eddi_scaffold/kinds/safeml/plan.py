@@ -46,12 +46,7 @@ _LISTED = 10
 
 @lru_cache(maxsize=8)
 def plan(settings: SafeMLSettings, reference: ReferenceSample, *, single: bool) -> Planned:
-    """Find tests and thresholds.
-
-    Args:
-        settings: the configuration.
-        reference: rows of correct behaviour.
-        single: samples come as float32.
+    """Find tests and thresholds; ``single``: samples come as float32.
 
     Returns:
         The plan, ``None`` when a problem is an error (L004 to L008), and all problems (to L013).

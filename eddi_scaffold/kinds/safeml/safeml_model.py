@@ -67,7 +67,9 @@ class SafeMLModel(Model):
         return self._plan_unconfigured().problems
 
     def counts(self) -> Mapping[str, int]:
-        return show.counts(self.data)
+        settings, (rows, features) = self.data.settings, self.data.reference.rows.shape
+        sizes = {"rows": rows, "features": features, "window_size": settings.window_size}
+        return {**sizes, "components": settings.n_components or 0}
 
     def outline(self) -> Sequence[str]:
         return show.outline(self.data, self._plan())
