@@ -122,8 +122,7 @@ def _errors_of_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]
     for arc in chain.arcs:
         if arc.rate > _LARGEST_RATE:
             fields = {"source": arc.source, "target": arc.target, "name": name}
-            limit = _LARGEST_RATE
-            yield problem("R002.rate", arc.place, rate=arc.rate, limit=limit, **fields)
+            yield problem("R002.rate", arc.place, rate=arc.rate, limit=_LARGEST_RATE, **fields)
 
 
 def _first_few(names: Sequence[str]) -> str:
@@ -155,11 +154,9 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     name, place, number = gate.name, gate.place, len(gate.of)
     if not gate.of:
         if not gate.is_port:  # a port of an EDDI is reported by the reader (X014)
-            hint = "list its inputs, or take it out"
-            if place.path is None:
-                hint = (
-                    "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"
-                )
+            hint = "list its inputs in `of:`, take it out, or write an event with `p: 0` instead"
+            if place.path is not None:
+                hint = "list its inputs, or take it out"
             yield problem("R005.no_input", place, hint=hint, gate=name)
     elif gate.type == "VOTE" and gate.k is None:
         yield problem("R005.vote", place, name=name)
@@ -168,8 +165,7 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
     elif gate.type == "NOT" and number != 1:
         yield problem("R005.not_inputs", place, name=name, number=number)
     elif gate.type == "XOR" and number > 2:
-        subject = f"gate {name!r} is an XOR of {number} inputs"
-        yield problem("R013.xor", place, subject=subject)
+        yield problem("R013.xor", place, subject=f"gate {name!r} is an XOR of {number} inputs")
     elif gate.type in DYNAMIC:
         if gate.type == "SAND":
             yield problem("R009.sand", place, gate=name)

@@ -73,14 +73,10 @@ def compile_system(
     states: int = STATES_WRITTEN_OUT,
     nodes: int = NODES_WRITTEN_OUT,
 ) -> CompiledMonitor:
-    """Return the compiled monitor of a checked system.
+    """Return the compiled monitor of a checked system, or of these models in place of its own.
 
-    Args:
-        system: the system.
-        declaration: whose monitor it is, and its inputs.
-        lowered: its models, if not as they are in the system.
-        states: of the largest chain whose sums are written out; 0: no number is of one horizon.
-        nodes: of the largest diagram whose sums are written out.
+    Sums are written out of chains and diagrams with at most so many states and nodes; with 0 states
+    no number is of one horizon.
     """
     lowered = lowered or lower(system)
     time = Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
@@ -167,12 +163,7 @@ def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
 
 @dataclass
 class _Classes:
-    """Writes the classes of a component, numbered by its place, with a comment above.
-
-    Attributes:
-        states: of the largest chain whose sums are written out.
-        nodes: of the largest diagram whose sums are written out.
-    """
+    """Writes the classes of a component, numbered by its place, with a comment above."""
 
     place: int
     about: str
@@ -260,13 +251,9 @@ def _heat(heat: Heat | None) -> dict[str, Part]:
 def tree_lines(
     name: str, tree: FaultTree, orders: Sequence[tuple[int, str]], limit: int
 ) -> Iterator[str]:
-    """Yield the class of a tree.
+    """Yield the class of a tree; sums are written out of up to ``limit`` nodes.
 
-    Args:
-        name: of the class.
-        tree: the tree.
-        orders: (event that stands for a dynamic gate, class of its chain).
-        limit: nodes up to which sums are written out.
+    ``orders`` are pairs of an event that stands for a dynamic gate and the class of its chain.
     """
     events, diagram = tree.events, tree.diagram
     is_written_out = diagram is not None and diagram.size <= limit

@@ -72,19 +72,14 @@ def build(
     limit: int = NODE_LIMIT,
     known: Mapping[int, bool] | None = None,
 ) -> Diagram:
-    """Return the diagram of a tree.
+    """Return the diagram of a tree; each gate refers to so many events and to gates before it.
 
-    Args:
-        events: how many basic events there are.
-        gates: each refers to events and to gates before it.
-        top: number of the top event.
-        first: events that come first in the order of a tree that is not coherent: those that may
-            be unknown at run time, so that their intervals are exact.
-        limit: how many nodes there may be, also on the way.
-        known: events that are certain, or cannot happen.
+    The events ``first`` come first in the order of a tree that is not coherent: those that may be
+    unknown at run time, so that their intervals are exact. The known ones are certain, or cannot
+    happen.
 
     Raises:
-        TooLargeError: there would be more.
+        TooLargeError: there would be more nodes than the limit, also on the way.
     """
     return _built(events, tuple(gates), top, first, limit, tuple((known or {}).items()))
 
@@ -121,7 +116,6 @@ def _built(
 def _smallest(
     tree: Tree, top: int, borders: frozenset[int], first: frozenset[int], limit: int
 ) -> Module:
-    """Return the smallest diagram of a module in several orders of its variables."""
     inner = reached(tree.gates, top, borders, behind=True)
     gates = {n: tree.gates[n] for n in inner if n in tree.gates and (n == top or n not in borders)}
     orders = list(dict.fromkeys(_orders(gates, top, first)))

@@ -116,11 +116,8 @@ def reached(
 ) -> list[int]:
     """Return the numbers below the top, depth first, in the order of their first visit.
 
-    Args:
-        gates: by number.
-        top: where to begin.
-        borders: gates below which nothing is visited, if they are not the top.
-        behind: each behind those that it refers to.
+    Nothing is visited below ``borders`` other than the top; ``behind``: each behind those that it
+    refers to.
     """
     entered: dict[int, None] = {}
     finished: dict[int, None] = {}
@@ -221,14 +218,10 @@ def minimal_cut_sets(
     *,
     work: int = WORK,
 ) -> tuple[frozenset[int], ...] | None:
-    """Return the minimal cut sets as sets of events, shortest first.
+    """Return the minimal cut sets as sets of events, shortest first; known events are in none.
 
-    Args:
-        events: how many basic events there are.
-        gates: each refers to events and to gates before it.
-        top: number of the top event.
-        known: events that are certain, or cannot happen: they are in no set.
-        work: how many sets may be made and compared on the way.
+    Each gate refers to so many events and to gates before it; so many sets may be made and compared
+    on the way.
 
     Returns:
         The complete list; None where the tree has NOT or XOR, so that no set of events is
@@ -277,7 +270,6 @@ class _Search:
             raise _TooMuchError
 
     def _minimal(self, sets: Iterable[int]) -> list[int]:
-        """Return the sets that contain no other one."""
         kept: list[int] = []
         by_lowest: dict[int, list[int]] = {}
         ordered = sorted(set(sets), key=lambda cut_set: (cut_set.bit_count(), cut_set))

@@ -108,6 +108,7 @@ class _Reader:
             states[state] = label if label not in states.values() else f"{label}#{i}"
         transitions = self.document.children(element, word.TRANSITIONS)
         arcs = [arc for transition in transitions for arc in self._arcs(transition, states)]
+        initial: list[str] = []
         fail, fail_by_failures = [], []
         for state, label in states.items():
             self.states[state] = name, label
@@ -119,12 +120,10 @@ class _Reader:
                 fail.append(label)
             elif failures:
                 fail_by_failures.append(label)
+            initial += [label] if self._is(state, word.IS_INITIAL) else []
         self._warn_of_unused(element)
-        initial = tuple(
-            label for state, label in states.items() if self._is(state, word.IS_INITIAL)
-        )
-        fail = fail or fail_by_failures
-        chain = Chain(tuple(states.values()), initial, tuple(fail), tuple(arcs))
+        starts, fails = tuple(initial), tuple(fail or fail_by_failures)
+        chain = Chain(tuple(states.values()), starts, fails, tuple(arcs))
         place = self.document.place(element)
         self.chains[name] = ComponentModel(name, "markov", chain, place=place)
 
@@ -182,7 +181,6 @@ class _Reader:
         return variant
 
     def chain_of(self, failure: Element) -> str | None:
-        """Return the chain of which some states are a failure."""
         states = self.states_of.get(failure, [])
         if len({self.states[state][0] for state in states}) > 1:
             subject = self.document.describe(failure)
@@ -242,9 +240,8 @@ class _TreeReader:
                 below = self.reader.below.get(cause, ())
                 waiting += reversed([b for b in below if b in self.reader.tree_of])
         taken: set[str] = set()
-        for i, cause in enumerate(
-            reached
-        ):  # its own name where that is unique, else its model's too
+        # its own name where that is unique, else its model's too
+        for i, cause in enumerate(reached):
             name, owner = self.reader.name_of(cause, f"cause{i}"), self.reader.tree_of[cause]
             long = f"{self.reader.names[owner]}/{name}"
             candidates = [*([name] if owner is self.element else []), long, f"{long}#{i}"]
@@ -256,8 +253,7 @@ class _TreeReader:
                 fields = {"value": stated, "cause_types": ", ".join(_CAUSE_TYPES)}
                 subject = self.document.describe(cause)
                 self.findings.report("X011.cause_type", cause, cause=subject, **fields)
-            is_port = fold(stated) not in _EVENTS
-            if is_port or self.reader.is_gate(cause):
+            if fold(stated) not in _EVENTS or self.reader.is_gate(cause):  # a port, or a gate
                 self.gates[id_] = self._gate(cause, id_)
             else:
                 self.events[id_] = self._event(cause, id_)

@@ -66,8 +66,7 @@ class Laws:
         if law is not None and law.kind == "exponential":
             return law.values[0]
         if self.findings.errors == errors:
-            distributions = self.document.children(transition, word.RATE_DISTRIBUTION)
-            for distribution in distributions[:1]:
+            for distribution in self.document.children(transition, word.RATE_DISTRIBUTION)[:1]:
                 if not self.document.is_no_law(distribution):
                     kind = self.document.attribute(distribution, word.DISTRIBUTION_TYPE)
                     self.findings.report("X020.distribution", transition, arc=subject, kind=kind)
@@ -80,11 +79,10 @@ class Laws:
     ) -> Law | None:
         """Return the law by the distribution, which counts where a rate is given, too."""
         distribution = self.findings.only(element, feature)
-        text = self.document.attribute(element, rate_feature)
+        text, name = self.document.attribute(element, rate_feature), rate_feature.name
         try:
             if distribution is not None and not self.document.is_no_law(distribution):
                 if text and text.strip("0. "):  # EMF may write what is not given
-                    name = rate_feature.name
                     self.findings.report("X014.rate", distribution, subject=subject, rate=name)
                 return self._distribution(distribution, subject)
             return Law("exponential", (self._rate(element, text, subject),)) if text else None

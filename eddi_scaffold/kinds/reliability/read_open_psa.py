@@ -131,7 +131,6 @@ class _Reader:
     # names
 
     def declare(self, container: Element, path: _Path, *, private: bool) -> None:
-        """Collect the definitions of a container and of those in it."""
         for element in select(container, "*"):
             kind, name = feature_of(element), (element.get("name") or "").strip()
             role = element.get("role")
@@ -159,7 +158,6 @@ class _Reader:
             self.problems += fault.problems if fault else ()
 
     def define(self) -> None:
-        """Read all formulas and numbers."""
         # what was refused may define what others name
         is_complete = all(problem.code != "R017" for problem in self.problems)
         self.similar = SimilarNames(self.names.defined)
@@ -222,7 +220,6 @@ class _Reader:
         return key
 
     def systems(self) -> Iterator[ReliabilitySystem]:
-        """Yield the tops of each tree, with what they reach."""
         used = {below for gate in self.gates.values() for below in gate.of}
         tops: dict[str, list[str]] = {}
         for key, (_, path) in self.names.defined.items():

@@ -38,12 +38,7 @@ _HEAT = ("t_ref", "t_max", "activation_energy")
 def read_system(
     values: Values, library: Mapping[str, ReliabilitySystem], base: ReliabilitySystem | None
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
-    """Read the keys of a monitor.
-
-    Args:
-        values: the keys with their places.
-        library: systems that ``model: NAME`` of an entry may name.
-        base: the existing content, which is changed; None: nothing.
+    """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
 
     Returns:
         The system, None after an error (R001, R002, R004, R005), and all problems.
@@ -160,7 +155,8 @@ def _component(
         return {name: ComponentModel(name, kind, uses=uses, place=entry.place())}
     elif kind not in TYPES:
         entry.unknown("type", kind, TYPES, "type")
-    elif (values := _READY_MADE[kind](entry, name)) is not None:
+    else:
+        values = _READY_MADE[kind](entry, name)
         return {name: ComponentModel(name, kind, values=values, place=entry.place())}
     return {}
 
@@ -194,35 +190,26 @@ def _content(
     return {**{n: parts[n] for n in component.below if n in parts}, name: component}
 
 
-def _propulsion(entry: Values, name: str) -> Mapping[str, Any] | None:
+def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     entry.only("type", "configuration", "rate", "rates", "positions", "status", "repair")
     configuration = entry.text("configuration", required=True)
-    if configuration is None:
-        return None
-    motors = len(configuration)
-    if not is_configuration(configuration):
-        fields = {"configuration": configuration, "known": ", ".join(CONFIGURATIONS)}
-        entry.report("R001.configuration", "configuration", **fields)
-        return None
-    rates = entry.quantities("rates", units.rate)
-    common_rate = entry.quantity("rate", units.rate)
-    if entry.has("rate") == entry.has("rates"):
-        entry.report("R001.rate", name=name)
-        return None
-    if rates is None and common_rate is None:
-        return None
-    if rates is not None and len(rates) != motors:
-        number = len(rates)
-        entry.report(
-            "R005.rates", "rates", rates=number, configuration=configuration, motors=motors
-        )
-        return None
+    motors = len(configuration or "")
+    rates, common_rate = entry.quantities("rates", units.rate), entry.quantity("rate", units.rate)
     positions = entry.data["positions"] if entry.has("positions") else list(range(motors))
-    if not isinstance(positions, list) or sorted(map(repr, positions)) != sorted(
-        map(repr, range(motors))
-    ):
+    places = sorted(map(repr, positions)) if isinstance(positions, list) else None
+    fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
+    if configuration is None:
+        pass  # it was reported
+    elif not is_configuration(configuration):
+        entry.report(
+            "R001.configuration", "configuration", **fields, known=", ".join(CONFIGURATIONS)
+        )
+    elif entry.has("rate") == entry.has("rates"):
+        entry.report("R001.rate", name=name)
+    elif rates is not None and len(rates) != motors:
+        entry.report("R005.rates", "rates", rates=len(rates), **fields)
+    elif places != sorted(map(repr, range(motors))):
         entry.report("R005.positions", "positions", last=motors - 1)
-        return None
     return {
         "configuration": configuration,
         "rates": [common_rate] * motors if rates is None else rates,
@@ -264,7 +251,7 @@ def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any]:
     return {"k": k, "rate": rate, "max": entry.whole("max", k or 1, 10_000)}
 
 
-_READY_MADE: Mapping[str, Callable[[Values, str], Mapping[str, Any] | None]] = {
+_READY_MADE: Mapping[str, Callable[[Values, str], Mapping[str, Any]]] = {
     "propulsion": _propulsion,
     "battery": _battery,
     "processor": _processor,

@@ -78,7 +78,6 @@ class ReliabilityModel(Model):
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> ReadResult:
-        """Read the chains and the top events of an EDDI, a model each."""
         systems, problems = read_eddi(document, source)
         return cls._result([] if has_errors(problems) else systems, source, problems)
 
@@ -168,7 +167,6 @@ class ReliabilityModel(Model):
         return inputs_of(self.data.without_unused())
 
     def own_topics(self) -> Sequence[ModelOutput]:
-        """Return the topics of thresholds that have one."""
         return [
             ModelOutput(t.id, t.topic, ("evidence", ("id", t.id), "active"), t.place)
             for t in self.data.thresholds
@@ -190,7 +188,6 @@ class ReliabilityModel(Model):
         return [Claim(threshold.id, ids) for threshold in self.data.thresholds]
 
     def elements(self) -> Sequence[Element]:
-        """Return what the top uses, each behind what it needs, then the thresholds."""
         models = [(model.name, model.place) for model in self.data.used_models()]
         return [
             *(Element("component", name, None, place.line, place.path) for name, place in models),

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-import numpy as np
 from eddi_runtime.reliability import Reliability, ReliabilityResult
 
 from eddi_scaffold.kinds.reliability.chains import STATES_WRITTEN_OUT
@@ -34,10 +33,7 @@ def at_start(
 ) -> ReliabilityResult:
     """Return the first result with everything in order, or with nothing known.
 
-    Args:
-        system: the models.
-        known: everything is in order.
-        seconds_left: to the end of the mission, where that is an input; None: the longest.
+    Where the mission's end is an input, it is ``seconds_left`` away; None: as long as it can be.
     """
     monitor: Reliability = _module(system).Monitor()
     values = _in_order(system) if known else {}
@@ -112,9 +108,7 @@ def _integral(reliability: Callable[[float], float]) -> float:
 def look_ahead(compiled: ModuleType, hours: float) -> Reliability:
     """Return the monitor of a module with another horizon, at the start of the mission.
 
-    Args:
-        compiled: a model whose horizon is no input, compiled without numbers of one horizon.
-        hours: at least 0.
+    The horizon of the module is no input, and none of its numbers is of one horizon.
     """
     for made in vars(compiled).values():
         if isinstance(made, type) and "horizon" in vars(made):
@@ -134,24 +128,3 @@ def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> Modu
 
 def _in_order(system: ReliabilitySystem) -> dict[str, Any]:
     return {input_.id: input_.sample for input_ in inputs_of(system.without_unused())}
-
-
-def proximity(
-    track: Sequence[Sequence[float]], other: Sequence[Sequence[float]], distance: float
-) -> tuple[float, float]:
-    """Return the fraction of samples nearer than a distance in m, as lower and upper bound.
-
-    Both tracks have a row of coordinates in m for each of the same times. A sample that is not
-    finite counts for the upper bound only; NaN, NaN without samples.
-
-    Raises:
-        ValueError: the tracks do not have the same shape.
-    """
-    a, b = np.asarray(track, dtype=float), np.asarray(other, dtype=float)
-    if a.shape != b.shape or a.ndim > 2:
-        raise ValueError(f"the tracks have the shapes {a.shape} and {b.shape}")
-    if not a.size:
-        return float("nan"), float("nan")
-    known = (np.isfinite(a) & np.isfinite(b)).all(axis=1)
-    nearer = int((np.linalg.norm(a[known] - b[known], axis=1) < distance).sum())
-    return nearer / len(a), (nearer + int((~known).sum())) / len(a)

@@ -39,7 +39,6 @@ def to_yaml(system: ReliabilitySystem) -> str:
 
 
 def _present(**entries: Any) -> dict[str, Any]:
-    """Return the entries that say something."""
     return {key: value for key, value in entries.items() if value}
 
 

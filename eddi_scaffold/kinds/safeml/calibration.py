@@ -27,12 +27,9 @@ def calibrate(
 ) -> Calibration:
     """Slide windows over series and take the quantile of their largest statistics.
 
-    Args:
-        comparison: with the reference.
-        series: (K, rows), in time order; at least one window long.
-        stride: rows between two samples of a window.
-        distance: rows between two windows.
-        level: significance level over all tests.
+    The series are (K, rows) in time order, at least one window long. There are ``stride`` rows
+    between two samples of a window, and ``distance`` rows between two windows; the level is that of
+    all tests together.
     """
     maxima = np.sort(largest_statistics(comparison, series, stride=stride, distance=distance))
     # the level as a person wrote it: 1 - 0.1 is not 0.9 in binary

@@ -46,12 +46,7 @@ _LISTED = 10
 
 @lru_cache(maxsize=8)
 def plan(settings: SafeMLSettings, reference: ReferenceSample, *, single: bool) -> Planned:
-    """Find tests and thresholds.
-
-    Args:
-        settings: the configuration.
-        reference: rows of correct behaviour.
-        single: samples come as float32.
+    """Find tests and thresholds; ``single``: samples come as float32.
 
     Returns:
         The plan, ``None`` when a problem is an error (L004 to L008), and all problems (to L013).
@@ -83,7 +78,11 @@ class _Planner:
         halves = self.streams or settings.n_components is not None
         _, other = split(self.rows, halves=halves)
         constant = self._check_features()
-        self._check_length(len(other))
+        if self.streams and len(other) < (needed := max(2 * m, (m - 1) * settings.stride + 1)):
+            self._report("L008", "calibration", needed=2 * needed, rows=len(self.rows))
+        elif len(self.rows) < 2 * m:
+            rows, key = len(self.rows), "reference_sample_file"
+            self._report("L009.few_rows", key, rows=rows, window=m)
         components = self._components(other)
         if has_errors(self.problems):
             return None
@@ -141,16 +140,7 @@ class _Planner:
             self._report("L010.equal", key, pairs=shown, same=_more(pairs))
         return tuple(constant)
 
-    def _check_length(self, rows_of_windows: int) -> None:
-        m, rows = self.settings.window_size, len(self.rows)
-        needed = max(2 * m, (m - 1) * self.settings.stride + 1)
-        if self.streams and rows_of_windows < needed:
-            self._report("L008", "calibration", needed=2 * needed, rows=rows)
-        elif rows < 2 * m:
-            self._report("L009.few_rows", "reference_sample_file", rows=rows, window=m)
-
     def _components(self, other: Rows) -> int | None:
-        """Return how many components are kept; report what is wrong with the number."""
         settings, requested = self.settings, self.settings.n_components
         if requested is None:
             if settings.standardize:
@@ -185,16 +175,10 @@ class _Planner:
         hint = f"the smallest window_size that works is {least}"
         if least is None:
             hint = "no window_size works: test fewer components or raise significance_level"
-        self._report(
-            "L007.too_few",
-            "window_size",
-            hint=hint,
-            window=comparison.m,
-            values=comparison.n,
-            tests=comparison.tests,
-            plural="s" if comparison.tests > 1 else "",
-            significance_level=self.settings.significance_level,
-        )
+        fields: dict[str, Any] = {"window": comparison.m, "values": comparison.n}
+        fields |= {"tests": comparison.tests, "plural": "s" if comparison.tests > 1 else ""}
+        fields["significance_level"] = self.settings.significance_level
+        self._report("L007.too_few", "window_size", hint=hint, **fields)
 
     def _warn(self, plan: Plan) -> None:
         """Warn of thresholds that are less exact or less powerful than they look."""
@@ -218,12 +202,8 @@ class _Planner:
             self._report("L011.raised", "window_size", ratio=plan.threshold / plan.theoretical)
         if plan.calibration.is_last:
             level, windows = settings.significance_level, plan.calibration.windows
-            self._report(
-                "L011.resolution",
-                "significance_level",
-                significance_level=level,
-                windows=windows,
-            )
+            key = "significance_level"
+            self._report("L011.resolution", key, significance_level=level, windows=windows)
 
 
 def _listed(what: str, numbers: Sequence[int]) -> str:

@@ -22,7 +22,7 @@ from eddi_scaffold.eddi_xml.extensions import (
 )
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import SafeMLFile, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import SafeMLFile
 from eddi_scaffold.kinds.safeml.settings import KEYS, export, read_settings
 
 if TYPE_CHECKING:
@@ -64,25 +64,6 @@ def as_eddi_map(name: str, file: SafeMLFile) -> tuple[str, Sequence[tuple[str, s
 
 
 def _file(extension_map: ExtensionMap, name: str) -> tuple[SafeMLFile | None, str, list[Problem]]:
-    text, settings, problems = _settings(extension_map, name)
-    if settings is None:
-        return None, text, problems
-    reference, more = read_named(name, settings)
-    problems += more
-    if reference is None:
-        return None, text, problems
-    sha256 = reference.source.sha256
-    problems += [
-        problem("L004.digest", value.place, sha256=sha256, expected=value.text)
-        for value in extension_map.of(DIGEST)
-        if value.text.lower() != sha256
-    ]
-    return SafeMLFile(settings, reference), text, problems
-
-
-def _settings(
-    extension_map: ExtensionMap, name: str
-) -> tuple[str, SafeMLSettings | None, list[Problem]]:
     """Read the values as a configuration whose lines they are: words as they are, or in quotes."""
     values = extension_map.of(*KEYS)
     texts = [v.text if _PLAIN.fullmatch(v.text) else json.dumps(v.text) for v in values]
@@ -95,7 +76,18 @@ def _settings(
         return values[(place.line or 1) - 1].place if inside else extension_map.place
 
     problems = [replace(problem, place=placed(problem.place), excerpt=None) for problem in problems]
-    if settings is not None:
-        places = {value.tag: value.place for value in values}
-        settings = replace(settings, places={"": extension_map.place, **places})
-    return text, settings, problems
+    if settings is None:
+        return None, text, problems
+    places = {value.tag: value.place for value in values}
+    settings = replace(settings, places={"": extension_map.place, **places})
+    reference, more = read_named(name, settings)
+    problems += more
+    if reference is None:
+        return None, text, problems
+    sha256 = reference.source.sha256
+    problems += [
+        problem("L004.digest", value.place, sha256=sha256, expected=value.text)
+        for value in extension_map.of(DIGEST)
+        if value.text.lower() != sha256
+    ]
+    return SafeMLFile(settings, reference), text, problems

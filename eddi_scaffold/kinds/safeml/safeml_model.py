@@ -11,24 +11,12 @@ from eddi_scaffold.common.files import PartSource, Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
-from eddi_scaffold.kinds import (
-    Model,
-    ModelDraft,
-    ModelInput,
-    Options,
-    ReadResult,
-)
+from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, read_eddi, show
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import (
-    NAME,
-    Plan,
-    Planned,
-    SafeMLFile,
-    SafeMLOptions,
-)
+from eddi_scaffold.kinds.safeml.scope import NAME, Plan, Planned, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -79,7 +67,9 @@ class SafeMLModel(Model):
         return self._plan_unconfigured().problems
 
     def counts(self) -> Mapping[str, int]:
-        return show.counts(self.data)
+        settings, (rows, features) = self.data.settings, self.data.reference.rows.shape
+        sizes = {"rows": rows, "features": features, "window_size": settings.window_size}
+        return {**sizes, "components": settings.n_components or 0}
 
     def outline(self) -> Sequence[str]:
         return show.outline(self.data, self._plan())
@@ -96,7 +86,6 @@ class SafeMLModel(Model):
         return show.picture(self.name, self.data, self._plan())
 
     def draft(self, options: Options) -> ModelDraft:
-        """Return the one input, by the name that it has already."""
         return ModelDraft(self._inputs(options.inputs[0].id if options.inputs else DEFAULT_INPUT))
 
     def configure(self, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
@@ -125,7 +114,6 @@ class SafeMLModel(Model):
         return replace(self, name=options.id or self.name, options=connection), problems
 
     def inputs(self) -> Sequence[ModelInput]:
-        """Return the one input, which takes every message."""
         return self._inputs(DEFAULT_INPUT if self.options is None else self.options.input_id)
 
     def companion_messages(self) -> Mapping[str, str]:
@@ -138,16 +126,13 @@ class SafeMLModel(Model):
         return compile_safeml(self.data.reference, self.configured, declaration)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
-        """Return what "in scope" rests on: the samples."""
         return [Claim("in_scope", frozenset(input_.id for input_ in inputs))]
 
     def input_timeouts(self) -> Mapping[str, float]:
-        """Return the age after which a sample is an omission."""
         options = self.configured
         return {} if options.max_age is None else {options.input_id: options.max_age}
 
     def elements(self) -> Sequence[Element]:
-        """Return the reference, which is a file of its own."""
         source = self.data.reference.source
         return [Element("reference", source.file_name, sha256=source.sha256)]
 
@@ -180,7 +165,6 @@ class SafeMLModel(Model):
 
 
 def _meanings(message: str) -> dict[str, Meaning]:
-    """Return field of a message -> its meaning."""
     in_scope, verdict = "`field: in_scope` of SafeMLStatus", (("omission", False),)
     meanings = {
         "omission": Meaning(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from statistics import NormalDist
 
 import numpy as np
@@ -20,17 +20,6 @@ _LEGEND = (
     LegendEntry("comparison", "table", "gate"),
     LegendEntry("verdict", "hexagon", "output"),
 )
-
-
-def counts(file: SafeMLFile) -> Mapping[str, int]:
-    """Return what ``show`` counts."""
-    rows, features = file.reference.rows.shape
-    return {
-        "rows": int(rows),
-        "features": int(features),
-        "window_size": file.settings.window_size,
-        "components": file.settings.n_components or 0,
-    }
 
 
 def outline(file: SafeMLFile, plan: Plan | None) -> Sequence[str]:

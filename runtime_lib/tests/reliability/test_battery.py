@@ -9,7 +9,6 @@ np = pytest.importorskip("numpy", reason="reliability needs numpy")
 from eddi_runtime.reliability.battery import FreeHorizon  # noqa: E402 - numpy comes first
 
 from eddi_scaffold.kinds.reliability.chains import Chain, propagator, rates_of  # noqa: E402 - as above
-from eddi_scaffold.kinds.reliability.trial import proximity  # noqa: E402 - as above
 from runtime_lib.tests.reliability.reliability_models import monitor  # noqa: E402 - as above
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
 
@@ -80,12 +79,3 @@ def test_any_horizon_agrees_with_the_propagator():
             failed, alive = expected[:, 6:].sum(axis=1), expected[:, :6].sum(axis=1)
             assert found[:, 0] == pytest.approx(failed, rel=1e-11, abs=0.0)
             assert found[:, 1] == pytest.approx(alive, rel=1e-11, abs=1e-300)
-
-
-def test_proximity_counts_what_is_nearer_and_bounds_what_is_unknown():
-    here = [(0.0, 0.0)] * 4
-    there = [(3.0, 4.0), (0.0, 1.0), (math.nan, 0.0), (0.0, 9.0)]
-    assert proximity(here, there, 5.0) == (0.25, 0.5)
-    assert all(math.isnan(value) for value in proximity([], [], 5.0))
-    with pytest.raises(ValueError, match="shapes"):
-        proximity(here, there[:2], 5.0)

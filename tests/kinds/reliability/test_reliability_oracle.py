@@ -13,7 +13,7 @@ from eddi_runtime.thresholds import Evidence, Threshold
 from eddi_scaffold.common.units import rate
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
-from eddi_scaffold.kinds.reliability.trial import mean_life, proximity
+from eddi_scaffold.kinds.reliability.trial import mean_life
 from tests.data_files import data_file
 from tests.kinds.reliability.monitors import at_start, everything, models_of, sound
 
@@ -205,14 +205,6 @@ def test_the_combination_of_motors_battery_and_processor() -> None:
     motors = {f"m_motor_{i}": True for i in range(6)}
     result = at_start(model, b_level=80.0, c_temperature=50.0, c_utilisation=1.0, **motors)
     assert result.p_fail == pytest.approx(case["correct_P_fail"], rel=1e-12, abs=0.0)
-
-
-def test_two_tracks() -> None:
-    one, other = [(x, 0, 0) for x in range(10)], [(x, 0, x) for x in range(10)]
-    for case in oracle()["collision"]:
-        for name in ("danger", "collision"):
-            found = proximity(one, other, case[name])
-            assert found == (case[f"{name}_risk"], case[f"{name}_risk"])
 
 
 def test_storm() -> None:
