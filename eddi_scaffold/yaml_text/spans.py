@@ -143,46 +143,6 @@ def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int
             yield found.start()
 
 
-def _offset(mark: Any) -> int:
-    return int(mark.index)
-
-
-def _opened(event: Any) -> Span:
-    start = event.start_mark
-    is_map = isinstance(event, yaml.MappingStartEvent)
-    span = Span(
-        start.index, start.index, start.line + 1, is_map=is_map, is_flow=bool(event.flow_style)
-    )
-    if event.anchor:
-        span.anchors[event.anchor] = span.line
-    return span
-
-
-def _leaf(event: Any) -> Span:
-    start: Any = event.start_mark
-    end: Any = event.end_mark
-    span = Span(start.index, end.index, start.line + 1)
-    if isinstance(event, yaml.AliasEvent):
-        span.aliases[str(event.anchor)] = span.line
-        return span
-    span.text = event.value
-    if event.anchor:
-        span.anchors[event.anchor] = span.line
-    if span.end > span.start:
-        span.scalars.append((span.start, span.end))
-    return span
-
-
-def _add(parent: Span, child: Span) -> None:
-    """Put a node into the one around it; an empty one, marked at the next token, moves no end."""
-    parent.children.append(child)
-    if child.end > child.start:
-        parent.end = max(parent.end, child.end)
-    parent.anchors |= child.anchors
-    parent.aliases |= child.aliases
-    parent.scalars += child.scalars
-
-
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
 _LINE_END = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _FOLD = re.compile("(?:[ \t]*(?:\r\n|[\n\r\x85\u2028\u2029]))+[ \t]*")
