@@ -15,7 +15,6 @@ from eddi_scaffold.common.problems import Place, Problem, has_errors
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.topics import (
     Existing,
-    Filters,
     Outputs,
     give_ids,
     simulator_outputs,
@@ -173,19 +172,6 @@ def test_names_of_the_models(lasers: Path) -> None:
     outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, names="model")
     topics = [topic.topic for topic in outputs.topics]
     assert topics[:3] == ["/driver/ticks", "/front/cloud", "/front/scan"]
-
-
-def test_filters_change_no_id(lasers: Path) -> None:
-    every, _ = outputs_of(lasers / "robot.rossystem", lasers)
-    for filters, wanted in {
-        Filters(topics=("/front/*",)): ["front_points", "front_scan"],
-        Filters(topics=("*scan", "/ticks")): ["ticks", "front_scan", "rear_scan"],
-        Filters(components=("rear",)): ["rear_scan", "rear_cloud"],
-        Filters(topics=("/Front/*",)): [],
-    }.items():
-        outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, filters=filters)
-        assert [topic.id for topic in outputs.topics] == wanted
-        assert {*outputs.topics} <= {*every.topics}
 
 
 def test_a_system_inside_of_itself(tmp_path: Path) -> None:
