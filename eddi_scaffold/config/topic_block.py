@@ -8,11 +8,12 @@ comments stay with their topic.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
+from eddi_scaffold.mros.topics import TopicEntry
 from eddi_scaffold.yaml_text.nodes import Map, quoted, read_document
 from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
 
@@ -24,35 +25,21 @@ _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#
 
 
 @dataclass(frozen=True)
-class TopicEntry:
-    """One entry to be written: id, type and topic."""
-
-    id: str
-    type: str
-    topic: str
-
-
-@dataclass(frozen=True)
-class OldEntry:
-    """One entry of the block.
+class OldEntry(TopicEntry):
+    """One entry of the block, with its type as written.
 
     Attributes:
         text: as written, without the dash, to the end of its last line.
         column: blanks in front of it, which its further lines have as well.
         more: the keys other than id, type and topic, as written.
-        type: as written.
         above: the comments in front of it.
         inside: the comments in its text.
         comment_lines: the lines of all of them.
     """
 
-    id: str
-    topic: str
-    text: str
-    column: int
-    line: int
+    text: str = ""
+    column: int = 0
     more: tuple[str, ...] = ()
-    type: str = ""
     above: tuple[str, ...] = ()
     inside: tuple[str, ...] = ()
     comment_lines: tuple[int, ...] = ()
@@ -154,7 +141,7 @@ def read_block(source: Source) -> ConfigText:
         text,
         key.start,
         end,
-        tuple(_old_entries(text, key, value)),
+        tuple(_old_entries(text, source.name, key, value)),
         head[0] if head else "",
         tuple(comments(text, value, key.start, value.end)) if value.is_flow else (),
         required,
@@ -218,14 +205,13 @@ def _notes(
     problems: list[Problem] = []
     lost = set(document.comments)
     for entry, absent in foreign:
-        place = Place(document.name, entry.line, 1)
         subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
         if entry not in kept:
-            problems.append(problem("M026.dropped", place, subject=subject))
+            problems.append(problem("M026.dropped", entry.place, subject=subject))
             lost.update(entry.comment_lines)
         else:
             case = "M026.stays" if absent.stays else "M026.needed"
-            problems.append(problem(case, place, subject=subject))
+            problems.append(problem(case, entry.place, subject=subject))
     if lost:
         lines = ", ".join(map(str, sorted(lost)))
         problems.append(problem("M026.comments", Place(document.name, min(lost), 1), lines=lines))
@@ -246,7 +232,7 @@ def _dedented(line: str, column: int) -> str:
     return line[column:] if not line[:column].strip() else line.lstrip()
 
 
-def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
+def _old_entries(text: str, name: str, key: Span, value: Span) -> Iterator[OldEntry]:
     done = _line_end(text, key.end)
     for item in value.children if not value.is_map else []:
         before, done = done, _line_end(text, item.end)
@@ -261,24 +247,21 @@ def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
                 written = text[own_key.start : max(own_key.end + 1, inner.end)].replace("\r", "")
                 first, *rest = written.split("\n")
                 more.append("\n".join([first, *(_dedented(line, column) for line in rest)]))
-        entry = OldEntry(
+        end = item.end if value.is_flow else done
+        # comments in brackets are those of the block: it is not known of which entry they are
+        comments_from, comments_to = (item.start, item.start) if value.is_flow else (before, done)
+        yield OldEntry(
             texts["id"],
-            texts["topic"],
-            text[item.start : item.end].replace("\r", ""),
-            column,
-            item.line,
-            tuple(more),
             texts.get("type", ""),
+            texts["topic"],
+            Place(name, item.line, 1),
+            text[item.start : end].replace("\r", "").rstrip(),
+            column,
+            tuple(more),
+            tuple(comment_texts(text, value, comments_from, item.start)),
+            tuple(comment_texts(text, value, item.start, comments_to)),
+            tuple(comments(text, value, comments_from, comments_to)),
         )
-        if not value.is_flow:
-            entry = replace(
-                entry,
-                text=text[item.start : done].replace("\r", "").rstrip(),
-                above=tuple(comment_texts(text, value, before, item.start)),
-                inside=tuple(comment_texts(text, value, item.start, done)),
-                comment_lines=tuple(comments(text, value, before, done)),
-            )
-        yield entry
 
 
 def _insertion(text: str, root: Span) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
@@ -20,7 +20,6 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.message_types import Fields, declared, known_messages
 from eddi_scaffold.config.topic_block import (
     ConfigText,
-    TopicEntry,
     extended,
     new_document,
     read_block,
@@ -161,7 +160,7 @@ def connect(
     decisions = decide(needs, topics, types.get, fulfilled)
     named = {candidate.topic for decision in decisions for candidate in decision.candidates}
     new = [
-        TopicEntry(topic.id, topic.type.replace("/", "."), topic.topic)
+        replace(topic, type=topic.type.replace("/", "."))
         for topic in (*recorded, *published)
         if topic in named
     ]

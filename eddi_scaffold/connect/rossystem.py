@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
@@ -26,7 +26,6 @@ from eddi_scaffold.config.topic_block import (
     ConfigText,
     DroppedTopic,
     OldEntry,
-    TopicEntry,
     new_document,
     read_block,
     rewritten,
@@ -36,7 +35,6 @@ from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.resolving import Models, flattened
 from eddi_scaffold.mros.topics import (
-    Existing,
     Include,
     Outputs,
     Topic,
@@ -177,7 +175,12 @@ class Parsed:
             "system": system.name,
             "dialect": system.dialect,
             "outputs": [
-                {key: value for key, value in asdict(topic).items() if key != "deadlines"}
+                {
+                    **{key: getattr(topic, key) for key in ("id", "type", "topic", "kind")},
+                    "components": list(topic.components),
+                    "file": topic.place.file,
+                    "line": topic.place.line or 0,
+                }
                 for topic in self.outputs.topics
             ],
             "diagnostics": [
@@ -246,10 +249,8 @@ def with_topics(
 ) -> Parsed:
     """Do the same with a text, for the topics that are to be written."""
     filters = filters or Filters()
-    file = document.name
-    existing = [Existing(old.id, old.topic, Place(file, old.line, 1)) for old in document.old]
     every = simulator_outputs(
-        robot.system, robot.models, include=include, existing=existing, names=names
+        robot.system, robot.models, include=include, existing=document.old, names=names
     )
     left_out = {topic.topic: filters.leaves_out(topic) for topic in every.topics}
     topics = tuple(topic for topic in every.topics if left_out[topic.topic] is None)
@@ -271,14 +272,11 @@ def with_topics(
 
     after, notes = document.text, list[Problem]()
     if topics or not has_errors(problems):
-        entries = [
-            TopicEntry(topic.id, topic.type, topic.topic) for topic in filter(writes, topics)
-        ]
-        after, notes = rewritten(document, entries, absence)
+        after, notes = rewritten(document, [*filter(writes, topics)], absence)
     problems += notes
     # the configuration is quoted as it was read: what is printed comes after it is rewritten
-    own = [reported for reported in problems if reported.place.file == file]
-    others = [reported for reported in problems if reported.place.file != file]
+    own = [reported for reported in problems if reported.place.file == document.name]
+    others = [reported for reported in problems if reported.place.file != document.name]
     problems = in_order([*others, *with_excerpts(own, document.text)])
     return Parsed(robot, outputs, tuple(problems), document.text, after)
 

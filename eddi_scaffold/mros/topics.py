@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from eddi_scaffold.common.identifiers import RESERVED, free_name, is_identifier
@@ -26,26 +26,32 @@ _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
 
 @dataclass(frozen=True)
-class Topic:
+class TopicEntry:
     """One entry of ``SimulatorOutputs``.
 
     Attributes:
-        id: a Python name.
         type: ``package.Type``.
-        topic: absolute name.
-        components: who provides it (or, of kind ``subscribed``, who waits for it).
-        file: of the system that names it first.
-        line: of the interface there, or of its component.
-        deadlines: of those who publish it, as they are written; empty for none.
+        place: where it is written.
     """
 
     id: str
     type: str
     topic: str
-    kind: TopicKind
-    components: tuple[str, ...]
-    file: str
-    line: int
+    place: Place = field(default=Place())
+
+
+@dataclass(frozen=True)
+class Topic(TopicEntry):
+    """A topic of a system, with a Python name as its id; its place is there, where it is first.
+
+    Attributes:
+        topic: absolute name.
+        components: who provides it (or, of kind ``subscribed``, who waits for it).
+        deadlines: of those who publish it, as they are written; empty for none.
+    """
+
+    kind: TopicKind = "published"
+    components: tuple[str, ...] = ()
     deadlines: tuple[str, ...] = ()
 
 
@@ -72,21 +78,12 @@ class Outputs:
     is_complete: bool
 
 
-@dataclass(frozen=True)
-class Existing:
-    """An entry that a configuration already has."""
-
-    id: str
-    topic: str
-    place: Place
-
-
 def simulator_outputs(
     system: System,
     models: Models,
     *,
     include: Collection[Include] = (),
-    existing: Sequence[Existing] = (),
+    existing: Sequence[TopicEntry] = (),
     names: Literal["label", "model"] = "label",
 ) -> Outputs:
     """Join a system with its node models.
@@ -239,10 +236,9 @@ class _Collector:
         component, deadline = resolved.component.name, resolved.interface.deadline
         known = self.topics.get(topic)
         if known is None:
-            place = resolved.place
             self.names[topic] = name
             self.topics[topic] = Topic(
-                "", type_, topic, kind, (component,), place.file, place.line or 0, (deadline,)
+                "", type_, topic, resolved.place, kind, (component,), (deadline,)
             )
             return
         if known.type != type_:
@@ -291,7 +287,7 @@ def slug(name: str) -> str:
 def give_ids(
     published: Mapping[str, str],
     names: Mapping[str, str],
-    existing: Sequence[Existing],
+    existing: Sequence[TopicEntry],
     reserved: Collection[str] = (),
 ) -> tuple[dict[str, str], list[Problem]]:
     """Give each topic an id, the published ones first.

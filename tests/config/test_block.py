@@ -11,11 +11,11 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.topic_block import (
     ConfigText,
-    TopicEntry,
     new_document,
     read_block,
     rewritten,
 )
+from eddi_scaffold.mros.topics import TopicEntry
 
 SCAN = TopicEntry("scan", "sensor_msgs.LaserScan", "/scan")
 ON = TopicEntry("on", "std_msgs.Bool", "/lamp/on")

@@ -14,8 +14,8 @@ from eddi_scaffold.common.identifiers import is_identifier
 from eddi_scaffold.common.problems import Place, Problem, has_errors
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.topics import (
-    Existing,
     Outputs,
+    TopicEntry,
     give_ids,
     simulator_outputs,
     slug,
@@ -261,7 +261,7 @@ def test_ids() -> None:
 
 
 def ids(wishes: dict[str, str], *existing: tuple[str, str]) -> tuple[list[str], list[str]]:
-    entries = [Existing(name, topic, Place("c.yml", 1)) for name, topic in existing]
+    entries = [TopicEntry(name, "", topic, Place("c.yml", 1)) for name, topic in existing]
     given, problems = give_ids(wishes, wishes, entries)
     return [given[topic] for topic in wishes], [problem.code for problem in problems]
 
