@@ -26,7 +26,6 @@ from eddi_scaffold.config.topic_block import (
     ConfigText,
     DroppedTopic,
     OldEntry,
-    new_document,
     read_block,
     rewritten,
 )
@@ -233,7 +232,7 @@ def parse(
         EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
     """
     is_there = config.exists() or config.is_symlink()
-    document = read_block(read_source(config)) if is_there else new_document(str(config))
+    document = read_block(read_source(config)) if is_there else ConfigText(str(config), "")
     parsed = with_topics(robot, document, include=include, filters=filters, names=names)
     return parsed if is_there else replace(parsed, before=None)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any
@@ -141,6 +141,42 @@ def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int
     for found in _COMMENT.finditer(text, start, end):
         if not any(first <= found.start() < last for first, last in inside):
             yield found.start()
+
+
+class TextEditor:
+    """Changes of a text, each of them lines in place of what is between two offsets."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self._edits: list[tuple[int, int, int, str]] = []
+
+    def line_start(self, offset: int) -> int:
+        """Return where the line of an offset begins."""
+        return self.text.rfind("\n", 0, offset) + 1
+
+    def line_end(self, offset: int) -> int:
+        """Return the offset behind the line of an offset."""
+        return self.text.find("\n", offset) + 1 or len(self.text)
+
+    def column(self, offset: int) -> int:
+        """Return how many characters of its line are in front of an offset."""
+        return offset - self.line_start(offset)
+
+    def replace(self, start: int, end: int, lines: Sequence[str], column: int = 0) -> None:
+        """Replace what is between two offsets by lines."""
+        new = "".join(f"{' ' * column}{line}{self.newline}" for line in lines)
+        if self.text[start:end] != new:
+            self._edits.append((start, len(self._edits), end, new))
+
+    def result(self) -> str:
+        """Return the text with all changes; those at one offset in the order they came."""
+        text, done = "", 0
+        for start, _, end, new in sorted(self._edits):
+            text += self.text[done:start]
+            text += self.newline + new if new and text and not text.endswith("\n") else new
+            done = max(done, end)
+        return text + self.text[done:]
 
 
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}
