@@ -122,7 +122,12 @@ def read_block(source: Source) -> ConfigText:
     block = [(key, value) for key, value in root.entries() if key.text in _NAMES]
     editor = TextEditor(text)
     if not block:
-        start = _insertion(editor, root)
+        sections = {key.text: (key, value) for key, value in root.entries()}
+        start = len(text)
+        if "Model" in sections:
+            start = editor.line_end(max(part.end for part in sections["Model"]))
+        elif "EDDIInputs" in sections:
+            start = sections["EDDIInputs"][0].start
         return ConfigText(source.name, text, node, start, start)
     if len(block) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in block)
@@ -265,14 +270,3 @@ def _old_entries(editor: TextEditor, name: str, key: Span, value: Span) -> Itera
             tuple(comment_texts(text, value, item.start, comments_to)),
             tuple(comments(text, value, comments_from, comments_to)),
         )
-
-
-def _insertion(editor: TextEditor, root: Span) -> int:
-    """Return where a new block goes: behind Model, else before EDDIInputs, else to the end."""
-    by_name = {key.text: (key, value) for key, value in root.entries()}
-    if "Model" in by_name:
-        key, value = by_name["Model"]
-        return editor.line_end(max(key.end, value.end))
-    if "EDDIInputs" in by_name:
-        return by_name["EDDIInputs"][0].start
-    return len(editor.text)
