@@ -97,8 +97,7 @@ def parse_rossystem(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import has_errors
-    from eddi_scaffold.connect.rossystem import parse, read_robot, save
-    from eddi_scaffold.mros.topics import Filters
+    from eddi_scaffold.connect.rossystem import Filters, parse, read_robot, save
 
     robot = read_robot(system, models)
     parsed = parse(

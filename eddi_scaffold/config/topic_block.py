@@ -8,13 +8,14 @@ comments stay with their topic.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
-from eddi_scaffold.yaml_text.nodes import Map, quoted, read_document
-from eddi_scaffold.yaml_text.spans import Span, comment_texts, comments, spans
+from eddi_scaffold.mros.topics import TopicEntry
+from eddi_scaffold.yaml_text.nodes import Map, items_of, quoted, read_document, scalars_of
+from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, comments, spans
 
 KEPT_ENTRIES = ("M026.stays", "M026.needed")
 _NAMES = ("SimulatorOutputs", "SimulatorOutput")
@@ -24,35 +25,21 @@ _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#
 
 
 @dataclass(frozen=True)
-class TopicEntry:
-    """One entry to be written: id, type and topic."""
-
-    id: str
-    type: str
-    topic: str
-
-
-@dataclass(frozen=True)
-class OldEntry:
-    """One entry of the block.
+class OldEntry(TopicEntry):
+    """One entry of the block, with its type as written.
 
     Attributes:
         text: as written, without the dash, to the end of its last line.
         column: blanks in front of it, which its further lines have as well.
         more: the keys other than id, type and topic, as written.
-        type: as written.
         above: the comments in front of it.
         inside: the comments in its text.
         comment_lines: the lines of all of them.
     """
 
-    id: str
-    topic: str
-    text: str
-    column: int
-    line: int
+    text: str = ""
+    column: int = 0
     more: tuple[str, ...] = ()
-    type: str = ""
     above: tuple[str, ...] = ()
     inside: tuple[str, ...] = ()
     comment_lines: tuple[int, ...] = ()
@@ -85,29 +72,32 @@ class ConfigText:
     Attributes:
         name: of the file.
         text: without byte order mark.
+        root: its content, empty where it says nothing.
         start: offset of the block; where it would be put when there is none.
         end: offset behind the line in which it ends; equal to ``start`` when there is none.
         old: its entries.
         head: the comment behind the name of the block.
         comments: lines of the block that hold a comment, where it is a list in brackets.
-        required: id that an input requires -> line.
-        used: words of the inputs, among them the ids that their expressions name.
     """
 
     name: str
     text: str
-    start: int
-    end: int
+    root: Map = field(default=Map(()))
+    start: int = 0
+    end: int = 0
     old: tuple[OldEntry, ...] = ()
     head: str = ""
     comments: tuple[int, ...] = ()
-    required: Mapping[str, int] | None = None
-    used: frozenset[str] = frozenset()
 
-    @property
-    def line_end(self) -> str:
-        """The line end of the file."""
-        return "\r\n" if "\r\n" in self.text else "\n"
+    def inputs(self) -> Iterator[Map]:
+        """Yield the entries of ``EDDIInputs``."""
+        return (item for item in items_of(self.root.get("EDDIInputs")) if isinstance(item, Map))
+
+    def used(self) -> set[str]:
+        """Return the words of the inputs, among them the ids that their expressions name."""
+        pairs = (pair for entry in self.inputs() for pair in entry.entries if pair[0].text != "id")
+        texts = [scalar.text for _, value in pairs for scalar in scalars_of(value)]
+        return {word for text in texts for word in (text, *_WORDS.findall(text))}
 
 
 def read_block(source: Source) -> ConfigText:
@@ -119,7 +109,7 @@ def read_block(source: Source) -> ConfigText:
     """
     if _NOTHING.fullmatch(source.data):
         text = source.data.decode("utf-8-sig", "replace")
-        return ConfigText(source.name, text, len(text), len(text))
+        return ConfigText(source.name, text, start=len(text), end=len(text))
     node, problems = read_document(source, "K001")
     if node is None or problems:
         raise EddiError(*problems)
@@ -130,10 +120,15 @@ def read_block(source: Source) -> ConfigText:
     if root is None or root.is_flow:
         raise EddiError(problem("K001.braces", node.place))
     block = [(key, value) for key, value in root.entries() if key.text in _NAMES]
-    required, used = _required(root), _used(root)
+    editor = TextEditor(text)
     if not block:
-        where = _insertion(text, root)
-        return ConfigText(source.name, text, where, where, required=required, used=used)
+        sections = {key.text: (key, value) for key, value in root.entries()}
+        start = len(text)
+        if "Model" in sections:
+            start = editor.line_end(max(part.end for part in sections["Model"]))
+        elif "EDDIInputs" in sections:
+            start = sections["EDDIInputs"][0].start
+        return ConfigText(source.name, text, node, start, start)
     if len(block) > 1:
         lines = " and ".join(f"{key.text} in line {key.line}" for key, _ in block)
         place = Place(source.name, block[1][0].line, 1)
@@ -146,19 +141,18 @@ def read_block(source: Source) -> ConfigText:
             place = Place(source.name, line, 1)
             use = uses[anchor]
             raise EddiError(problem("K001.anchor", place, anchor=anchor, line=line, use=use))
-    end = _line_end(text, max(value.end, key.end) if value.end > value.start else key.end)
+    end = editor.line_end(max(value.end, key.end) if value.end > value.start else key.end)
     behind = value.end if value.is_flow else key.end
-    head = re.search(r"\s+#.*", text[behind : _line_end(text, behind)].rstrip())
+    head = re.search(r"\s+#.*", text[behind : editor.line_end(behind)].rstrip())
     return ConfigText(
         source.name,
         text,
+        node,
         key.start,
         end,
-        tuple(_old_entries(text, key, value)),
+        tuple(_old_entries(editor, source.name, key, value)),
         head[0] if head else "",
         tuple(comments(text, value, key.start, value.end)) if value.is_flow else (),
-        required,
-        used,
     )
 
 
@@ -176,26 +170,28 @@ def rewritten(
     topics, ids = {entry.topic for entry in entries}, {entry.id for entry in entries}
     old = {entry.topic: entry for entry in document.old}
     foreign = [(entry, absence(entry)) for entry in document.old if entry.topic not in topics]
+    used = document.used()
     kept = [
         entry
         for entry, absent in foreign
-        if (absent.stays or entry.id in document.used) and entry.id not in ids
+        if (absent.stays or entry.id in used) and entry.id not in ids
     ]
     lines = [line for entry in entries for line in _lines(entry, old.get(entry.topic))]
     lines += [line for entry in kept for line in entry.lines()]
     lines = [f"SimulatorOutputs:{'' if lines else ' []'}{document.head}", *lines]
-    block = "".join(line + document.line_end for line in lines)
-    before, after = document.text[: document.start], document.text[document.end :]
-    if before and not before.endswith("\n"):
-        before += document.line_end
+    editor = TextEditor(document.text)
+    editor.replace(document.start, document.end, lines)
     problems = _notes(document, foreign, kept)
     ids |= {entry.id for entry in kept}
     similar = SimilarNames(sorted(ids))
-    for name, line in (document.required or {}).items():
-        if name not in ids:
+    required: dict[str, int | None] = {}
+    for scalar in (s for entry in document.inputs() for s in scalars_of(entry.get("requires"))):
+        required.setdefault(scalar.text, scalar.place.line)
+    for name, line in required.items():
+        if name and name not in ids:
             place = Place(document.name, line, 1)
             problems.append(problem("M023.requires", place, hint=similar.hint(name), name=name))
-    return before + block + after, problems
+    return editor.result(), problems
 
 
 def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
@@ -206,10 +202,9 @@ def extended(document: ConfigText, entries: Sequence[TopicEntry]) -> str:
     if dash is None or not document.old:  # no block yet, or one in brackets
         return rewritten(document, entries, lambda _: DroppedTopic(stays=True))[0]
     lines = [line.removeprefix("  ") for entry in entries for line in _lines(entry, None)]
-    new = "".join(f"{dash[1]}{line}{document.line_end}" for line in lines)
-    before = document.text[: document.end]
-    before += "" if before.endswith("\n") else document.line_end
-    return before + new + document.text[document.end :]
+    editor = TextEditor(document.text)
+    editor.replace(document.end, document.end, lines, len(dash[1]))
+    return editor.result()
 
 
 def _notes(
@@ -218,14 +213,13 @@ def _notes(
     problems: list[Problem] = []
     lost = set(document.comments)
     for entry, absent in foreign:
-        place = Place(document.name, entry.line, 1)
         subject = f"{entry.id!r} ({entry.topic}) {absent.why}"
         if entry not in kept:
-            problems.append(problem("M026.dropped", place, subject=subject))
+            problems.append(problem("M026.dropped", entry.place, subject=subject))
             lost.update(entry.comment_lines)
         else:
             case = "M026.stays" if absent.stays else "M026.needed"
-            problems.append(problem(case, place, subject=subject))
+            problems.append(problem(case, entry.place, subject=subject))
     if lost:
         lines = ", ".join(map(str, sorted(lost)))
         problems.append(problem("M026.comments", Place(document.name, min(lost), 1), lines=lines))
@@ -246,86 +240,33 @@ def _dedented(line: str, column: int) -> str:
     return line[column:] if not line[:column].strip() else line.lstrip()
 
 
-def _old_entries(text: str, key: Span, value: Span) -> Iterable[OldEntry]:
-    done = _line_end(text, key.end)
+def _old_entries(editor: TextEditor, name: str, key: Span, value: Span) -> Iterator[OldEntry]:
+    text, done = editor.text, editor.line_end(key.end)
     for item in value.children if not value.is_map else []:
-        before, done = done, _line_end(text, item.end)
+        before, done = done, editor.line_end(item.end)
         pairs = list(item.entries()) if item.is_map else []
         texts = {key.text: inner.text or "" for key, inner in pairs if key.text in _KEYS}
         if not texts.get("id") or not texts.get("topic"):
             continue
-        column = item.start - (text.rfind("\n", 0, item.start) + 1)
+        column = editor.column(item.start)
         more = []
         for own_key, inner in pairs:
             if own_key.text not in _KEYS:
                 written = text[own_key.start : max(own_key.end + 1, inner.end)].replace("\r", "")
                 first, *rest = written.split("\n")
                 more.append("\n".join([first, *(_dedented(line, column) for line in rest)]))
-        entry = OldEntry(
+        end = item.end if value.is_flow else done
+        # comments in brackets are those of the block: it is not known of which entry they are
+        comments_from, comments_to = (item.start, item.start) if value.is_flow else (before, done)
+        yield OldEntry(
             texts["id"],
-            texts["topic"],
-            text[item.start : item.end].replace("\r", ""),
-            column,
-            item.line,
-            tuple(more),
             texts.get("type", ""),
+            texts["topic"],
+            Place(name, item.line, 1),
+            text[item.start : end].replace("\r", "").rstrip(),
+            column,
+            tuple(more),
+            tuple(comment_texts(text, value, comments_from, item.start)),
+            tuple(comment_texts(text, value, item.start, comments_to)),
+            tuple(comments(text, value, comments_from, comments_to)),
         )
-        if not value.is_flow:
-            entry = replace(
-                entry,
-                text=text[item.start : done].replace("\r", "").rstrip(),
-                above=tuple(comment_texts(text, value, before, item.start)),
-                inside=tuple(comment_texts(text, value, item.start, done)),
-                comment_lines=tuple(comments(text, value, before, done)),
-            )
-        yield entry
-
-
-def _insertion(text: str, root: Span) -> int:
-    """Return where a new block goes: behind Model, else before EDDIInputs, else to the end."""
-    by_name = {key.text: (key, value) for key, value in root.entries()}
-    if "Model" in by_name:
-        key, value = by_name["Model"]
-        return _line_end(text, max(key.end, value.end))
-    if "EDDIInputs" in by_name:
-        return by_name["EDDIInputs"][0].start
-    return len(text)
-
-
-def _line_end(text: str, offset: int) -> int:
-    end = text.find("\n", offset)
-    return len(text) if end < 0 else end + 1
-
-
-def _inputs(root: Span) -> list[Span]:
-    inputs = root.get("EDDIInputs")
-    children = inputs.children if inputs is not None and not inputs.is_map else []
-    return [child for child in children if child.is_map]
-
-
-def _used(root: Span) -> frozenset[str]:
-    """Return the words that say where inputs come from."""
-    pairs = (pair for entry in _inputs(root) for pair in entry.entries())
-    texts = (text for key, value in pairs if key.text != "id" for text in _texts(value))
-    return frozenset(word for text in texts for word in (text, *_WORDS.findall(text)))
-
-
-def _texts(span: Span) -> Iterator[str]:
-    if span.text is not None:
-        yield span.text
-    for child in span.children:
-        yield from _texts(child)
-
-
-def _required(root: Span) -> dict[str, int]:
-    lines: dict[str, int] = {}
-    for required in filter(None, (entry.get("requires") for entry in _inputs(root))):
-        for name in (required, *required.children):
-            if name.text:
-                lines.setdefault(name.text, name.line)
-    return lines
-
-
-def new_document(name: str) -> ConfigText:
-    """Return a configuration that is not there yet."""
-    return ConfigText(name, "", 0, 0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
@@ -20,16 +20,13 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.message_types import Fields, declared, known_messages
 from eddi_scaffold.config.topic_block import (
     ConfigText,
-    TopicEntry,
     extended,
-    new_document,
     read_block,
 )
 from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import age_line, entry
 from eddi_scaffold.connect.keeping import (
     Draft,
-    content,
     model_id,
     text_of,
     topics_of,
@@ -96,7 +93,7 @@ class DraftResult:
     @property
     def has_topics(self) -> bool:
         """Whether the configuration names topics of a robot."""
-        return bool(topics_of(content(ConfigText(self.name, self.after, 0, 0))))
+        return bool(topics_of(read_block(Source(self.name, self.after.encode())).root))
 
     def diff(self) -> str:
         """Return the change as a unified diff."""
@@ -141,8 +138,8 @@ def connect(
         document = read_block(read_source(config))
         before: str | None = document.text
     else:
-        document, before = new_document(str(config or "eddi_config.yml")), None
-    root = content(document)
+        document, before = ConfigText(str(config or "eddi_config.yml"), ""), None
+    root = document.root
     chosen = _chosen_model(models, name, root)
     kind = kinds()[chosen.kind]
     _refuse_other(document, root, chosen, models)
@@ -151,7 +148,7 @@ def connect(
         document, surroundings.system, surroundings.models
     )
     model_draft = _model_draft(chosen, root)
-    topics = topics_of(content(document))
+    topics = topics_of(document.root)
     recorded = _recorded(surroundings.topics, topics, package)
     topics += recorded
     others = other_monitors(models, surroundings, package)
@@ -161,7 +158,7 @@ def connect(
     decisions = decide(needs, topics, types.get, fulfilled)
     named = {candidate.topic for decision in decisions for candidate in decision.candidates}
     new = [
-        TopicEntry(topic.id, topic.type.replace("/", "."), topic.topic)
+        replace(topic, type=topic.type.replace("/", "."))
         for topic in (*recorded, *published)
         if topic in named
     ]
@@ -186,7 +183,7 @@ def connect(
     problems = in_order([*robot_problems, *with_excerpts(unknown, before or "")])
     items = items_of(root.get("EDDIInputs"))
     kept = frozenset(text_of(item, "id") or "" for item in items if not any(undecided(item)))
-    todo = len(list(undecided(content(ConfigText(document.name, after, 0, 0)))))
+    todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
     return DraftResult(document.name, before, after, decisions, kept, problems, todo)
 
 

@@ -14,7 +14,7 @@ from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.kinds import TODO, JsonValue
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, dump_plain, items_of, read_map
-from eddi_scaffold.yaml_text.spans import Span, comment_texts, spans
+from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, spans
 
 _OUTPUTS = ("EDDIOutputs", "EDDIOoutputs", "EDDIOOutputs")
 _SOURCES = ("requires", "field", "expression", "expression_file", "event", "states")
@@ -55,12 +55,12 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     """
     text = document.text
     if text and not text.endswith("\n"):
-        text += document.line_end
+        text += TextEditor(text).newline
+    editor = _Editor(text)
     root = spans(text, document.name)
     sections = {}
     if root is not None and root.children:
         sections = {key.text: (key, value) for key, value in reversed([*root.entries()])}
-    editor = _Editor(text, document.name, document.line_end)
     options = option_lines({**draft.model, **draft.options}, draft.notes)
     new_model = ["Model:", *(f"  {line}" for line in options)]
     if root is None or not sections:
@@ -72,7 +72,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
         editor.add_options(sections["Model"][1], draft.options, draft.notes)
     outputs = [sections[name][0].start for name in _OUTPUTS if name in sections]
     if "EDDIInputs" in sections:
-        editor.complete_entries(*sections["EDDIInputs"], draft)
+        editor.complete_entries(*sections["EDDIInputs"], draft, document.name)
     else:
         lines = [line for entry in draft.entries for line in entry.lines()]
         body = ["EDDIInputs:", *(f"  {line}" for line in lines)] if lines else ["EDDIInputs: []"]
@@ -86,29 +86,7 @@ def with_draft(document: ConfigText, draft: Draft) -> str:
     return after
 
 
-@dataclass
-class _Editor:
-    """Changes of a text, each between two offsets of it."""
-
-    text: str
-    name: str
-    line_end: str
-    edits: list[tuple[int, int, int, str]] = field(default_factory=list)
-
-    def replace(self, start: int, end: int, lines: Sequence[str], column: int = 0) -> None:
-        """Replace what is between two offsets by lines."""
-        new = "".join(f"{' ' * column}{line}{self.line_end}" for line in lines)
-        if self.text[start:end] != new:
-            self.edits.append((start, len(self.edits), end, new))
-
-    def result(self) -> str:
-        """Return the text with all changes; those at one offset in the order they came."""
-        parts, done = [], 0
-        for start, _, end, new in sorted(self.edits):
-            parts += [self.text[done:start], new]
-            done = max(done, end)
-        return "".join([*parts, self.text[done:]])
-
+class _Editor(TextEditor):
     def add_options(
         self,
         section: Span,
@@ -124,10 +102,10 @@ class _Editor:
             below = section.get(key)
             if below is not None and isinstance(value, Mapping):
                 self.add_options(below, value, notes, (*path, key))
-        end = self._line_end(section.end)
-        self.replace(end, end, option_lines(missing, notes, path), self._column(section))
+        end = self.line_end(section.end)
+        self.replace(end, end, option_lines(missing, notes, path), self.column(section.start))
 
-    def complete_entries(self, key: Span, section: Span, draft: Draft) -> None:
+    def complete_entries(self, key: Span, section: Span, draft: Draft, name: str) -> None:
         """Rewrite what is open in the entries that there are, and add the others behind them."""
         items = section.children if not section.is_map else []
         drafted = {entry.id: entry for entry in draft.entries}
@@ -140,13 +118,13 @@ class _Editor:
                 self._refresh(item, entry, draft.ages)
         new = [line for entry in drafted.values() for line in entry.lines()]
         if new and items and section.is_flow:
-            raise EddiError(problem("K001.brackets", Place(self.name, section.line, 1)))
+            raise EddiError(problem("K001.brackets", Place(name, section.line, 1)))
         if new and items:
             dash = self.text.rfind("-", 0, items[0].start)
-            end = self._line_end(section.end)
-            self.replace(end, end, new, dash - self._line_start(dash))
+            end = self.line_end(section.end)
+            self.replace(end, end, new, self.column(dash))
         elif new:  # nothing yet, or []
-            end = self._line_end(max(key.end, section.end))
+            end = self.line_end(max(key.end, section.end))
             comments = self._comments(section, key.start, end)
             lines = [*comments, "EDDIInputs:", *(f"  {line}" for line in new)]
             self.replace(key.start, end, lines)
@@ -154,7 +132,7 @@ class _Editor:
     def _refresh(self, item: Span, draft: EntryDraft, ages: Mapping[str, str | None]) -> None:
         """Decide anew what is TODO in an entry, and rewrite its comments."""
         pairs = {key.text: (key, value) for key, value in item.entries() if key.text}
-        column, end = self._column(item), self._line_end(item.end)
+        column, end = self.column(item.start), self.line_end(item.end)
         open_keys = [key for key, (_, value) in pairs.items() if self._is_open(value)]
         sources = [key for key in pairs if key in _SOURCES]
         is_free = all(key in open_keys for key in sources)
@@ -183,8 +161,8 @@ class _Editor:
 
     def _comment(self, item: Span, why: Sequence[str], column: int, *, is_new: bool) -> None:
         """Replace the comments of this command in an entry by others, behind its first line."""
-        start, end = self._line_start(item.start), self._line_end(item.end)
-        first = self._line_end(item.children[1].end)
+        start, end = self.line_start(item.start), self.line_end(item.end)
+        first = self.line_end(item.children[1].end)
         if item.children[1].children or first > end:
             return  # the first value takes several lines
         # a text of several lines may have one that looks like ours
@@ -193,7 +171,7 @@ class _Editor:
             for line in _MARKED.finditer(self.text, start, end)
             if not any(a < line.end() and line.start() < b for a, b in item.scalars)
         ]
-        new = "".join(f"{' ' * column}{line}{self.line_end}" for line in why)
+        new = "".join(f"{' ' * column}{line}{self.newline}" for line in why)
         is_there = len(ours) == len(why) and self.text.startswith(new, first)
         if not is_there and (ours or is_new):
             for line_start, line_end in ours:
@@ -202,7 +180,7 @@ class _Editor:
 
     def _replace_line(self, key: Span, value: Span, lines: Sequence[str], column: int) -> None:
         """Replace the line of a key whose value is TODO; comments of a person get lines above."""
-        start, end = self._line_start(key.start), self._line_end(max(key.end, value.end))
+        start, end = self.line_start(key.start), self.line_end(max(key.end, value.end))
         if self.text[start : key.start].strip():  # the first one, behind the dash
             return
         comments = self._comments(value, start, end)
@@ -222,15 +200,6 @@ class _Editor:
             return all(self._is_open(inner) for _, inner in value.entries())
         return self.text[value.start : value.end] == TODO
 
-    def _column(self, span: Span) -> int:
-        return span.start - self._line_start(span.start)
-
-    def _line_start(self, offset: int) -> int:
-        return self.text.rfind("\n", 0, offset) + 1
-
-    def _line_end(self, offset: int) -> int:
-        return self.text.find("\n", offset) + 1 or len(self.text)
-
 
 def _refuse_loss(document: ConfigText, after: str) -> None:
     """Refuse a text in which something that a person wrote would be gone or elsewhere.
@@ -238,9 +207,8 @@ def _refuse_loss(document: ConfigText, after: str) -> None:
     Raises:
         EddiError: it is written in a way that was not foreseen (K001).
     """
-    old, _ = read_map(Source(document.name, document.text.encode()), "K001")
     new, problems = read_map(Source(document.name, after.encode()), "K001")
-    lost = next(_lost(old, new), None) if old is not None else None
+    lost = next(_lost(document.root, new), None)
     if problems or lost is not None:
         place = lost.place if lost is not None else Place(document.name)
         raise EddiError(problem("K001.crowded", place))
@@ -258,21 +226,6 @@ def _lost(old: Node, new: Node | None) -> Iterator[Node]:
         items = new.items if isinstance(new, Items) else ()
         for item, other in zip(old.items, chain(items, repeat(None)), strict=False):
             yield from _lost(item, other)
-
-
-def content(document: ConfigText) -> Map:
-    """Return the content of a configuration, empty where it says nothing.
-
-    Raises:
-        EddiError: it is no YAML map (K001).
-    """
-    lines = (line.strip() for line in document.text.splitlines())
-    if all(not line or line.startswith("#") for line in lines):
-        return Map(())
-    node, problems = read_map(Source(document.name, document.text.encode()), "K001")
-    if node is None or problems:
-        raise EddiError(*problems)
-    return node
 
 
 def text_of(node: Node | None, key: str) -> str | None:

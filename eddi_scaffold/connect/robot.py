@@ -18,7 +18,7 @@ from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
 from eddi_scaffold.mros.resolving import Models
-from eddi_scaffold.mros.topics import Existing, Outputs, silent_problems, simulator_outputs
+from eddi_scaffold.mros.topics import Outputs, TopicEntry, silent_problems, simulator_outputs
 
 
 @contextmanager
@@ -69,12 +69,14 @@ def _additions(robot: Robot) -> RobotAdditions:
         rows = [row for row in listed if isinstance(row, dict)]
         by_topic = {str(row.get("topic")): row for row in rows}
         place = Place(str(robot.path))
-        existing = [Existing(str(row.get("id")), str(row.get("topic")), place) for row in rows]
+        keys = ("id", "type", "topic")
+        written = [[str(row.get(key)) for key in keys] for row in rows]
+        existing = [TopicEntry(id_, type_, topic, place) for id_, type_, topic in written]
         new, taken = [], set[str]()
         for topic in simulator_outputs(robot.system, robot.models, existing=existing).topics:
             if is_ros_name(topic.topic) or topic.topic in by_topic:
-                keys = {"id": topic.id, "type": topic.type, "topic": topic.topic}
-                new.append({**by_topic.get(topic.topic, {}), **keys})
+                values = {key: getattr(topic, key) for key in keys}
+                new.append({**by_topic.get(topic.topic, {}), **values})
                 taken |= {topic.id, topic.topic}
         names = ({old.id, old.topic} for old in existing)
         return [*new, *(row for row, own in zip(rows, names, strict=True) if not own & taken)]

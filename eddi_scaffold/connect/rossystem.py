@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from eddi_scaffold.common.files import read_source, saved_meanwhile
 from eddi_scaffold.common.problems import (
     EddiError,
     Place,
     Problem,
+    did_you_mean,
     has_errors,
     in_order,
     problem,
@@ -23,8 +26,6 @@ from eddi_scaffold.config.topic_block import (
     ConfigText,
     DroppedTopic,
     OldEntry,
-    TopicEntry,
-    new_document,
     read_block,
     rewritten,
 )
@@ -33,9 +34,6 @@ from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.resolving import Models, flattened
 from eddi_scaffold.mros.topics import (
-    OPTIONS,
-    Existing,
-    Filters,
     Include,
     Outputs,
     Topic,
@@ -43,6 +41,62 @@ from eddi_scaffold.mros.topics import (
 )
 
 _MARK = b"\xef\xbb\xbf"
+_SHOWN = 12
+_INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
+_ONLY, _COMPONENT, _NO_INFRASTRUCTURE = "--only", "--component", "--exclude-infrastructure"
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``.
+
+    Attributes:
+        topics: any match keeps; empty keeps all.
+        components: the same for a component that provides the topic.
+        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
+            and ``lifecycle_msgs``.
+    """
+
+    topics: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()
+    no_infrastructure: bool = False
+
+    def keeps(self, name: str) -> bool:
+        """Return whether a topic of this name is kept."""
+        return not self.topics or _matches([name], *self.topics)
+
+    def leaves_out(self, topic: Topic) -> str | None:
+        """Return the option that keeps a topic out; ``None`` when it is kept."""
+        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
+            return _NO_INFRASTRUCTURE
+        if not self.keeps(topic.topic):
+            return _ONLY
+        is_kept = not self.components or _matches(topic.components, *self.components)
+        return None if is_kept else _COMPONENT
+
+    def unmatched(self, topics: Collection[str], components: Collection[str]) -> Iterator[Problem]:
+        """Return an error for each glob that matches none of the names that there are."""
+        for option, globs, kind, names in (
+            (_ONLY, self.topics, "topic", {*topics}),
+            (_COMPONENT, self.components, "component", {*components}),
+        ):
+            more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+            there = f"there are: {', '.join(sorted(names)[:_SHOWN])}{more}" if names else None
+            for glob in globs:
+                if not _matches(names, glob):
+                    hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
+                    fields = {"kind": kind, "option": option, "pattern": glob}
+                    yield problem("M022.no_match", hint=hint, **fields)
+
+    def __str__(self) -> str:
+        """Return the filters as they are given on the command line."""
+        options = [f"{_ONLY} {glob!r}" for glob in self.topics]
+        options += [f"{_COMPONENT} {glob!r}" for glob in self.components]
+        return " ".join([*options, *[_NO_INFRASTRUCTURE] * self.no_infrastructure])
+
+
+def _matches(names: Iterable[str], *globs: str) -> bool:
+    return any(fnmatchcase(name, glob) for name in names for glob in globs)
 
 
 @dataclass(frozen=True)
@@ -120,7 +174,12 @@ class Parsed:
             "system": system.name,
             "dialect": system.dialect,
             "outputs": [
-                {key: value for key, value in asdict(topic).items() if key != "deadlines"}
+                {
+                    **{key: getattr(topic, key) for key in ("id", "type", "topic", "kind")},
+                    "components": list(topic.components),
+                    "file": topic.place.file,
+                    "line": topic.place.line or 0,
+                }
                 for topic in self.outputs.topics
             ],
             "diagnostics": [
@@ -173,7 +232,7 @@ def parse(
         EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
     """
     is_there = config.exists() or config.is_symlink()
-    document = read_block(read_source(config)) if is_there else new_document(str(config))
+    document = read_block(read_source(config)) if is_there else ConfigText(str(config), "")
     parsed = with_topics(robot, document, include=include, filters=filters, names=names)
     return parsed if is_there else replace(parsed, before=None)
 
@@ -189,34 +248,46 @@ def with_topics(
 ) -> Parsed:
     """Do the same with a text, for the topics that are to be written."""
     filters = filters or Filters()
-    file = document.name
-    existing = [Existing(old.id, old.topic, Place(file, old.line, 1)) for old in document.old]
-    options: dict[str, Any] = {"include": include, "filters": filters, "names": names}
-    outputs = simulator_outputs(robot.system, robot.models, existing=existing, **options)
+    every = simulator_outputs(
+        robot.system, robot.models, include=include, existing=document.old, names=names
+    )
+    left_out = {topic.topic: filters.leaves_out(topic) for topic in every.topics}
+    topics = tuple(topic for topic in every.topics if left_out[topic.topic] is None)
+    outputs = replace(every, topics=topics)
     problems = [*robot.problems, *outputs.problems]
-    _refuse_filters(filters, robot, outputs, document)
+    known = {*left_out, *(old.topic for old in document.old if not outputs.is_complete)}
+    _refuse_filters(filters, robot, outputs, known)
+
+    def absence(old: OldEntry) -> DroppedTopic:
+        """Explain why an entry is not rewritten; what may be there all the same stays."""
+        option = left_out.get(old.topic)
+        if not outputs.is_complete and not filters.keeps(old.topic):
+            option = _ONLY
+        if option is not None:
+            return DroppedTopic(f"is left out by {option}")
+        if not outputs.is_complete:
+            return DroppedTopic("did not resolve this time, or is gone", stays=True)
+        return DroppedTopic()
+
     after, notes = document.text, list[Problem]()
-    if outputs.topics or not has_errors(problems):
-        topics = filter(writes, outputs.topics)
-        entries = [TopicEntry(topic.id, topic.type, topic.topic) for topic in topics]
-        after, notes = rewritten(document, entries, lambda old: _absence(old, outputs, filters))
+    if topics or not has_errors(problems):
+        after, notes = rewritten(document, [*filter(writes, topics)], absence)
     problems += notes
     # the configuration is quoted as it was read: what is printed comes after it is rewritten
-    own = [reported for reported in problems if reported.place.file == file]
-    others = [reported for reported in problems if reported.place.file != file]
+    own = [reported for reported in problems if reported.place.file == document.name]
+    others = [reported for reported in problems if reported.place.file != document.name]
     problems = in_order([*others, *with_excerpts(own, document.text)])
     return Parsed(robot, outputs, tuple(problems), document.text, after)
 
 
-def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: ConfigText) -> None:
+def _refuse_filters(
+    filters: Filters, robot: Robot, outputs: Outputs, topics: Collection[str]
+) -> None:
     """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
 
     Raises:
         EddiError: a glob matches nothing, or together they leave nothing.
     """
-    topics = [*(topic.topic for topic in outputs.topics), *outputs.left_out]
-    if not outputs.is_complete:
-        topics += [old.topic for old in document.old]
     systems = flattened(robot.system, robot.models.systems)[0]
     components = [component.name for part in systems for component in part.components]
     wrong = list(filters.unmatched(topics, components))
@@ -226,18 +297,6 @@ def _refuse_filters(filters: Filters, robot: Robot, outputs: Outputs, document: 
     if wrong:
         problems = in_order([*robot.problems, *outputs.problems])
         raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
-
-
-def _absence(old: OldEntry, outputs: Outputs, filters: Filters) -> DroppedTopic:
-    """Explain why an entry is not rewritten; what may be there all the same stays."""
-    criterion = outputs.left_out.get(old.topic)
-    if not outputs.is_complete and not filters.keeps(old.topic):
-        criterion = "topics"
-    if criterion is not None:
-        return DroppedTopic(f"is left out by {OPTIONS[criterion]}")
-    if not outputs.is_complete:
-        return DroppedTopic("did not resolve this time, or is gone", stays=True)
-    return DroppedTopic()
 
 
 def save(path: Path, text: str, before: str | None) -> None:

@@ -15,6 +15,7 @@ from eddi_scaffold.config.message_types import Fields, element, is_primitive, py
 from eddi_scaffold.config.message_types.documented import documented
 from eddi_scaffold.connect.needs import InputNeed, words
 from eddi_scaffold.kinds import TODO
+from eddi_scaffold.mros.topics import TopicEntry
 
 FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
@@ -26,18 +27,8 @@ _DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", 
 
 
 @dataclass(frozen=True)
-class RobotTopic:
-    """A topic of the robot.
-
-    Attributes:
-        id: of its entry in ``SimulatorOutputs``.
-        type: ``package/Type``.
-        topic: its name.
-    """
-
-    id: str
-    type: str
-    topic: str
+class RobotTopic(TopicEntry):
+    """A topic of the robot, with ``package/Type`` as its type."""
 
     @property
     def is_of_monitor(self) -> bool:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from eddi_scaffold.common.identifiers import RESERVED, free_name, is_identifier
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, in_order, problem
+from eddi_scaffold.common.problems import Place, Problem, in_order, problem
 from eddi_scaffold.mros.model import InterfaceKind, System
 from eddi_scaffold.mros.resolving import (
     LOST_TOPICS,
@@ -22,96 +21,38 @@ from eddi_scaffold.mros.resolving import (
 
 TopicKind = Literal["published", "action", "subscribed"]
 Include = Literal["subscribed", "actions"]
-Criterion = Literal["topics", "components", "infrastructure"]
-OPTIONS: dict[Criterion, str] = {
-    "topics": "--only",
-    "components": "--component",
-    "infrastructure": "--exclude-infrastructure",
-}
-"""How the command line calls them."""
-_SHOWN = 12
-_INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
 _SOURCES = ("publisher", "serviceserver", "actionserver")
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
 
 @dataclass(frozen=True)
-class Topic:
+class TopicEntry:
     """One entry of ``SimulatorOutputs``.
 
     Attributes:
-        id: a Python name.
         type: ``package.Type``.
-        topic: absolute name.
-        components: who provides it (or, of kind ``subscribed``, who waits for it).
-        file: of the system that names it first.
-        line: of the interface there, or of its component.
-        deadlines: of those who publish it, as they are written; empty for none.
+        place: where it is written.
     """
 
     id: str
     type: str
     topic: str
-    kind: TopicKind
-    components: tuple[str, ...]
-    file: str
-    line: int
-    deadlines: tuple[str, ...] = ()
+    place: Place = field(default=Place())
 
 
 @dataclass(frozen=True)
-class Filters:
-    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``.
+class Topic(TopicEntry):
+    """A topic of a system, with a Python name as its id; its place is there, where it is first.
 
     Attributes:
-        topics: any match keeps; empty keeps all.
-        components: the same for a component that provides the topic.
-        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
-            and ``lifecycle_msgs``.
+        topic: absolute name.
+        components: who provides it (or, of kind ``subscribed``, who waits for it).
+        deadlines: of those who publish it, as they are written; empty for none.
     """
 
-    topics: tuple[str, ...] = ()
+    kind: TopicKind = "published"
     components: tuple[str, ...] = ()
-    no_infrastructure: bool = False
-
-    def leaves_out(self, topic: Topic) -> Criterion | None:
-        """Return what keeps a topic out; ``None`` when it is kept."""
-        if self.no_infrastructure and topic.type.partition(".")[0] in _INFRASTRUCTURE:
-            return "infrastructure"
-        if not self.keeps(topic.topic):
-            return "topics"
-        if any(_matches(topic.components, glob) for glob in self.components or ("*",)):
-            return None
-        return "components"
-
-    def keeps(self, name: str) -> bool:
-        """Return whether a topic of this name is kept."""
-        return not self.topics or any(_matches([name], glob) for glob in self.topics)
-
-    def unmatched(self, topics: Collection[str], components: Collection[str]) -> Iterator[Problem]:
-        """Return an error for each glob that matches none of the names that there are."""
-        for option, globs, kind, names in (
-            (OPTIONS["topics"], self.topics, "topic", {*topics}),
-            (OPTIONS["components"], self.components, "component", {*components}),
-        ):
-            more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-            there = f"there are: {', '.join(sorted(names)[:_SHOWN])}{more}" if names else None
-            for glob in globs:
-                if not _matches(names, glob):
-                    hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
-                    yield problem(
-                        "M022.no_match", hint=hint, kind=kind, option=option, pattern=glob
-                    )
-
-    def __str__(self) -> str:
-        """Return the filters as they are given on the command line."""
-        options = [f"{OPTIONS['topics']} {glob!r}" for glob in self.topics]
-        options += [f"{OPTIONS['components']} {glob!r}" for glob in self.components]
-        return " ".join([*options, *[OPTIONS["infrastructure"]] * self.no_infrastructure])
-
-
-def _matches(names: Iterable[str], glob: str) -> bool:
-    return any(fnmatchcase(name, glob) for name in names)
+    deadlines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -120,7 +61,6 @@ class Outputs:
 
     Attributes:
         topics: in the order of the system.
-        left_out: topics that the filters keep out, and which of them does.
         problems: errors and warnings of the system, not of the files it is made of.
         components: number of nodes of the system itself.
         publishers: number of publishers whose topic and type are known.
@@ -130,7 +70,6 @@ class Outputs:
     """
 
     topics: tuple[Topic, ...]
-    left_out: Mapping[str, Criterion]
     problems: tuple[Problem, ...]
     components: int
     publishers: int
@@ -139,22 +78,12 @@ class Outputs:
     is_complete: bool
 
 
-@dataclass(frozen=True)
-class Existing:
-    """An entry that a configuration already has."""
-
-    id: str
-    topic: str
-    place: Place
-
-
 def simulator_outputs(
     system: System,
     models: Models,
     *,
     include: Collection[Include] = (),
-    existing: Sequence[Existing] = (),
-    filters: Filters | None = None,
+    existing: Sequence[TopicEntry] = (),
     names: Literal["label", "model"] = "label",
 ) -> Outputs:
     """Join a system with its node models.
@@ -165,7 +94,6 @@ def simulator_outputs(
         include: topics in addition to the published ones: those that the system only subscribes,
             those of its action servers.
         existing: entries of a configuration, whose ids stay.
-        filters: which topics to keep; they never change an id.
         names: the names of the system, or of the node models where the system's are not used.
 
     References that do not resolve are problems, and the rest is returned all the same. The id of an
@@ -189,9 +117,6 @@ def simulator_outputs(
     published = {name: names_of[name] for name in topics if topics[name].kind == "published"}
     reserved = () if is_complete else [old.id for old in existing if old.topic not in topics]
     ids, about_ids = give_ids(published, names_of, existing, reserved)
-    every = [replace(topic, id=ids[name]) for name, topic in topics.items()]
-    criteria = {topic.topic: filters.leaves_out(topic) for topic in every} if filters else {}
-    left_out = {name: criterion for name, criterion in criteria.items() if criterion is not None}
     listed = Counter(
         interface.kind
         for part in systems
@@ -199,8 +124,7 @@ def simulator_outputs(
         for interface in component.interfaces
     )
     return Outputs(
-        tuple(topic for topic in every if topic.topic not in left_out),
-        left_out,
+        tuple(replace(topic, id=ids[name]) for name, topic in topics.items()),
         tuple(in_order([*problems, *collector.problems, *about_ids])),
         len(system.components),
         collector.publishers,
@@ -312,10 +236,9 @@ class _Collector:
         component, deadline = resolved.component.name, resolved.interface.deadline
         known = self.topics.get(topic)
         if known is None:
-            place = resolved.place
             self.names[topic] = name
             self.topics[topic] = Topic(
-                "", type_, topic, kind, (component,), place.file, place.line or 0, (deadline,)
+                "", type_, topic, resolved.place, kind, (component,), (deadline,)
             )
             return
         if known.type != type_:
@@ -364,7 +287,7 @@ def slug(name: str) -> str:
 def give_ids(
     published: Mapping[str, str],
     names: Mapping[str, str],
-    existing: Sequence[Existing],
+    existing: Sequence[TopicEntry],
     reserved: Collection[str] = (),
 ) -> tuple[dict[str, str], list[Problem]]:
     """Give each topic an id, the published ones first.

@@ -197,6 +197,19 @@ def items_of(node: Node | None) -> tuple[Node, ...]:
     return node.items if isinstance(node, Items) else ()
 
 
+def scalars_of(node: Node | None) -> Iterator[Scalar]:
+    """Yield each text below a node, those of keys as well."""
+    if isinstance(node, Scalar):
+        yield node
+    elif isinstance(node, Items):
+        for item in node.items:
+            yield from scalars_of(item)
+    elif node is not None:
+        for key, value in node.entries:
+            yield key
+            yield from scalars_of(value)
+
+
 def value_11(node: Node) -> Any:
     """Return the plain value of a node as YAML 1.1 has it, with dates and binary data as text.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from typing import Any
@@ -143,44 +143,40 @@ def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int
             yield found.start()
 
 
-def _offset(mark: Any) -> int:
-    return int(mark.index)
+class TextEditor:
+    """Changes of a text, each of them lines in place of what is between two offsets."""
 
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self._edits: list[tuple[int, int, int, str]] = []
 
-def _opened(event: Any) -> Span:
-    start = event.start_mark
-    is_map = isinstance(event, yaml.MappingStartEvent)
-    span = Span(
-        start.index, start.index, start.line + 1, is_map=is_map, is_flow=bool(event.flow_style)
-    )
-    if event.anchor:
-        span.anchors[event.anchor] = span.line
-    return span
+    def line_start(self, offset: int) -> int:
+        """Return where the line of an offset begins."""
+        return self.text.rfind("\n", 0, offset) + 1
 
+    def line_end(self, offset: int) -> int:
+        """Return the offset behind the line of an offset."""
+        return self.text.find("\n", offset) + 1 or len(self.text)
 
-def _leaf(event: Any) -> Span:
-    start: Any = event.start_mark
-    end: Any = event.end_mark
-    span = Span(start.index, end.index, start.line + 1)
-    if isinstance(event, yaml.AliasEvent):
-        span.aliases[str(event.anchor)] = span.line
-        return span
-    span.text = event.value
-    if event.anchor:
-        span.anchors[event.anchor] = span.line
-    if span.end > span.start:
-        span.scalars.append((span.start, span.end))
-    return span
+    def column(self, offset: int) -> int:
+        """Return how many characters of its line are in front of an offset."""
+        return offset - self.line_start(offset)
 
+    def replace(self, start: int, end: int, lines: Sequence[str], column: int = 0) -> None:
+        """Replace what is between two offsets by lines."""
+        new = "".join(f"{' ' * column}{line}{self.newline}" for line in lines)
+        if self.text[start:end] != new:
+            self._edits.append((start, len(self._edits), end, new))
 
-def _add(parent: Span, child: Span) -> None:
-    """Put a node into the one around it; an empty one, marked at the next token, moves no end."""
-    parent.children.append(child)
-    if child.end > child.start:
-        parent.end = max(parent.end, child.end)
-    parent.anchors |= child.anchors
-    parent.aliases |= child.aliases
-    parent.scalars += child.scalars
+    def result(self) -> str:
+        """Return the text with all changes; those at one offset in the order they came."""
+        text, done = "", 0
+        for start, _, end, new in sorted(self._edits):
+            text += self.text[done:start]
+            text += self.newline + new if new and text and not text.endswith("\n") else new
+            done = max(done, end)
+        return text + self.text[done:]
 
 
 _LONG_ESCAPES = {"x": 4, "u": 6, "U": 10}

@@ -11,11 +11,10 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.topic_block import (
     ConfigText,
-    TopicEntry,
-    new_document,
     read_block,
     rewritten,
 )
+from eddi_scaffold.mros.topics import TopicEntry
 
 SCAN = TopicEntry("scan", "sensor_msgs.LaserScan", "/scan")
 ON = TopicEntry("on", "std_msgs.Bool", "/lamp/on")
@@ -36,8 +35,8 @@ def written(text: str, *entries: TopicEntry) -> tuple[str, list[tuple[str, int |
 
 
 def test_a_new_file_holds_the_block_alone() -> None:
-    assert rewritten(new_document("c.yml"), [SCAN]) == (NEW, [])
-    assert rewritten(new_document("c.yml"), []) == ("SimulatorOutputs: []\n", [])
+    assert rewritten(ConfigText("c.yml", ""), [SCAN]) == (NEW, [])
+    assert rewritten(ConfigText("c.yml", ""), []) == ("SimulatorOutputs: []\n", [])
 
 
 @pytest.mark.parametrize(
@@ -167,7 +166,7 @@ entries = st.lists(st.builds(TopicEntry, texts, texts, texts), max_size=4)
 
 @given(entries)
 def test_what_is_written_is_read_back(entries: list[TopicEntry]) -> None:
-    text, _ = rewritten(new_document("c.yml"), entries)
+    text, _ = rewritten(ConfigText("c.yml", ""), entries)
     found = yaml.safe_load(text)["SimulatorOutputs"]
     assert found == [{"id": e.id, "type": e.type, "topic": e.topic} for e in entries]
 

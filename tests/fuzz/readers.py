@@ -21,7 +21,7 @@ from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
-from eddi_scaffold.connect.keeping import Draft, content, topics_of, with_draft
+from eddi_scaffold.connect.keeping import Draft, topics_of, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
@@ -324,7 +324,7 @@ def _config(folder: Path) -> Made:
         with contextlib.suppress(EddiError):
             block = read_block(source)
             rewritten(block, [])
-            drafted = _drafted(topics_of(content(block)), sample.name)
+            drafted = _drafted(topics_of(block.root), sample.name)
             with_draft(block, drafted)
         yield
         yield from _configured(model_of[sample.name], path)

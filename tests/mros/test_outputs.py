@@ -14,9 +14,8 @@ from eddi_scaffold.common.identifiers import is_identifier
 from eddi_scaffold.common.problems import Place, Problem, has_errors
 from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.topics import (
-    Existing,
-    Filters,
     Outputs,
+    TopicEntry,
     give_ids,
     simulator_outputs,
     slug,
@@ -175,19 +174,6 @@ def test_names_of_the_models(lasers: Path) -> None:
     assert topics[:3] == ["/driver/ticks", "/front/cloud", "/front/scan"]
 
 
-def test_filters_change_no_id(lasers: Path) -> None:
-    every, _ = outputs_of(lasers / "robot.rossystem", lasers)
-    for filters, wanted in {
-        Filters(topics=("/front/*",)): ["front_points", "front_scan"],
-        Filters(topics=("*scan", "/ticks")): ["ticks", "front_scan", "rear_scan"],
-        Filters(components=("rear",)): ["rear_scan", "rear_cloud"],
-        Filters(topics=("/Front/*",)): [],
-    }.items():
-        outputs, _ = outputs_of(lasers / "robot.rossystem", lasers, filters=filters)
-        assert [topic.id for topic in outputs.topics] == wanted
-        assert {*outputs.topics} <= {*every.topics}
-
-
 def test_a_system_inside_of_itself(tmp_path: Path) -> None:
     laid(
         tmp_path,
@@ -275,7 +261,7 @@ def test_ids() -> None:
 
 
 def ids(wishes: dict[str, str], *existing: tuple[str, str]) -> tuple[list[str], list[str]]:
-    entries = [Existing(name, topic, Place("c.yml", 1)) for name, topic in existing]
+    entries = [TopicEntry(name, "", topic, Place("c.yml", 1)) for name, topic in existing]
     given, problems = give_ids(wishes, wishes, entries)
     return [given[topic] for topic in wishes], [problem.code for problem in problems]
 

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.connect.rossystem import Parsed, parse, read_robot
-from eddi_scaffold.mros.topics import Filters
+from eddi_scaffold.connect.rossystem import Filters, Parsed, parse, read_robot
 
 SYSTEM = """robot:
   subSystems:
