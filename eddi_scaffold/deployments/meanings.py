@@ -101,10 +101,10 @@ class _Reader:
         if document["polarity"] == "HAZARD" and any(use.holds(True) for use in used):
             self.inverted[binding.model.id] = None
         for part in document["parts"]:
-            form = part["form"]
-            (output,) = form["outputs"]
+            program = part["program"]
+            (result,) = program.results
             for wanted in _sides(document["type"], used):
-                for name, found in uses(form, output["node"], wanted=wanted).items():
+                for name, found in uses(program, result.operation, wanted=wanted).items():
                     yield from self._named(binding, name, found)
 
     def _named(
