@@ -29,7 +29,7 @@ class Type:
     """NUMBER, BOOL, or an ENUM.
 
     Attributes:
-        kind: ``number``, ``bool`` or ``enum``, as in the intermediate form, or ``text``.
+        kind: ``number``, ``bool`` or ``enum``, as in the program, or ``text``.
         enum: name of the ENUM.
     """
 
