@@ -30,7 +30,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 
 from eddi_scaffold.conditions import analyse  # noqa: E402
 from eddi_scaffold.conditions.standalone import generate  # noqa: E402
-from eddi_scaffold.program.running import build_engine  # noqa: E402 - runs from the checkout
+from eddi_scaffold.program.running import Engine  # noqa: E402 - runs from the checkout
 
 RATE = 100
 PERIOD = 10**9 // RATE
@@ -110,8 +110,8 @@ def samples(count: int) -> list[float]:
 def engine(text: str) -> Run:
     """Return our run of an event; it goes on from call to call, so that windows stay full."""
     analysis = analyse(text, rate=RATE)
-    assert analysis.form is not None, analysis.problems
-    step = build_engine(analysis.form).step
+    assert analysis.program is not None, analysis.problems
+    step = Engine(analysis.program).step
     kinds = [variable.type.kind for variable in analysis.variables if variable.type]
     times = itertools.count(PERIOD, PERIOD)
 

@@ -97,7 +97,7 @@ def event(
         _serve(port, source, rate)
         return
     analysis = analyse(source, rate=rate, name=label)
-    if analysis.form is None:
+    if analysis.program is None:
         if as_json:
             console.json(report_json(analysis))
             raise typer.Exit(exit_status.BAD_INPUT)

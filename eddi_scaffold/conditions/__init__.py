@@ -1,7 +1,7 @@
 """Conditional events (SESAME D7.2 section 3.5): a language, its checks, and its targets.
 
-``analyse`` reads a text, finds all that is wrong with it, and makes the intermediate form that the
-runtime library evaluates and the targets print. Nothing here knows ROS, a kind or the command line.
+``analyse`` reads a text, finds all that is wrong with it, and makes the program that the
+targets print. Nothing here knows ROS, a kind or the command line.
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
-"""From a text to checked events and their intermediate form."""
+"""From a text to checked events and their program."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -16,9 +15,9 @@ from eddi_scaffold.common.problems import (
     with_excerpts,
 )
 from eddi_scaffold.conditions.checker import Checker, Value
-from eddi_scaffold.conditions.graph import GraphBuilder, Row
+from eddi_scaffold.conditions.graph import GraphBuilder
 from eddi_scaffold.conditions.parser import parse
-from eddi_scaffold.conditions.scope import TEXT, Scope, Variable, build_scope, infer_types
+from eddi_scaffold.conditions.scope import NUMBER, TEXT, Scope, Variable, build_scope, infer_types
 from eddi_scaffold.conditions.syntax import EventDeclaration, File, canonical
 from eddi_scaffold.conditions.tokens import (
     EXPRESSION,
@@ -27,6 +26,7 @@ from eddi_scaffold.conditions.tokens import (
     in_text,
     line_and_column,
 )
+from eddi_scaffold.program.instructions import Program, Read, Result
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,14 @@ class Event:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What is known of a text; the form is all that decides.
+    """What is known of a text; the program is all that decides.
 
     Attributes:
         problems: everything that is wrong with it, in order, with source lines.
         events: in the order of the text; those with an error are omitted.
-        variables: those that are used, in the order of the form.
+        variables: those that are used, in the order of the program.
         enums: ENUM -> literals.
-        form: the intermediate form (``eddi_scaffold.program.builder``); ``None`` after
-            an error.
+        program: what computes the events; ``None`` after an error.
         text: what was analysed.
     """
 
@@ -68,7 +67,7 @@ class Analysis:
     events: tuple[Event, ...] = field(compare=False)
     variables: tuple[Variable, ...] = field(compare=False)
     enums: Mapping[str, tuple[str, ...]] = field(compare=False)
-    form: dict[str, Any] | None
+    program: Program | None
     text: str = field(compare=False)
 
     @property
@@ -89,7 +88,7 @@ def analyse(
     any_rate: bool = False,
     only: str | None = None,
 ) -> Analysis:
-    """Check a text of events and make its intermediate form.
+    """Check a text of events and make its program.
 
     Args:
         text: declarations and events, or one expression.
@@ -98,8 +97,8 @@ def analyse(
         declarations: ENUM, VAR and CONST that are declared and checked elsewhere.
         name: of the file, for the places of problems.
         locate: offset -> place, for a text inside of another file.
-        any_rate: the rate is given later: what only it decides is not checked, and the form is
-            good for nothing.
+        any_rate: the rate is given later: what only it decides is not checked, and the program
+            is good for nothing.
         only: the one event that is needed; of the others, those that it uses are checked.
 
     Raises:
@@ -117,7 +116,7 @@ def analyse(
         infer_types(file, scope)
     checker = Checker(file, scope, findings, builder, line_and_column(text), any_rate=any_rate)
     values = {event.name: checker.event(event) for event in scope.order}
-    events, outputs = [], []
+    events, results = [], []
     for event in file.events:
         value = values.get(event.name) if only in (None, event.name) else None
         if value is not None:
@@ -126,15 +125,15 @@ def analyse(
             expression = canonical(file, event.root)
             kind = value.type.kind
             events.append(Event(event.name, polarity, kind, expression, event.at, value.unit))
-            outputs.append({"id": event.name, "node": value.node, "polarity": polarity})
+            results.append(Result(event.name, value.node, polarity == "HAZARD"))
     problems = in_order(findings.problems)
     if locate is None:
         problems = with_excerpts(problems, text)
     used = tuple(scope.variables.get(n) or scope.reductions[n] for n in checker.used)
-    form = None
+    program = None
     if not has_errors(problems):
-        form = builder.document([_variable_row(variable, scope) for variable in used], outputs)
-    return Analysis(tuple(problems), tuple(events), used, dict(scope.enums), form, text)
+        program = builder.program([_read(variable, scope) for variable in used], results)
+    return Analysis(tuple(problems), tuple(events), used, dict(scope.enums), program, text)
 
 
 def _period(rate: float | None) -> int:
@@ -158,20 +157,17 @@ def _warn(
         findings.add("W002.polarity", event.at, event=event.name)
 
 
-def _variable_row(variable: Variable, scope: Scope) -> Row:
-    assert variable.type is not None
-    row: Row = {"name": variable.name, "type": variable.type.kind}
-    if variable.type == TEXT:
-        row |= {"type": "number", "text": True}
-    if variable.reduction is not None:
-        row["reduction"] = dict(variable.reduction)
-    if variable.range is not None:
-        row["range"] = list(variable.range)
-    if variable.timeout is not None:
-        row["timeout"] = variable.timeout
-    if variable.infinite:
-        row["infinite"] = True
-        row |= {"defined": True} if variable.defined else {}
-    if variable.type.enum:
-        row["literals"] = list(scope.enums[variable.type.enum])
-    return row
+def _read(variable: Variable, scope: Scope) -> Read:
+    type_ = variable.type
+    assert type_ is not None
+    return Read(
+        variable.name,
+        NUMBER.kind if type_ == TEXT else type_.kind,
+        None if variable.range is None else (float(variable.range[0]), float(variable.range[1])),
+        variable.timeout,
+        infinite=variable.infinite,
+        literals=scope.enums[type_.enum] if type_.enum else (),
+        text=type_ == TEXT,
+        reduction=variable.reduction,
+        defined=variable.infinite and variable.defined,
+    )

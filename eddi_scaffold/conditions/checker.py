@@ -1,4 +1,4 @@
-"""Types and units of expressions, and their nodes in the intermediate form."""
+"""Types and units of expressions, and the operations of the program."""
 
 from __future__ import annotations
 
@@ -293,7 +293,7 @@ class Checker:
     def _bounds(self, k: int, arg: Value) -> Bounds | None:
         """Return between which numbers an operand lies, ``None`` where that is not known."""
         if self._builder.is_constant(arg.node):
-            value = self._builder.rows[arg.node]["value"]
+            value = self._builder.operations[arg.node].value
             return None if value is None else (value, value)
         node, is_negative = self._file.nodes[k], False
         while node.op in (*_IN_RANGE, "neg"):
@@ -315,7 +315,8 @@ class Checker:
             return None
         low, high = ends
         builder = self._builder
-        values = [builder.rows[end.node]["value"] for end in ends if builder.is_constant(end.node)]
+        operations = [builder.operations[end.node] for end in ends]
+        values = [row.value for row in operations if row.op == "number"]
         if len(values) == 2 and None not in values and values[0] >= values[1]:
             self._findings.add("E006.bounds", node.at, word=node.op.upper())
             return None
@@ -364,7 +365,7 @@ class Checker:
             if not constant[other] or constant[1 - other]:
                 return replace(left, unit=unit), replace(right, unit=unit)
             hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
-            if self._builder.rows[plain.node]["op"] != "variable":
+            if self._builder.operations[plain.node].op != "variable":
                 hint = "what *, / and RATE give has no unit: write the number without one"
             self._findings.add("E009.one_side", starts[other], hint=hint, unit=unit)
         elif dimension(left.unit) != dimension(right.unit):
@@ -389,10 +390,9 @@ class Checker:
 
     def _converted(self, value: Value, unit: str, start: int) -> Value | None:
         """Return a constant in another unit of its dimension."""
-        row = self._builder.rows[value.node]
-        number = None if row["value"] is None else converted(row["value"], value.unit or "", unit)
+        row = self._builder.operations[value.node]
+        number = None if row.value is None else converted(row.value, value.unit or "", unit)
         if number is not None and not math.isfinite(number):
             self._findings.add("E013.number_in_unit", start, unit=unit)
             return None
-        line, column = row["at"]
-        return Value(NUMBER, unit, self._builder.leaf("number", number, (line, column)))
+        return Value(NUMBER, unit, self._builder.leaf("number", number, row.at))

@@ -160,7 +160,7 @@ def _json_answer(body: bytes, *, code: bool) -> dict[str, Any]:
         analysis = _analysis(page)
     except EddiError as failure:
         return {"ok": False, "problems": [problem.as_json() for problem in failure.problems]}
-    is_good = code and analysis.form is not None
+    is_good = code and analysis.program is not None
     return as_json(analysis, generate(analysis, page.target, page.name) if is_good else {})
 
 
@@ -171,7 +171,7 @@ def _answer(page: Page, read_signal: ReadSignal, *, code: bool, example: bool) -
     except EddiError as failure:
         return replace(page, result=_result(failure.problems))
     problems, picture = list(analysis.problems), ""
-    if analysis.form is None:
+    if analysis.program is None:
         page = replace(page, error_at=_offset(page.text, problems))
     else:
         if example:

@@ -1,4 +1,4 @@
-"""The intermediate form in the making: equal nodes are one, constants are computed."""
+"""The program of conditions in the making: equal operations are one, constants are computed."""
 
 from __future__ import annotations
 
@@ -7,21 +7,51 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import add, eq, ge, gt, le, lt, mul, ne, sub
 from typing import Any
 
-from eddi_scaffold.program.builder import SIGNATURES, VERSION
-from eddi_scaffold.program.instructions import BUFFERED
+from eddi_scaffold.program.builder import SIGNATURES
+from eddi_scaffold.program.instructions import (
+    BOOL,
+    BUFFERED,
+    ENUM,
+    NUMBER,
+    WINDOWS,
+    Operation,
+    Program,
+    Read,
+    Result,
+)
+from eddi_scaffold.program.python_text import comment
 
-Row = dict[str, Any]
 At = tuple[int, int]
 """Line and column."""
+_CONSTANTS = {"number": NUMBER, "truth": BOOL, "literal": ENUM}
+_KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
+"""Operations whose value can be infinite when an argument is."""
+_BETWEEN = {
+    "add": "+",
+    "sub": "-",
+    "mul": "*",
+    "div": "/",
+    "lt": "<",
+    "le": "<=",
+    "gt": ">",
+    "ge": ">=",
+    "eq": "==",
+    "ne": "!=",
+    "and": "AND",
+    "or": "OR",
+    "xor": "XOR",
+    "implies": "IMPLIES",
+}
+_TRUTH_WORDS = ("FALSE", "UNKNOWN", "TRUE")
 
 
 class GraphBuilder:
-    """Collects the nodes of a form; what adds one returns its number."""
+    """Collects operations; what adds one returns its number."""
 
     def __init__(self, period: int) -> None:
         self.period = period
-        self.rows: list[Row] = []
-        self._known: dict[tuple[str, ...], int] = {}
+        self.operations: list[Operation] = []
+        self._known: dict[str, int] = {}
 
     def leaf(self, op: str, value: float | None, at: At) -> int:
         """Add a constant or what is read.
@@ -31,59 +61,120 @@ class GraphBuilder:
             value: the constant, ``None`` for an UNKNOWN number, or which literal or variable.
             at: its place.
         """
-        return self._add({"op": op, "value": value, "at": list(at)})
+        return self._add(Operation(op, (), "", value, at=at))
 
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
         """Add an operation; one whose value is the same in every step becomes a constant."""
         if op in _FOLDED and all(self.is_constant(k) for k in args):
-            type_ = "truth" if SIGNATURES[op][1] == "bool" else "number"
-            return self.leaf(type_, _folded(op, [self.rows[k]["value"] for k in args]), at)
-        return self._add({"op": op, "args": list(args), "at": list(at)})
+            constant = "truth" if SIGNATURES[op][1] == BOOL else "number"
+            return self.leaf(constant, _folded(op, [self.operations[k].value for k in args]), at)
+        return self._add(Operation(op, tuple(args), "", at=at))
 
     def window(self, op: str, arg: int, length: int, coverage: float | None, at: At) -> int:
         """Add a window."""
-        row: Row = {"op": op, "args": [arg], "window": length, "at": list(at)}
-        if op in BUFFERED:
-            row["capacity"] = capacity(length, self.period)
-        if coverage is not None:
-            row["coverage"] = coverage
-        return self._add(row)
+        samples = capacity(length, self.period) if op in BUFFERED else 0
+        window = Operation(op, (arg,), "", None, "", length, samples, coverage, at=at)
+        return self._add(window)
 
     def is_constant(self, node: int) -> bool:
         """Return whether the value of a node never changes."""
-        return self.rows[node]["op"] in ("number", "truth", "literal")
+        return self.operations[node].op in _CONSTANTS
 
-    def document(self, variables: list[Row], outputs: list[Row]) -> Row:
-        """Return the intermediate form; nodes that nothing uses are omitted."""
-        rows, new = self.needed({output["node"] for output in outputs})
-        return {
-            "version": VERSION,
-            "period": self.period,
-            "variables": variables,
-            "nodes": rows,
-            "outputs": [{**output, "node": new[output["node"]]} for output in outputs],
-        }
+    def program(self, reads: Sequence[Read], results: Sequence[Result]) -> Program:
+        """Return the program; operations that nothing uses are omitted."""
+        operations, new = self.needed(result.operation for result in results)
+        renumbered = [result._replace(operation=new[result.operation]) for result in results]
+        return program_of(self.period, reads, operations, renumbered)
 
-    def needed(self, nodes: Iterable[int]) -> tuple[list[Row], dict[int, int]]:
-        """Return the rows that some nodes need, and the new number of each."""
+    def needed(self, nodes: Iterable[int]) -> tuple[list[Operation], dict[int, int]]:
+        """Return the operations that some nodes need, and the new number of each."""
         used = set(nodes)
-        for number in range(len(self.rows) - 1, -1, -1):
+        for number in range(len(self.operations) - 1, -1, -1):
             if number in used:
-                used.update(self.rows[number].get("args", ()))
+                used.update(self.operations[number].args)
         new = {old: k for k, old in enumerate(sorted(used))}
-        rows = [dict(self.rows[old]) for old in new]
-        for row in rows:
-            if "args" in row:
-                row["args"] = [new[k] for k in row["args"]]
-        return rows, new
+        operations = (self.operations[old] for old in new)
+        return [row._replace(args=tuple(new[k] for k in row.args)) for row in operations], new
 
-    def _add(self, row: Row) -> int:
+    def _add(self, row: Operation) -> int:
         # repr: 0.0 and -0.0, 1 and True are not the same
-        key = tuple(repr(row.get(k)) for k in ("op", "args", "value", "window", "coverage"))
+        key = repr((row.op, row.args, row.value, row.window, row.coverage))
         if key not in self._known:
-            self._known[key] = len(self.rows)
-            self.rows.append(row)
+            self._known[key] = len(self.operations)
+            self.operations.append(row)
         return self._known[key]
+
+
+def program_of(
+    period: int, reads: Sequence[Read], operations: Iterable[Operation], results: Iterable[Result]
+) -> Program:
+    """Return the program of operations without types, each with its type and words."""
+    rows = list(operations)
+    aged = {row.value for row in rows if row.op == "age"}
+    reads = tuple(
+        read._replace(stamped=k in aged or read.timeout is not None) for k, read in enumerate(reads)
+    )
+    typed: list[Operation] = []
+    words: list[str] = []
+    for row in rows:
+        if row.op == "variable":
+            type_, infinite = reads[row.value].type, reads[row.value].infinite
+        else:
+            type_ = _CONSTANTS.get(row.op) or SIGNATURES[row.op][1]
+            infinite = row.op in _KEEPS_INFINITY and any(typed[k].infinite for k in row.args)
+        words.append(comment(_words(reads, row, typed, words)))
+        about = f"{row.at[0]}:{row.at[1]} {words[-1]}"
+        typed.append(row._replace(type=type_, about=about, infinite=infinite))
+    return Program(period, reads, tuple(typed), tuple(results))
+
+
+def _words(
+    reads: Sequence[Read], operation: Operation, before: Sequence[Operation], words: Sequence[str]
+) -> str:
+    """Return the words of an operation, as they stand in comments beside what is made of it.
+
+    Args:
+        reads: what the program reads.
+        operation: what is done.
+        before: the operations before it.
+        words: of these.
+    """
+    op, value = operation.op, operation.value
+    base = op.partition("_")[0]
+    if op in ("variable", "age"):
+        name = reads[value].name
+        return name if op == "variable" else f"AGE({name})"
+    if op == "number":
+        return "UNKNOWN" if value is None else f"{value!r}".removesuffix(".0")
+    if op == "truth":
+        return _TRUTH_WORDS[value]
+    if op == "literal":
+        return f"literal {value}"
+    arguments = [before[k] for k in operation.args]
+    inner = [words[k] for k in operation.args]
+    if base in _BETWEEN or op in ("neg", "not"):
+        pairs = zip(arguments, inner, strict=True)
+        inner = [
+            f"({text})" if argument.op.partition("_")[0] in _BETWEEN else text
+            for argument, text in pairs
+        ]
+    if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
+        literals = next(
+            (reads[argument.value].literals for argument in arguments if argument.op == "variable"),
+            (),
+        )
+        for k, argument in enumerate(arguments):
+            if argument.op == "literal" and argument.value < len(literals):
+                inner[k] = literals[argument.value]
+    if base in _BETWEEN:
+        return f"{inner[0]} {_BETWEEN[base]} {inner[1]}"
+    if op in ("neg", "not"):
+        return f"{'-' if op == 'neg' else 'NOT '}{inner[0]}"
+    if op in WINDOWS:
+        inner = [*inner, f"{operation.window / 1e9:g} s"]
+    if operation.coverage is not None:
+        inner = [*inner, f"COVERAGE {operation.coverage!r}"]
+    return f"{base.upper()}({', '.join(inner)})"
 
 
 def capacity(length: int, period: int) -> int:

@@ -36,7 +36,7 @@ class CompiledExpression:
     """A checked expression of an input.
 
     Attributes:
-        document: JSON for ``eddi_scaffold.program``.
+        document: for ``eddi_scaffold.program``: the programs, and what they give.
         names: variables, in order and once each.
         requires: first words of the variables: SimulatorOutputs, or other inputs.
         canonical: the expression in canonical form; several for a state.
@@ -88,7 +88,7 @@ def compile_input(
     if has_errors(problems):
         return None, problems
     parts = [
-        {"form": analysis.form, **({"state": text.state} if text.state else {})}
+        {"program": analysis.program, **({"state": text.state} if text.state else {})}
         for analysis, text in zip(analyses, texts, strict=True)
     ]
     names = dict.fromkeys(entry.name for analysis in analyses for entry in analysis.inputs)
@@ -106,7 +106,7 @@ def _wrong_type(
     analysis: Analysis, text: ExpressionText, type_: ExpressionType
 ) -> Sequence[Problem]:
     """Return an error when the expression gives another type than the input has."""
-    if analysis.form is None:
+    if analysis.program is None:
         return ()
     if len(analysis.events) != 1:
         return (problem("E001.several_events", text.locate(0)),)

@@ -1,13 +1,13 @@
-"""Reductions of lists in a text: what they read, and their rows in the intermediate form."""
+"""Reductions of lists in a text: what they read, and what the program does with them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from eddi_scaffold.common.units import converted, find
-from eddi_scaffold.conditions.graph import GraphBuilder, Row
+from eddi_scaffold.conditions.graph import GraphBuilder
 from eddi_scaffold.conditions.scope import NUMBER, Scope, Variable, result_of
 from eddi_scaffold.conditions.syntax import (
     File,
@@ -19,10 +19,12 @@ from eddi_scaffold.conditions.syntax import (
     is_list_path,
 )
 from eddi_scaffold.conditions.tokens import TextFindings
-from eddi_scaffold.program.lists import OPERATIONS
+from eddi_scaffold.program.lists import OPERATIONS, Element, Part, Reduction
 
 _ALLOWED = (*OPERATIONS, "number", "truth", "name", "hypot", "clamp", "number_of")
 _KEEP_INFINITY = ("list_min", "list_max", "list_median")
+_ELEMENTS = {"variable": "input", "number": "constant", "truth": "constant"}
+"""Operation of the text -> what it is among the elements."""
 _ANGLES = ("angle_min", "angle_max", "angle_increment")
 """Fields of a scan that define the directions of its elements."""
 
@@ -115,18 +117,25 @@ def reduced(
         scope.variables.get(name) or Variable(name, NUMBER, declared=False)
         for name in elements.used
     ]
-    row: Row = {"op": node.op, **sector}
-    row["inputs"] = [_input(part) for part in parts]
-    row["nodes"] = [_node(element) for element in rows]
-    row["value"] = new[nodes[0]]
-    if limits:
-        row["limits"] = [[place, *(new[n] for n in ends)] for place, *ends in limits]
-    if options.coverage is not None:
-        row["coverage"] = options.coverage
-    if options.length is not None:
-        row["length"] = list(options.length)
-    if array_of(lists[0])[1]:
-        row["messages"] = True
+    inputs = tuple(
+        Part(
+            part.name,
+            part.type.kind if part.type is not None else "number",
+            is_list_path(part.name),
+            part.range,
+            part.infinite,
+        )
+        for part in parts
+    )
+    computed: list[Element] = []
+    for row in rows:
+        op, value = _ELEMENTS.get(row.op, row.op), row.value
+        if row.op == "number" and value is None:
+            value = math.nan
+        is_list = (
+            inputs[value].is_list if op == "input" else any(computed[n].is_list for n in row.args)
+        )
+        computed.append(Element(op, row.args, value, is_list))
     infinite = [part for part in parts if part.name in lists and part.infinite]
     return Variable(
         canonical(file, root),
@@ -134,7 +143,17 @@ def reduced(
         timeout=min((part.timeout for part in parts if part.timeout is not None), default=None),
         infinite=node.op in _KEEP_INFINITY and bool(infinite),
         defined=all(part.defined for part in infinite),
-        reduction=row,
+        reduction=Reduction(
+            node.op,
+            inputs,
+            tuple(computed),
+            new[nodes[0]],
+            tuple((place, new[low], new[high]) for place, low, high in limits),
+            options.coverage,
+            options.length,
+            *sector,
+            bool(array_of(lists[0])[1]),
+        ),
         parts=tuple(parts),
     )
 
@@ -162,7 +181,8 @@ def _container(name: str) -> tuple[str, str, str]:
 
 def _sector(
     options: ReductionOptions, lists: list[str], elements: Elements, findings: TextFindings
-) -> Mapping[str, Any] | None:
+) -> tuple[tuple[float, float] | None, tuple[int, ...]] | None:
+    """Return the angles of a sector, and the inputs with those of the scan."""
     ends = []
     for end in options.sector or ():
         unit = find(end.unit) if end.unit else None
@@ -171,7 +191,7 @@ def _sector(
             return None
         ends.append(converted(end.value, end.unit or "", "rad"))
     if not ends:
-        return {}
+        return None, ()
     if ends[0] >= ends[1]:
         findings.add("E007.empty_sector", options.sector_at)
         return None
@@ -182,22 +202,5 @@ def _sector(
         return None
     for angle in _ANGLES:
         elements.read(f"{scan}.{angle}")
-    return {"sector": ends, "angles": [elements.used[f"{scan}.{angle}"] for angle in _ANGLES]}
-
-
-def _input(part: Variable) -> Row:
-    row: Row = {"name": part.name, "type": part.type.kind if part.type is not None else "number"}
-    if is_list_path(part.name):
-        row["list"] = True
-    if part.range is not None:
-        row["range"] = list(part.range)
-    if part.infinite:
-        row["infinite"] = True
-    return row
-
-
-def _node(row: Row) -> Row:
-    if row["op"] in ("variable", "number", "truth"):
-        op = "input" if row["op"] == "variable" else "constant"
-        return {"op": op, "value": row["value"]}
-    return {"op": row["op"], "args": row["args"]}
+    angles = tuple(elements.used[f"{scan}.{angle}"] for angle in _ANGLES)
+    return (ends[0], ends[1]), angles

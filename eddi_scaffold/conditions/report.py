@@ -9,8 +9,7 @@ from eddi_scaffold.common.problems import has_errors, plural
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import duration_text
-from eddi_scaffold.program.builder import read_form
-from eddi_scaffold.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation
+from eddi_scaffold.program.instructions import BUFFERED, LEAVES, WINDOWS, Operation, Program
 
 _ARRAYS = {"count": 1, "median": 3, "sum": 4, "average": 4, "stddev": 4}
 """Buffered operation -> arrays of 8 bytes per sample in C; 2 for all others."""
@@ -23,7 +22,7 @@ def as_json(analysis: Analysis, files: Mapping[str, str] | None = None) -> dict[
     keys = {"code": "code", "severity": "level", "line": "line", "column": "col"}
     keys |= {"message": "message", "hint": "hint"}
     return {
-        "ok": analysis.form is not None,
+        "ok": analysis.program is not None,
         "problems": problems,
         "diagnostics": [{name: problem[key] for name, key in keys.items()} for problem in problems],
         "canonical": {event.id: event.canonical for event in analysis.events},
@@ -49,14 +48,14 @@ def as_text(analysis: Analysis) -> list[str]:
         polarity = "" if event.type == "number" else f" ({event.polarity})"
         lines.append(f"EVENT {event.id}{polarity} := {event.canonical}")
     lines += map(_variable_text, analysis.inputs)
-    if analysis.form is not None and not has_errors(analysis.problems):
-        lines.append(cost_line(analysis.form))
+    if analysis.program is not None and not has_errors(analysis.problems):
+        lines.append(cost_line(analysis.program))
     return lines
 
 
-def cost_line(document: Mapping[str, Any]) -> str:
+def cost_line(program: Program) -> str:
     """Return one line on memory (of the C target) and operations in a step."""
-    operations = [entry for entry in read_form(document).operations if entry.op not in LEAVES]
+    operations = [entry for entry in program.operations if entry.op not in LEAVES]
     windows = sum(operation.op in WINDOWS for operation in operations)
     memory = sum(map(_bytes, operations))
     size = f"{memory / 1024:.1f} KiB" if memory >= 1024 else f"{memory} bytes"

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from graphlib import TopologicalSorter
-from typing import Any
 
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, did_you_mean
@@ -22,7 +21,7 @@ from eddi_scaffold.conditions.syntax import (
 )
 from eddi_scaffold.conditions.tokens import TextFindings
 from eddi_scaffold.program.builder import SIGNATURES
-from eddi_scaffold.program.lists import TRUTHS
+from eddi_scaffold.program.lists import TRUTHS, Reduction
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Type:
     """NUMBER, BOOL, or an ENUM.
 
     Attributes:
-        kind: ``number``, ``bool`` or ``enum``, as in the intermediate form, or ``text``.
+        kind: ``number``, ``bool`` or ``enum``, as in the program, or ``text``.
         enum: name of the ENUM.
     """
 
@@ -59,7 +58,7 @@ class Variable:
         defined: the definition of the message says so; nobody accepts it in place of a measurement.
         declared: by a VAR or by the caller.
         within: names of the numbers between which its finite values are measurements.
-        reduction: how it is made of lists, as in the intermediate form.
+        reduction: how it is made of lists.
         parts: what it is made of.
         advice: how to say its type, where that is not for a VAR.
     """
@@ -73,7 +72,7 @@ class Variable:
     defined: bool = False
     declared: bool = True
     within: tuple[str, str] | None = None
-    reduction: Mapping[str, Any] | None = None
+    reduction: Reduction | None = None
     parts: tuple[Variable, ...] = ()
     advice: str = ""
 
@@ -233,7 +232,7 @@ _FUNCTIONS = {
     "clamp": (_NUMBERS, NUMBER),
     "number_of": ((TEXT,), NUMBER),
 }
-"""What the text has and the intermediate form has not."""
+"""What the text has and the program has not."""
 
 
 def arguments_of(op: str) -> tuple[Type, ...]:

@@ -9,10 +9,9 @@ from typing import Any, Literal
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.syntax import is_list_path
-from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.c_files import c_files
 from eddi_scaffold.program.instructions import BOOL
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import StandaloneMonitor, Target, named
 from eddi_scaffold.program.standalone_python import python_module
 
@@ -55,12 +54,12 @@ def without_limits(analysis: Analysis, file: str) -> list[Problem]:
 
 def monitor_model(analysis: Analysis, name: str) -> StandaloneMonitor:
     """Return what is printed of an analysis without errors; the name may be any text."""
-    assert analysis.form is not None
+    assert analysis.program is not None
     entries = (*analysis.inputs, *analysis.variables)
     units = {entry.name: entry.unit or "" for entry in entries}
     enums = {entry.name: entry.type.enum for entry in analysis.variables if entry.type is not None}
     source = analysis.text.strip().split("\n")
-    return named(read_form(analysis.form), name, source, units=units, enums=enums)
+    return named(analysis.program, name, source, units=units, enums=enums)
 
 
 def columns(analysis: Analysis) -> dict[str, Column]:
@@ -81,8 +80,8 @@ def play(
         analysis: of a text without errors.
         rows: time in seconds, and the new samples by variable; one holds until its TIMEOUT.
     """
-    assert analysis.form is not None
-    engine = build_engine(analysis.form)
+    assert analysis.program is not None
+    engine = Engine(analysis.program)
     names = [entry.name for entry in engine.sampling.inputs]
     values: dict[str, Any] = dict.fromkeys(names)
     stamps: dict[str, int | None] = dict.fromkeys(names)

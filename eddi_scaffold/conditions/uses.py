@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from eddi_scaffold.common.claims import Holds, Use
 from eddi_scaffold.conditions.graph import COMPARISONS
+from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read
 
-Node = Mapping[str, Any]
 _TURNED = {"lt": "gt", "le": "ge", "gt": "lt", "ge": "le"}
 _MAX_VISITS = 20_000
 _SIGNS: Mapping[str, tuple[bool, ...]] = {
@@ -34,24 +33,24 @@ _KNOWN = ("known", "known_bool", "known_enum", "age")
 _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
-def uses(form: Mapping[str, Any], root: int, *, wanted: bool) -> dict[str, tuple[Use, ...]]:
+def uses(program: Program, root: int, *, wanted: bool) -> dict[str, tuple[Use, ...]]:
     """Return the uses of each variable that can make a condition true, or false.
 
     Args:
-        form: intermediate form (``Analysis.form``).
-        root: number of the condition's node.
+        program: of the conditions (``Analysis.program``).
+        root: number of the condition's operation.
         wanted: the side that claims something.
     """
     uses_of: dict[str, tuple[Use, ...]] = {}
-    for variable, use in _Walk(form).uses(root, wanted):
+    for variable, use in _Walk(program).uses(root, wanted):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
     return uses_of
 
 
 class _Walk:
-    def __init__(self, form: Mapping[str, Any]) -> None:
-        self._nodes: Sequence[Node] = form["nodes"]
-        self._variables: Sequence[Mapping[str, Any]] = form["variables"]
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self._nodes = program.operations
 
     def uses(self, root: int, side: bool) -> Iterator[tuple[str, Use]]:
         """Walk down from a node; a shared node is visited once for each path that matters."""
@@ -74,14 +73,14 @@ class _Walk:
                 waiting += [(part, side, group) for part, side in parts]
             elif (counted := self._counted(node)) is not None:
                 waiting.append((counted[0], sign == counted[1], ()))
-            elif node["op"] in _SIGNS:
-                companions = companions if node["op"] in _NOW else ()
-                signs = zip(node["args"], _SIGNS[node["op"]], strict=True)
+            elif node.op in _SIGNS:
+                companions = companions if node.op in _NOW else ()
+                signs = zip(node.args, _SIGNS[node.op], strict=True)
                 waiting += [(arg, sign == same, companions) for arg, same in signs]
-            elif node["op"] not in _SILENT:  # every variable below, in any value
+            elif node.op not in _SILENT:  # every variable below, in any value
                 for below in nodes_below(self._nodes, number, _SILENT):
-                    if below["op"] == "variable":
-                        names = inputs_of(self._variables[below["value"]])
+                    if below.op == "variable":
+                        names = inputs_of(self._program.reads[below.value])
                         yield from ((name, Use()) for name in names)
 
     def _parts(self, root: int, sign: bool) -> list[tuple[int, bool]]:
@@ -90,7 +89,7 @@ class _Walk:
         waiting = [(root, sign)]
         while waiting:
             number, side = waiting.pop()
-            op, args = self._nodes[number]["op"], self._nodes[number].get("args", ())
+            op, args = self._nodes[number].op, self._nodes[number].args
             if op == "not":
                 waiting.append((args[0], not side))
             elif op == ("and" if side else "or"):
@@ -104,24 +103,24 @@ class _Walk:
     def _test(self, number: int, sign: bool) -> tuple[str, Holds] | None:
         """Return the variable and the test of a node that tests one variable, else ``None``."""
         node = self._nodes[number]
-        while node["op"] == "not":
-            node, sign = self._nodes[node["args"][0]], not sign
+        while node.op == "not":
+            node, sign = self._nodes[node.args[0]], not sign
         variable = self._plain(node)
-        if variable is not None and variable["type"] == "bool":
-            return variable["name"], lambda value: value is sign
-        op = node["op"].removesuffix("_bool").removesuffix("_enum")
+        if variable is not None and variable.type == BOOL:
+            return variable.name, lambda value: value is sign
+        op = node.op.removesuffix("_bool").removesuffix("_enum")
         if op not in COMPARISONS:
             return None
-        left, right = (self._nodes[arg] for arg in node["args"])
-        if right["op"] == "variable":
+        left, right = (self._nodes[arg] for arg in node.args)
+        if right.op == "variable":
             left, right, op = right, left, _TURNED.get(op, op)
-        variable, limit = self._plain(left), right.get("value")
-        if variable is None or right["op"] not in ("number", "truth", "literal"):
+        variable, limit = self._plain(left), right.value
+        if variable is None or right.op not in ("number", "truth", "literal"):
             return None
-        if right["op"] == "truth":
+        if right.op == "truth":
             limit = limit == 2
-        elif right["op"] == "literal":
-            limit = variable["literals"][limit]
+        elif right.op == "literal":
+            limit = variable.literals[limit]
 
         def holds(value: object) -> bool:
             try:
@@ -129,36 +128,39 @@ class _Walk:
             except TypeError:  # a text is no number, so it is unknown: neither true nor false
                 return False
 
-        return variable["name"], holds
+        return variable.name, holds
 
-    def _counted(self, node: Node) -> tuple[int, bool] | None:
+    def _counted(self, node: Operation) -> tuple[int, bool] | None:
         """Return what a comparison counts, and whether more of it brings the comparison about."""
-        op = node["op"]
+        op = node.op
         if op not in _TURNED:
             return None
-        left, right = (self._nodes[arg] for arg in node["args"])
-        if right["op"] == "count":
+        left, right = (self._nodes[arg] for arg in node.args)
+        if right.op == "count":
             left, right, op = right, left, _TURNED[op]
-        is_count = left["op"] == "count" and right["op"] == "number"
-        return (left["args"][0], op in ("gt", "ge")) if is_count else None
+        is_count = left.op == "count" and right.op == "number"
+        return (left.args[0], op in ("gt", "ge")) if is_count else None
 
-    def _plain(self, node: Node) -> Mapping[str, Any] | None:
+    def _plain(self, node: Operation) -> Read | None:
         """Return the variable that a node is, unless it is a reduction of a list."""
-        variable = self._variables[node["value"]] if node["op"] == "variable" else None
-        return None if variable is None or "reduction" in variable else variable
+        variable = self._program.reads[node.value] if node.op == "variable" else None
+        return None if variable is None or variable.reduction is not None else variable
 
 
-def inputs_of(variable: Mapping[str, Any]) -> Sequence[str]:
-    """Return the names of what a variable of a form is read from: of a reduction, its lists."""
-    inputs = variable.get("reduction", {}).get("inputs", [variable])
-    return [entry["name"] for entry in inputs]
+def inputs_of(variable: Read) -> Sequence[str]:
+    """Return the names of what a variable is read from: of a reduction, its lists."""
+    if variable.reduction is None:
+        return [variable.name]
+    return [part.name for part in variable.reduction.inputs]
 
 
-def nodes_below(nodes: Sequence[Node], root: int, ends: Container[str] = ()) -> Iterator[Node]:
-    """Yield a node of a form and all below it, each once, in the order of the text.
+def nodes_below(
+    nodes: Sequence[Operation], root: int, ends: Container[str] = ()
+) -> Iterator[Operation]:
+    """Yield an operation and all below it, each once, in the order of the text.
 
     Args:
-        nodes: of the form.
+        nodes: of the program.
         root: where to begin.
         ends: operations whose arguments are omitted.
     """
@@ -169,8 +171,8 @@ def nodes_below(nodes: Sequence[Node], root: int, ends: Container[str] = ()) -> 
             continue
         seen.add(number)
         yield nodes[number]
-        if nodes[number]["op"] not in ends:
-            waiting += reversed(nodes[number].get("args", ()))
+        if nodes[number].op not in ends:
+            waiting += reversed(nodes[number].args)
 
 
 @dataclass(frozen=True)
@@ -190,7 +192,7 @@ class Silence:
     at: tuple[int, int]
 
 
-def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
+def accepted(program: Program, root: int) -> list[Silence]:
     """Return what a condition accepts of silence.
 
     ``KNOWN`` and ``AGE`` take silence as an argument, ``COVERAGE`` a share of the samples for all
@@ -198,21 +200,22 @@ def accepted(form: Mapping[str, Any], root: int) -> list[Silence]:
     measurement, nothing is missing: what is missing is NaN or no message there, hence UNKNOWN.
     """
     silences: dict[Silence, None] = {}
-    for node in nodes_below(form["nodes"], root):
-        op, (line, column) = node["op"], node["at"]
-        variable = form["variables"][node["value"]] if op == "variable" else {}
-        coverage = node.get("coverage") or variable.get("reduction", {}).get("coverage")
+    for node in nodes_below(program.operations, root):
+        variable = program.reads[node.value] if node.op == "variable" else None
+        coverage = node.coverage
+        if variable is not None and variable.reduction is not None:
+            coverage = variable.reduction.coverage
         texts: list[tuple[str, str, float | None]] = []
-        if op in _KNOWN:
-            texts.append((op.partition("_")[0].upper(), "silence itself as an argument", None))
+        if node.op in _KNOWN:
+            texts.append((node.op.partition("_")[0].upper(), "silence itself as an argument", None))
         elif coverage is not None and coverage < 1:
-            seconds = node["window"] / 1e9 if "window" in node else None
+            seconds = node.window / 1e9 if node.window else None
             of = "elements" if seconds is None else "samples"
             share = f"{coverage:.0%} of the {of} for all of them"
             texts.append((f"COVERAGE {coverage:g}", share, seconds))
-        if variable.get("infinite") and not variable.get("defined"):
+        if variable is not None and variable.infinite and not variable.defined:
             texts.append(("ALLOW INF", "an infinite value", None))
-        silences |= {Silence(*text, (line, column)): None for text in texts}
+        silences |= {Silence(*text, node.at): None for text in texts}
     return list(silences)
 
 

@@ -89,10 +89,10 @@ class Readings:
         if document["type"] == "bool":
             results = [value for value in (True, False) if any(use.holds(value) for use in used)]
         for part in document["parts"]:
-            form = part["form"]
-            (output,) = form["outputs"]
+            program = part["program"]
+            (output,) = program.results
             for result in results:
-                for name, uses_of_name in uses(form, output["node"], wanted=result).items():
+                for name, uses_of_name in uses(program, output.operation, wanted=result).items():
                     yield from self._named(binding, name, uses_of_name)
 
     def _named(

@@ -96,7 +96,7 @@ def compile_monitor(
 def _input_facts(input_: BoundInput, timeout_s: float | None) -> InputFacts:
     limits = [] if timeout_s is None else [timeout_s]
     for part in input_.expression["parts"] if input_.expression else ():
-        timeouts = [variable.get("timeout") for variable in part["form"]["variables"]]
+        timeouts = [read.timeout for read in part["program"].reads]
         if timeouts and None not in timeouts:
             limits.append(max(timeouts) / 1e9)
     return InputFacts(
@@ -114,5 +114,5 @@ def names_read(expression: Mapping[str, Any] | None) -> tuple[str, ...] | None:
     """Return the names of fields and inputs that an expression reads; ``None`` for none."""
     if expression is None:
         return None
-    rows = (row for part in expression["parts"] for row in part["form"]["variables"])
-    return tuple(dict.fromkeys(name for row in rows for name in inputs_of(row)))
+    reads = (read for part in expression["parts"] for read in part["program"].reads)
+    return tuple(dict.fromkeys(name for read in reads for name in inputs_of(read)))

@@ -15,7 +15,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 
-_FOR_PEOPLE = {"about", "description"}
+_FOR_PEOPLE = {"about", "at", "description"}
 """Fields that nothing computes with."""
 
 
@@ -52,11 +52,8 @@ def _text(value: Any) -> str:
     if is_dataclass(value) or hasattr(value, "_fields"):
         return f"{type(value).__name__}({', '.join(_decisive(value))})"
     if isinstance(value, Mapping):
-        rows = dict(value)  # the order is that of every output
-        at = rows.get("at")
-        if "op" in rows and isinstance(at, list | tuple) and {*map(type, at)} == {int}:
-            del rows["at"]  # where a row of conditions was written
-        return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows.items())}}}"
+        rows = value.items()  # the order is that of every output
+        return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows)}}}"
     if isinstance(value, AbstractSet):
         return f"{{{', '.join(sorted(map(_text, value)))}}}"
     if isinstance(value, list | tuple):

@@ -45,8 +45,8 @@ def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Accep
         yield Acceptance(UNSAFE_DEFAULT, text, until, input=entry.id, path=(*path, key))
     key = "expression" if entry.expression is not None else "expression_file"
     for part in bound.expression["parts"] if bound.expression is not None else ():
-        (output,) = part["form"]["outputs"]
-        for silence in accepted(part["form"], output["node"]):
+        (result,) = part["program"].results
+        for silence in accepted(part["program"], result.operation):
             what, until, hold_s = silence.accepts, lasts(silence), silence.seconds
             yield Acceptance(silence.word, what, until, hold_s, input=entry.id, path=(*path, key))
 

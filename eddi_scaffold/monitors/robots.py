@@ -15,7 +15,7 @@ from eddi_scaffold.kinds import JsonValue, Kind
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
-from eddi_scaffold.program.instructions import BUFFERED, STARTS
+from eddi_scaffold.program.instructions import BUFFERED, STARTS, Program
 
 MESSAGE = "eddi_messages/RobotGuarantees"
 _PERIODS = 3
@@ -110,16 +110,15 @@ def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem
 def _remembering(computed: Mapping[str, Any], names: Container[str]) -> str | None:
     """Return the operation of an expression that outlives a word, ``None`` where none does."""
     for part in computed.get("parts", ()):
-        form = part["form"]
+        program: Program = part["program"]
         of_words: list[bool] = []
-        for node in form["nodes"]:
-            if node["op"] in ("variable", "age"):
-                name = form["variables"][node["value"]]["name"]
-                of_words.append(head_of(name) in names)
+        for operation in program.operations:
+            if operation.op in ("variable", "age"):
+                of_words.append(head_of(program.reads[operation.value].name) in names)
             else:
-                of_words.append(any(of_words[arg] for arg in node.get("args", ())))
-            if of_words[-1] and node["op"] in _OUTLIVING:
-                return str(node["op"])
+                of_words.append(any(of_words[arg] for arg in operation.args))
+            if of_words[-1] and operation.op in _OUTLIVING:
+                return operation.op
     return None
 
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from eddi_scaffold.program.builder import Builder, joined, read_form
+from eddi_scaffold.program.builder import Builder, joined
 from eddi_scaffold.program.instructions import BOOL, Operation, Program, Read, Sampling
 from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 from eddi_scaffold.program.python_text import (
@@ -70,7 +70,7 @@ def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
         document: what ``eddi_scaffold.conditions.inputs`` made.
     """
     type_, parts = document["type"], document["parts"]
-    program = joined([read_form(part["form"]) for part in parts])
+    program = joined([part["program"] for part in parts])
     sampling, sources = Sampling(program), Names(document)
     messages = dict.fromkeys(sources.split(input_.name)[0] for input_ in sampling.inputs)
     kinds = document.get("names") or {message: ["message", message] for message in messages}
@@ -169,7 +169,7 @@ def _program(spec: BoundInput, read: Read) -> Program | None:
     if document is None or _TYPES.get(document["type"]) != read.type:
         return None
     (part,) = document["parts"]
-    program = read_form(part["form"])
+    program: Program = part["program"]
     if any(source.reduction is not None or source.text for source in program.reads):
         return None
     names = Names(document)

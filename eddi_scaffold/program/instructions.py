@@ -1,6 +1,6 @@
 """The program that a model is compiled to: values are read, operations follow, results are given.
 
-A front end makes it (``kinds.consert.compile``, ``builder.read_form``); a back end prints it:
+A front end makes it (``kinds.consert.compile``, ``conditions.analysis``); a back end prints it:
 ``python_step`` the step in ``compiled.py``, ``c_step`` the one of a monitor in C99. Each
 operation is done once in a step, after those that it works on, and has one value. A value is
 
@@ -76,6 +76,7 @@ class Read(NamedTuple):
         text: it comes as a text that represents a number in decimal.
         reduction: how it is made of the lists of a message; None: it comes as it is.
         about: what it should be, for people.
+        defined: the definition of the message says that infinity is a measurement.
     """
 
     name: str
@@ -88,6 +89,7 @@ class Read(NamedTuple):
     text: bool = False
     reduction: Reduction | None = None
     about: str = ""
+    defined: bool = False
 
 
 class Operation(NamedTuple):
@@ -103,6 +105,7 @@ class Operation(NamedTuple):
         capacity: samples that the buffer holds.
         coverage: share of known samples that is enough; None: all.
         infinite: the value can be infinite.
+        at: line and column in the text of the condition.
     """
 
     op: str
@@ -114,6 +117,7 @@ class Operation(NamedTuple):
     capacity: int = 0
     coverage: float | None = None
     infinite: bool = False
+    at: tuple[int, int] = (0, 0)
 
 
 class Result(NamedTuple):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import linecache
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from importlib.abc import Loader
 from importlib.machinery import ModuleSpec
 from pathlib import PurePath
 from types import ModuleType
 from typing import Any
 
-from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.instructions import Program, Sampling
 from eddi_scaffold.program.python_step import Printer, names_of, stamp_name
 from eddi_scaffold.program.python_text import assignment, tuple_of, unpacked
@@ -99,11 +98,6 @@ class Engine:
     def overflows(self) -> int:
         """How many samples were dropped because the host steps too often."""
         return sum(window.overflows for window in self._machine.windows)
-
-
-def build_engine(document: Mapping[str, Any]) -> Engine:
-    """Compile checked conditions."""
-    return Engine(read_form(document))
 
 
 def _lines(program: Program, sampling: Sampling) -> list[str]:

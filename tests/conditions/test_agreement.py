@@ -14,8 +14,7 @@ from eddi_scaffold.conditions.analysis import Analysis
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.program.builder import read_form
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone_python import python_module
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, INPUTS, PERIOD, RATE, Formulas, Step, recording
@@ -43,7 +42,7 @@ def text_of(seed: int, *, monotone: bool = False, count: int = BATCH) -> str:
 def analysis_of(text: str) -> Analysis:
     found = analyse(text, rate=RATE)
     assert [problem for problem in found.problems if problem.level == "error"] == []
-    assert found.form is not None
+    assert found.program is not None
     return found
 
 
@@ -63,8 +62,8 @@ def python_engine(analysis: Analysis) -> object:
 def compare(text: str, steps: list[Step], c_lines: list[list[int]] | None) -> tuple[int, int]:
     """Compare all ways on one recording; return (verdicts compared, verdicts left out as ties)."""
     analysis = analysis_of(text)
-    form = read_form(analysis.form)
-    engine, python = build_engine(analysis.form), python_engine(analysis)
+    form = analysis.program
+    engine, python = Engine(analysis.program), python_engine(analysis)
     reference = reference_of(text)
     expressions = {event.id: event.canonical for event in analysis.events}
     compared = ties = 0
@@ -94,7 +93,7 @@ def test_random_events_agree(tmp_path: Path) -> None:
     for seed in range(batches()):
         text = text_of(seed)
         analysis = analysis_of(text)
-        form = read_form(analysis.form)
+        form = analysis.program
         program = c_program.build(monitor_model(analysis, f"batch{seed}"), tmp_path / str(seed))
         steps = recording(random.Random(1000 + seed), STEPS)
         lines = [
@@ -119,7 +118,7 @@ def test_known_verdicts_survive_more_knowledge() -> None:
         analysis = analysis_of(text)
         rng = random.Random(seed)
         steps = recording(rng, STEPS)
-        less, more = build_engine(analysis.form), build_engine(analysis.form)
+        less, more = Engine(analysis.program), Engine(analysis.program)
         for step in steps:
             hidden = {n: None if rng.random() < 0.2 else v for n, v in step.values.items()}
             names = [variable.name for variable in analysis.variables]
@@ -138,9 +137,9 @@ def test_known_verdicts_survive_more_knowledge() -> None:
 def test_numbers_of_windows_agree(function: str, coverage: str, tmp_path: Path) -> None:
     text = f"{DECLARATIONS}{function}(x, 1.3s{coverage})"
     analysis = analysis_of(text)
-    form = read_form(analysis.form)
+    form = analysis.program
     program = c_program.build(monitor_model(analysis, "number"), tmp_path, "-O1")
-    engine, reference = build_engine(analysis.form), reference_of(text)
+    engine, reference = Engine(analysis.program), reference_of(text)
     steps = [step for seed in range(5) for step in recording(random.Random(seed), STEPS)]
     for step, line in zip(steps, c_program.run(program, form, steps), strict=True):
         wanted = reference.step(step.t, step.values, step.stamps)["event"]

@@ -34,7 +34,7 @@ def test_one_side_has_the_type_of_the_other(text: str, expected: dict[str, objec
 @pytest.mark.parametrize("text", ["x == y", "KNOWN(x)", "x == y AND y == z AND z == x"])
 def test_what_no_use_decides_is_asked_for(text: str) -> None:
     found = analyse(text, rate=10)
-    assert found.form is None
+    assert found.program is None
     assert {one.code for one in found.problems} == {"E008"}
 
 

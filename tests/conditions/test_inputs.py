@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from types import SimpleNamespace
 from typing import Any
 
@@ -36,7 +35,7 @@ def compiled(kind: Any, *texts: ExpressionText, **more: Any) -> Any:
 def made(kind: Any, *texts: ExpressionText, **more: Any) -> Expression:
     found, problems = compiled(kind, *texts, **more)
     assert problems == []
-    return expression_of(json.loads(json.dumps(found.document)))
+    return expression_of(found.document)
 
 
 def battery(percentage: object) -> dict[str, object]:

@@ -13,6 +13,7 @@ from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
+from eddi_scaffold.program.instructions import Program
 from tests.conditions.formulas import DECLARATIONS, RATE, Formulas
 
 KNOWN = {
@@ -148,14 +149,14 @@ def test_every_error_of_a_file_is_told_at_once() -> None:
     assert problems(text) == ["1:24 E001.word", "2:25 E007.operand", "3:21 E001.word"]
 
 
-def form_of(text: str) -> dict[str, object]:
+def program_of(text: str) -> Program:
     found = analyse(text, rate=10, variables=KNOWN)
-    assert found.form is not None, found.problems
-    return found.form
+    assert found.program is not None, found.problems
+    return found.program
 
 
 def constants(text: str) -> list[float]:
-    return [row["value"] for row in form_of(text)["nodes"] if row["op"] == "number"]
+    return [row.value for row in program_of(text).operations if row.op == "number"]
 
 
 @pytest.mark.parametrize(
@@ -179,8 +180,8 @@ def test_units_and_constants_are_computed_once(text: str, numbers: list[float]) 
 
 
 def test_equal_expressions_are_one_node() -> None:
-    form = form_of("MAX(x, 1s) > 5 AND NOT (MAX(x, 1s) > 5) OR MAX(x, 1000ms) > 6")
-    assert [row["op"] for row in form["nodes"]].count("max") == 1
+    program = program_of("MAX(x, 1s) > 5 AND NOT (MAX(x, 1s) > 5) OR MAX(x, 1000ms) > 6")
+    assert [row.op for row in program.operations].count("max") == 1
 
 
 def test_events_may_use_later_ones() -> None:
@@ -235,7 +236,7 @@ def test_nesting_is_limited() -> None:
 )
 def test_long_chains_are_no_nesting(text: str) -> None:
     found = analyse(text, rate=10, variables=KNOWN)
-    assert found.form is not None, found.problems
+    assert found.program is not None, found.problems
 
 
 def test_length_and_number_of_operations_are_limited() -> None:
@@ -291,4 +292,4 @@ def check_places(text: str) -> None:
         assert problem.place.col is not None
         assert 1 <= problem.place.line <= len(lines)
         assert 1 <= problem.place.col <= len(lines[problem.place.line - 1]) + 1
-    assert (found.form is None) == any(p.level == "error" for p in found.problems)
+    assert (found.program is None) == any(p.level == "error" for p in found.problems)

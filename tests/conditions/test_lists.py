@@ -15,7 +15,7 @@ from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.standalone import generate
 from eddi_scaffold.conditions.syntax import File, SyntaxNode, canonical, is_list_path
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from tests.conditions.reference import NearTie, aggregate, combine
 
 DECLARATIONS = """\
@@ -167,8 +167,8 @@ def test_definition_engine_and_module_agree_on_random_lists() -> None:
         findings = TextFindings(text, in_text(text))
         file = parse(text, findings)
         analysis = analyse(text, rate=10)
-        assert analysis.form is not None, [p.message for p in analysis.problems]
-        engine = build_engine(analysis.form)
+        assert analysis.program is not None, [p.message for p in analysis.problems]
+        engine = Engine(analysis.program)
         sampling = engine.sampling
         monitor = generated(text)
         for t in range(40):
@@ -229,7 +229,7 @@ def test_units_go_through_lists_and_functions() -> None:
         ("GREATEST(c, MAX(s.r[*])) > 1 m", True),
     ):
         found = analyse(f"{declared}{expression}", rate=10)
-        assert (found.form is not None) is fits, expression
+        assert (found.program is not None) is fits, expression
     covariance = "VAR v : NUMBER UNIT m VAR k : NUMBER UNIT m SQRT(v) > 1 m"
     assert [one.code for one in analyse(covariance).problems if one.level == "error"] == ["E009"]
 

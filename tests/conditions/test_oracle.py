@@ -16,8 +16,7 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER
 from eddi_scaffold.conditions.standalone import monitor_model
 from eddi_scaffold.conditions.syntax import canonical
 from eddi_scaffold.conditions.tokens import TextFindings, in_text
-from eddi_scaffold.program.builder import read_form
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone_python import python_module
 from eddi_scaffold.program.three_valued import BoolVal, NumVal
 from tests.conditions import c_program
@@ -47,7 +46,7 @@ def variables(types: dict[str, str]) -> dict[str, Variable]:
 def test_truth_tables(oracle: Any, word: str) -> None:
     text = "NOT a" if word == "not" else f"a {WORDS[word]} b"
     analysis = analyse(text, variables=variables({"a": "bool", "b": "bool"}))
-    engine = build_engine(analysis.form)
+    engine = Engine(analysis.program)
     raw = {"F": False, "U": None, "T": True}
     for case, result in oracle["truth_tables"][word].items():
         assert engine.step(0, [raw[c] for c in case]) == (TRUTH[result],)
@@ -83,7 +82,7 @@ def test_arithmetic(oracle: Any) -> None:
         text = "x" if op == "input" else f"x {op} y"
         analysis = analyse(text, variables=variables({"x": "num", "y": "num"}))
         names = {"x": a, "y": b}
-        (found,) = build_engine(analysis.form).step(0, [names[v.name] for v in analysis.variables])
+        (found,) = Engine(analysis.program).step(0, [names[v.name] for v in analysis.variables])
         value = by_types(op, NumVal(a), NumVal(b))
         if isinstance(value, BoolVal):
             assert found == value.truth == TRUTH[case["result"]]
@@ -111,7 +110,7 @@ def test_errors(oracle: Any) -> None:
         analysis = analyse(case["text"], rate=10, variables=known)
         problems = [problem for problem in analysis.problems if problem.level == "error"]
         assert [problem.place.col for problem in problems] == [case["column"]], case["text"]
-        assert analysis.form is None
+        assert analysis.program is None
 
 
 def traces() -> list[str]:
@@ -127,12 +126,12 @@ def test_traces(oracle: Any, name: str, tmp_path: Path) -> None:
         variables=variables(trace["vars"]),
         declarations=trace.get("declare", ""),
     )
-    form = read_form(analysis.form)
+    form = analysis.program
     model = monitor_model(analysis, name)
     ((_, text),) = python_module(model).items()
     names: dict[str, Any] = {"__name__": "trace"}
     exec(compile(text, name, "exec", dont_inherit=True), names)
-    engine, generated = build_engine(analysis.form), names["Engine"]()
+    engine, generated = Engine(analysis.program), names["Engine"]()
     steps = [
         Step(t, dict(zip(trace["vars"], values, strict=True)), {})
         for t, *values, _ in trace["steps"]

@@ -17,9 +17,8 @@ from hypothesis import settings
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions import analyse
 from eddi_scaffold.conditions.standalone import generate, monitor_model
-from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.kept_bodies import keep_in_folder
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from eddi_scaffold.program.standalone import module_name, unique_names
 from tests.conditions import c_program
 from tests.conditions.formulas import DECLARATIONS, recording
@@ -49,7 +48,7 @@ EVERYTHING = "".join(f"EVENT e{k} (HAZARD) := {text}\n" for k, text in enumerate
 
 def analysis_of(text: str, rate: float = 10) -> Any:
     found = analyse(text, rate=rate)
-    assert found.form is not None, found.problems
+    assert found.program is not None, found.problems
     return found
 
 
@@ -145,9 +144,9 @@ def test_fast_math_is_refused(tmp_path: Path) -> None:
 def test_c_has_neither_undefined_behaviour_nor_differences(tmp_path: Path) -> None:
     steps = 200_000 if settings.default.max_examples > 1000 else 3_000
     analysis = analysis_of(DECLARATIONS + EVERYTHING)
-    form = read_form(analysis.form)
+    form = analysis.program
     program = c_program.build(monitor_model(analysis, "all"), tmp_path, "-O1", *c_program.SANITIZE)
-    engine = build_engine(analysis.form)
+    engine = Engine(analysis.program)
     played = [one for seed in range(20) for one in recording(random.Random(seed), steps // 20)]
     lines = c_program.run(program, form, played)
     seen: list[set[float]] = [set() for _ in EACH]
@@ -165,7 +164,7 @@ def test_an_overflow_is_unknown_until_it_has_left_the_window(tmp_path: Path) -> 
     """A host that steps 50 times as often as it said fills every buffer."""
     for function in ("MAX", "SUM", "MEDIAN", "STDDEV", "RATE"):
         analysis = analysis_of(f"VAR x : NUMBER TIMEOUT 1h {function}(x, 1s)")
-        form, engine = read_form(analysis.form), build_engine(analysis.form)
+        form, engine = analysis.program, Engine(analysis.program)
         program = c_program.build(monitor_model(analysis, "full"), tmp_path / function)
         t, played, rng = 0, [], random.Random(4)
         for k in range(400):

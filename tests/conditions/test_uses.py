@@ -17,13 +17,13 @@ VALUES = {"a": (False, True), "b": (False, True), "v": (0, 1, 2)}
 
 def found(text: str, *, wanted: bool = True) -> dict[str, list[tuple[list[object], list[str]]]]:
     analysis = analyse(f"{VARIABLES}EVENT e (EVIDENCE) := {text}", rate=10)
-    assert analysis.form is not None, analysis.problems
-    (output,) = analysis.form["outputs"]
+    assert analysis.program is not None, analysis.problems
+    (result,) = analysis.program.results
     return {
         name: [
             ([x for x in VALUES[name] if use.holds(x)], [n for n, _ in use.beside]) for use in all_
         ]
-        for name, all_ in uses(analysis.form, output["node"], wanted=wanted).items()
+        for name, all_ in uses(analysis.program, result.operation, wanted=wanted).items()
     }
 
 

@@ -375,7 +375,7 @@ def _events(folder: Path) -> Made:
         yield from used(path)
         with contextlib.suppress(UnicodeDecodeError):
             found = analyse(sample.data.decode("utf-8-sig"), rate=10)
-            if found.form is not None:
+            if found.program is not None:
                 as_json(found)
                 as_text(found)
                 yield

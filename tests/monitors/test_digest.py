@@ -20,6 +20,7 @@ from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.digest import digest_of
 from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.instructions import Operation
 from tests.cli.command import run
 from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS
@@ -156,7 +157,7 @@ def test_each_property_of_an_input_counts(change: Mapping[str, Any]) -> None:
 def test_an_element_called_at_counts() -> None:
     laws = [{"op": Fraction(1, 2), "at": Fraction(1, number)} for number in (2, 3)]
     assert len({*map(digest_of, laws)}) == len(laws)
-    written = [{"op": "not", "args": [0], "at": [line, 1]} for line in (1, 2)]
+    written = [Operation("not", (0,), "bool", at=(line, 1)) for line in (1, 2)]
     assert len({*map(digest_of, written)}) == 1
 
 

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.instructions import reads_of_results
-from eddi_scaffold.program.running import build_engine
+from eddi_scaffold.program.running import Engine
 from runtime_lib.tests.event.event_models import form
 
 
 def test_no_word_of_a_form_becomes_code():
     evil = '"); import os; os.abort() #'
-    found = form(("gt", "x", 5), ("eq_enum", "m", ("literal", 0)), variables=("x", "m"))
-    found["variables"][0]["name"] = evil
-    found["variables"][1]["literals"] = [evil]
-    found["outputs"][0]["id"] = evil
-    engine = build_engine(found)
+    named = {"x": {"name": evil}, "m": {"literals": (evil,)}}
+    found = form(("gt", "x", 5), ("eq_enum", "m", ("literal", 0)), variables=("x", "m"), **named)
+    results = tuple(result._replace(id=evil) for result in found.results)
+    engine = Engine(found._replace(results=results))
     assert engine.step(0, [6.0, evil]) == (2, 2)
     assert engine.step(1, [4.0, "else"]) == (0, 1)
 
 
 def test_which_reads_decide_a_result():
-    read = read_form(form(("gt", "x", 5), ("or", "a", ("gt", ("age", "y"), 1))))
-    assert reads_of_results(read) == [[0], [1, 2]]
+    program = form(("gt", "x", 5), ("or", "a", ("gt", ("age", "y"), 1)))
+    assert reads_of_results(program) == [[0], [1, 2]]

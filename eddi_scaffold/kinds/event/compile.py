@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from eddi_scaffold.conditions.uses import accepted
-from eddi_scaffold.program.builder import read_form
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.instructions import (
     NUMBER,
@@ -38,9 +36,8 @@ from eddi_scaffold.program.python_text import (
 FORMAT = 1
 
 
-def compile_events(form: Mapping[str, Any], declaration: Declaration) -> CompiledMonitor:
+def compile_events(program: Program, declaration: Declaration) -> CompiledMonitor:
     """Compile configured events: what each needs as tables, the step as text."""
-    program = read_form(form)
     sampling = Sampling(program)
     numbers = {input_.id: k for k, input_ in enumerate(declaration.inputs)}
     places = [numbers[input_.name] for input_ in sampling.inputs]
@@ -53,10 +50,11 @@ def compile_events(form: Mapping[str, Any], declaration: Declaration) -> Compile
     types = (_type(sampled.get(input_.id)) for input_ in declaration.inputs)
     limits = (_limits(reads.get(input_.id)) for input_ in declaration.inputs)
     events = []
-    rows = zip(program.results, reads_of_results(program), form["outputs"], strict=True)
-    for result, used, output in rows:
+    for result, used in zip(program.results, reads_of_results(program), strict=True):
         needs = sorted({place for read in used for place in sampling.uses[read]})
-        words = tuple(dict.fromkeys(silence.word for silence in accepted(form, output["node"])))
+        words = tuple(
+            dict.fromkeys(silence.word for silence in accepted(program, result.operation))
+        )
         more = {"accepts": literal(words)} if words else {}
         inputs = literal(tuple(places[k] for k in needs))
         row = [text_literal(result.id), str(result.hazard), inputs]

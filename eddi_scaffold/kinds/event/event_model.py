@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
@@ -12,7 +12,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.conditions.report import cost_line
 from eddi_scaffold.conditions.tokens import line_and_column
-from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts, nodes_below
+from eddi_scaffold.conditions.uses import Silence, accepted, inputs_of, lasts
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResult
 from eddi_scaffold.kinds.event import read_eddi
@@ -27,6 +27,7 @@ from eddi_scaffold.kinds.event.events import (
     uses_of,
 )
 from eddi_scaffold.program.input_expressions import BoundInput
+from eddi_scaffold.program.instructions import Program, reads_of_results
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 _VERDICT = Meaning(
@@ -131,7 +132,7 @@ class EventModel(Model):
             analysis, problems = analysed(events.text, self.source.name, events.placed, rate)
         except EddiError as failure:
             return None, list(failure.problems)
-        if analysis.form is None:
+        if analysis.program is None:
             return None, [error for error in problems if error.level == "error"]
         configured = replace(self, data=replace(events, analysis=analysis, rate=rate))
         if options.frequency is None or None not in options.parts or len(analysis.events) < 2:
@@ -145,7 +146,7 @@ class EventModel(Model):
 
     def inputs(self) -> Sequence[ModelInput]:
         """Return an input for each variable, in the order of their first use."""
-        uses = uses_of(self.form)
+        uses = uses_of(self.program)
         variables = self.data.analysis.inputs
         return [input_of(variable, uses.get(variable.name, ())) for variable in variables]
 
@@ -161,34 +162,31 @@ class EventModel(Model):
             lines.append(
                 f"| {markdown_text(event.id)} | {counts_as} | `{markdown_code(event.canonical)}` |"
             )
-        return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.form)}."]
+        return [*lines, "", f"{self.data.rate:g} steps a second; {cost_line(self.program)}."]
 
     def compile(self, declaration: Declaration) -> CompiledMonitor:
-        return compile_events(self.form, declaration)
+        return compile_events(self.program, declaration)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
         """Return the events, each with the variables that it rests on."""
-        names = [inputs_of(variable) for variable in self.form["variables"]]
+        names = [inputs_of(read) for read in self.program.reads]
         return [
             Claim(
-                output["id"],
-                frozenset(
-                    name
-                    for node in nodes_below(self.form["nodes"], output["node"])
-                    if node["op"] in ("variable", "age")
-                    for name in names[node["value"]]
-                ),
-                polarity=output["polarity"],
+                result.id,
+                frozenset(name for number in used for name in names[number]),
+                polarity="HAZARD" if result.hazard else "EVIDENCE",
             )
-            for output in self.form["outputs"]
+            for result, used in zip(
+                self.program.results, reads_of_results(self.program), strict=True
+            )
         ]
 
     def acceptances(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Acceptance]:
         """Return what the events of a file accept of silence, with the events that do."""
         events: dict[Silence, list[str]] = {}
-        for output in self.form["outputs"]:
-            for silence in accepted(self.form, output["node"]):
-                events.setdefault(silence, []).append(output["id"])
+        for result in self.program.results:
+            for silence in accepted(self.program, result.operation):
+                events.setdefault(silence, []).append(result.id)
         return [
             Acceptance(
                 silence.word,
@@ -204,24 +202,25 @@ class EventModel(Model):
     def input_timeouts(self) -> Mapping[str, float]:
         """Return the TIMEOUT of each variable that has one."""
         return {
-            name: variable["timeout"] / 1e9
-            for variable in self.form["variables"]
-            if variable.get("timeout") is not None
-            for name in inputs_of(variable)
+            name: read.timeout / 1e9
+            for read in self.program.reads
+            if read.timeout is not None
+            for name in inputs_of(read)
         }
 
     def elements(self) -> Sequence[Element]:
         """Return the events, in a file of their own with the line of each condition."""
-        nodes = self.form["nodes"]
-        in_eddi = self.place.path is not None
+        operations, in_eddi = self.program.operations, self.place.path is not None
         return [
-            Element("event", output["id"], line=None if in_eddi else nodes[output["node"]]["at"][0])
-            for output in self.form["outputs"]
+            Element(
+                "event", result.id, line=None if in_eddi else operations[result.operation].at[0]
+            )
+            for result in self.program.results
         ]
 
     @property
-    def form(self) -> Mapping[str, Any]:
+    def program(self) -> Program:
         """The conditions of configured events."""
-        form = self.data.analysis.form
-        assert form is not None
-        return form
+        program = self.data.analysis.program
+        assert program is not None
+        return program

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 from eddi_scaffold.common.claims import Use
 from eddi_scaffold.common.problems import Place, Problem, has_errors, problem
@@ -16,6 +15,7 @@ from eddi_scaffold.conditions.syntax import is_list_path
 from eddi_scaffold.conditions.tokens import Locate, line_and_column
 from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.kinds import InputType, ModelInput
+from eddi_scaffold.program.instructions import Program
 
 NAME = "event"
 DEFAULT_RATE = 10.0
@@ -139,14 +139,13 @@ def input_of(variable: Variable, uses: tuple[Use, ...]) -> ModelInput:
     )
 
 
-def uses_of(form: Mapping[str, Any]) -> Mapping[str, tuple[Use, ...]]:
+def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
     """Return for each variable how it can bring an event nearer to what it claims.
 
     An EVIDENCE claims that it is true, a HAZARD that it is not.
     """
     uses_of_variable: dict[str, tuple[Use, ...]] = {}
-    for output in form["outputs"]:
-        is_evidence = output["polarity"] == "EVIDENCE"
-        for name, more in uses(form, output["node"], wanted=is_evidence).items():
+    for result in program.results:
+        for name, more in uses(program, result.operation, wanted=not result.hazard).items():
             uses_of_variable[name] = (*uses_of_variable.get(name, ()), *more)
     return uses_of_variable

@@ -127,7 +127,7 @@ def test_who_keeps_an_event_from_being_known():
 
 
 def test_a_number_that_its_declaration_refuses_is_told():
-    said = {"x": {"range": [0, 30]}, "y": {"range": [0, 9], "infinite": True}}
+    said = {"x": {"range": (0.0, 30.0)}, "y": {"range": (0.0, 9.0), "infinite": True}}
     monitor = made(("gt", "x", 5), ("gt", "y", 1), **said)
     step(monitor, 0, x=50, y=math.inf)
     assert monitor.faults() == {"x": "50 is outside RANGE 0 .. 30"}
@@ -143,7 +143,7 @@ def test_a_number_that_its_declaration_refuses_is_told():
 
 
 def test_what_is_beyond_the_range_is_told_in_the_unit_in_which_it_was_given():
-    said = {"inputs": {"x": {"factor": [100, 1]}}, "x": {"range": [0, 1234567]}}
+    said = {"inputs": {"x": {"factor": [100, 1]}}, "x": {"range": (0.0, 1234567.0)}}
     monitor = made(("gt", "x", 5), **said)
     step(monitor, 0, x=12345.68)
     assert monitor.faults() == {"x": "12345.68, times 100: 1234568.0 is outside RANGE 0 .. 1234567"}
@@ -197,7 +197,7 @@ def messages(**fields):
 
 
 def test_an_expression_over_messages():
-    part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": "x.data[1].value"})}
+    part = {"program": form(("gt", "x", 5), variables=("x",), x={"name": "x.data[1].value"})}
     one = expression("bool", part)
     assert tuple(one.names) == ("x",)
     good = messages(data=[None, SimpleNamespace(value=6)])
@@ -209,13 +209,13 @@ def test_an_expression_over_messages():
 
 
 def test_numbers_and_states():
-    number = {"form": form(("mul", "x", 2), variables=("x",))}
+    number = {"program": form(("mul", "x", 2), variables=("x",))}
     assert expression("float", number).value(0, {"x": 1.25}) == 2.5
     found = [expression("int", number).value(0, {"x": x}) for x in (1.25, 0.75, None, 1e308)]
     assert found == [2, 2, None, None]
     states = [
-        {"state": "High", "form": form(("gt", "x", 5), variables=("x",))},
-        {"state": "Low", "form": form(("lt", "x", 6), variables=("x",))},
+        {"state": "High", "program": form(("gt", "x", 5), variables=("x",))},
+        {"state": "Low", "program": form(("lt", "x", 6), variables=("x",))},
     ]
     state = expression("state", *states)
     assert [state.value(k, {"x": x}) for k, x in enumerate((7, 4, 5.5, None))] == [
@@ -228,7 +228,7 @@ def test_numbers_and_states():
 
 
 def test_ages_of_messages_end_them():
-    part = {"form": form(("gt", "x", 5), variables=("x",), x={"timeout": SECOND})}
+    part = {"program": form(("gt", "x", 5), variables=("x",), x={"timeout": SECOND})}
     one = expression("bool", part)
     assert one.value(0, {"x": 6.0}, {"x": 0.5}) is True
     assert one.value(1, {"x": 6.0}, {"x": 1.5}) is None
@@ -243,7 +243,7 @@ def test_paths():
 
 def test_elements_by_key_and_why_there_is_none():
     name = 'x.status["a.b"].level'
-    part = {"form": form(("gt", "x", 5), variables=("x",), x={"name": name})}
+    part = {"program": form(("gt", "x", 5), variables=("x",), x={"name": name})}
     one = expression("bool", part, paths={name: ["status", ["name", "a.b"], "level"]})
     assert tuple(one.names) == ("x",)
     good = SimpleNamespace(name="a.b", level=6)

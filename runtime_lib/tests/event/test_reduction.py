@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,26 +12,25 @@ from eddi_runtime.expressions import reduced
 from eddi_runtime.expressions.expression import gather
 from eddi_runtime.expressions.lists import MAX_ELEMENTS, number_in
 
-from eddi_scaffold.program.builder import read_reduction
-from eddi_scaffold.program.lists import reduction_lines
+from eddi_scaffold.program.lists import Element, Part, Reduction, reduction_lines
 from eddi_scaffold.program.running import module_of
 
 from .event_models import SECOND, monitor
 
-LIST = {"name": "s.r[*]", "type": "number", "list": True}
+LIST = Part("s.r[*]", "number", True, None, False)
+PLAIN = Reduction(
+    *("list_min", (LIST,), (Element("input", (), 0, True),), 0),
+    *((), None, None, None, (), False),
+)
 
 
-def row(op="list_min", **more):
-    nodes = [{"op": "input", "value": 0}]
-    return dict({"op": op, "inputs": [LIST], "nodes": nodes, "value": 0}, **more)
-
-
-class Reduction:
+class Reducer:
     """A reduction as a package has it."""
 
-    def __init__(self, row):
+    def __init__(self, op="list_min", **more):
+        reduction = replace(PLAIN, op=op, **more)
         lines = ["from eddi_runtime.expressions import lists", "class Made:"]
-        lines += reduction_lines(0, "reduced", read_reduction(row), "lists.")
+        lines += reduction_lines(0, "reduced", reduction, "lists.")
         self._reduce = module_of("\n".join(lines), "reduction").Made().reduce_0
 
     def value(self, raws):
@@ -38,12 +38,12 @@ class Reduction:
 
 
 def scan(low, high):
-    angles = [{"name": name, "type": "number"} for name in ("start", "end", "step")]
-    return Reduction(row(inputs=[LIST, *angles], angles=[1, 2, 3], sector=[low, high]))
+    angles = [Part(name, "number", False, None, False) for name in ("start", "end", "step")]
+    return Reducer(inputs=(LIST, *angles), angles=(1, 2, 3), sector=(low, high))
 
 
 def test_arrays_of_numpy_and_bytes_are_lists():
-    one = Reduction(row())
+    one = Reducer()
     assert one.value([np.array([3.0, 2.0], np.float32)]) == (2.0, "")
     assert one.value([bytes([3, 2])]) == (2.0, "")
     for wrong in ("text", 3.0, object()):
@@ -52,7 +52,7 @@ def test_arrays_of_numpy_and_bytes_are_lists():
 
 
 def test_too_many_elements_are_unknown():
-    one = Reduction(row())
+    one = Reducer()
     assert one.value([[1.0] * MAX_ELEMENTS]) == (1.0, "")
     assert one.value([[1.0] * (MAX_ELEMENTS + 1)])[0] is None
 
@@ -88,10 +88,10 @@ def test_empty_lists_of_messages_and_of_numbers():
     found = {}
     for op in ("list_sum", "list_count", "list_any", "list_all", "list_min"):
         kind = "bool" if op in ("list_count", "list_any", "list_all") else "number"
-        inputs = [dict(LIST, type=kind)]
+        inputs = (replace(LIST, type=kind),)
         found[op] = (
-            Reduction(row(op, inputs=inputs, messages=True)).value([[]])[0],
-            Reduction(row(op, inputs=inputs)).value([[]])[0],
+            Reducer(op, inputs=inputs, messages=True).value([[]])[0],
+            Reducer(op, inputs=inputs).value([[]])[0],
         )
     assert found == {
         "list_sum": (0.0, None),
@@ -104,8 +104,8 @@ def test_empty_lists_of_messages_and_of_numbers():
 
 def test_sums_that_no_double_holds_are_unknown():
     for op in ("list_sum", "list_average", "list_stddev"):
-        assert Reduction(row(op)).value([[1e308, 1e308, -1e308 * (op == "list_stddev")]])[0] is None
-    infinite = Reduction(row("list_sum", inputs=[dict(LIST, infinite=True)]))
+        assert Reducer(op).value([[1e308, 1e308, -1e308 * (op == "list_stddev")]])[0] is None
+    infinite = Reducer("list_sum", inputs=(replace(LIST, infinite=True),))
     assert infinite.value([[math.inf, -math.inf]])[0] is None
 
 
@@ -123,7 +123,10 @@ def test_numbers_in_texts(text, number):
 
 
 def test_an_event_monitor_reads_the_list():
-    reduction = {"name": "MIN(x[*])", "reduction": row(inputs=[dict(LIST, name="x")])}
+    reduction = {
+        "name": "MIN(x[*])",
+        "reduction": replace(PLAIN, inputs=(replace(LIST, name="x"),)),
+    }
     inputs = {"MIN(x[*])": {"id": "x"}}
     one = monitor(("gt", "x", 5), variables=("x",), x=reduction, inputs=inputs)
     given = SimpleNamespace()

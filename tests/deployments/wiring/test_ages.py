@@ -92,7 +92,7 @@ def test_each_message_of_an_expression_has_its_own_limit(tmp_path: Path) -> None
     monitors, _ = read(written(tmp_path, "top", SENSOR_AND_MONITOR, entry))
     computed: Any = monitors["top"].inputs[0].computed
     (part,) = computed["parts"]
-    of = {one["name"].partition(".")[0]: one.get("timeout") for one in part["form"]["variables"]}
+    of = {read.name.partition(".")[0]: read.timeout for read in part["program"].reads}
     assert of == {"b": 10**9, "s": None}
 
 

@@ -24,13 +24,13 @@ LONG = "a_name_of_more_than_twenty_four_characters"
 def events_of(text):
     """Return a document with the events of a text."""
     analysis = analyse(text, rate=RATE)
-    assert analysis.form is not None, analysis.problems
+    assert analysis.program is not None, analysis.problems
     factors = itertools.chain([None], itertools.repeat((9, 5)))
     inputs = [
         bound_input(one.name, attribute=f"in_{k}", factor=factor)
         for k, (one, factor) in enumerate(zip(analysis.inputs, factors, strict=False))
     ]
-    return events(analysis.form, inputs)
+    return events(analysis.program, inputs)
 
 
 def many():
@@ -51,7 +51,7 @@ def lists():
 def long_names():
     variables = (LONG, "y" * 24, "z" * 24, "r1", "y" * 24 + "_stamp", "self", "expressions")
     x, y, z, *others = variables
-    bounds = {"range": [-1.7976931348623157e308, 1.7976931348623157e308], "infinite": True}
+    bounds = {"range": (-1.7976931348623157e308, 1.7976931348623157e308), "infinite": True}
     conditions = [
         ("hysteresis", y, z, x),
         ("gt", ("least", y, z), -1.7976931348623157e308),
@@ -67,11 +67,11 @@ def expression():
     name = f"x.{LONG}.value"
     bound = form(("time", ("gt", "x", 5), 3), variables=("x",), x={"name": name, "timeout": 9})
     states = [
-        {"state": one, "form": form((op, "x", 5), variables=("x",))}
+        {"state": one, "program": form((op, "x", 5), variables=("x",))}
         for one, op in (("low", "lt"), ("high", "gt"))
     ]
     specs = {
-        "a": {"expression": {"type": "bool", "parts": [{"form": bound}], "polarity": "HAZARD"}},
+        "a": {"expression": {"type": "bool", "parts": [{"program": bound}], "polarity": "HAZARD"}},
         "b": {"expression": {"type": "state", "parts": states}, "attribute": "3 b"},
     }
     checks = {name: [["unless", ["x" * 40], "y" * 40]]}
@@ -109,9 +109,9 @@ def test_nothing_of_a_hostile_model_becomes_code():
         m={"literals": HOSTILE},
     )
     inputs = [bound_input(one, attribute=f"value {k}") for k, one in enumerate(names)]
-    for k, output in enumerate(found["outputs"][:-1]):
-        output["id"] = HOSTILE[-k]
-    made = events(found, inputs)
+    *results, last = found.results
+    results = [result._replace(id=HOSTILE[-k]) for k, result in enumerate(results)]
+    made = events(found._replace(results=(*results, last)), inputs)
     text = made.text()
     assert text.isascii()
     used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}

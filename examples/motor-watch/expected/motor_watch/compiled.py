@@ -9,14 +9,14 @@ from .eddi_runtime import InputSpec, event, expressions
 from .eddi_runtime.expressions import hold, stacks
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, event: 1, expressions: 3})
-# sha256 of the lines below: 8a8fea8c5f568718bcb16f01b6b1b67c3c44576582bc429e1812eec09bf27a0f
+# sha256 of the lines below: db5a75f0d152e7c8f99d9a49305643d60311cce5c01b9b1e3c088ea66f8701e3
 INF = float("inf")
 NAN = float("nan")
 
 
 class Monitor(event.EventMonitor):
     model_id = "motor_watch"
-    digest = "279af6a52ff4b0f0b31ee58c69a2cc7a5c33cf56cbcfe86aa63938c5a84662d3"
+    digest = "5f97ee7d18baac41c3400fb68454888b9a5915166c8e701172134fb74e000300"
     inputs = (
         InputSpec("temp", "temp", requires=("temperature",), max_age=0.5),
         InputSpec("current", "current", requires=("current",), max_age=0.5),
