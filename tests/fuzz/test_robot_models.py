@@ -84,7 +84,7 @@ STARTS = [
 def test_one_mark_many_times(start: str, mark: str) -> None:
     began = time.process_time()
     for suffix in ("rossystem", "ros"):
-        assert is_told_well(attempt(start + mark * 20_000, suffix))
+        assert is_told_well(attempt(start + mark * 10_000, suffix))
     assert time.process_time() - began < 2 * LIMIT
 
 
