@@ -35,10 +35,12 @@ class Limits(NamedTuple):
 
     Attributes:
         file_bytes: size of the file, checked before parsing.
+        attributes: of one element, which lxml looks up one by one.
         reference_tokens: references in one attribute.
     """
 
     file_bytes: int = 64 * 1024 * 1024
+    attributes: int = 1000
     reference_tokens: int = 100_000
 
 
@@ -67,6 +69,10 @@ def load(
         return None, [fault] if fault else []
     if _docinfo(document).doctype:
         return None, [problem("X001.declaration", Place(name, 1))]
+    crowded = select(document, f"descendant-or-self::*[@*[{limits.attributes + 1}]]")
+    if crowded:
+        place, count = Place(name, line_of(crowded[0])), len(crowded[0].attrib)
+        return None, [problem("X003.attributes", place, value=count, limit=limits.attributes)]
     place = Place(name, line_of(document))
     return document, [problem("X006.prefix", place, prefix=prefix) for prefix in undeclared]
 

@@ -82,6 +82,10 @@ ATTACKS = {
     "depth": (b"<a>" * 5000 + b"</a>" * 5000, "X003"),
     "long attribute": (b'<a b="' + b"x" * 10_500_000 + b'"/>', "X003"),
     "long text": (b"<a>" + b"x" * 10_500_000 + b"</a>", "X003"),
+    "many attributes": (
+        b"<a><b " + b" ".join(b'a%d=""' % i for i in range(2000)) + b"/></a>",
+        "X003",
+    ),
 }
 
 
@@ -120,6 +124,15 @@ def test_the_size_is_checked_before_parsing() -> None:
     assert texts(problems) == [
         "m.xml:None: error X003: the size of the file in bytes is 100, more than the limit of 99"
     ]
+
+
+def test_limits_name_value_and_limit() -> None:
+    data = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1001)) + b"/></r>"
+    assert texts(read(data)[1]) == [
+        "m.xml:2: error X003: the number of attributes is 1001, more than the limit of 1000"
+    ]
+    fewer = b"<r>\n<b " + b" ".join(b'a%d="1"' % i for i in range(1000)) + b"/></r>"
+    assert read(fewer)[1] == []
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "ascii"])
