@@ -50,10 +50,17 @@ def functions(body: str) -> str:
     """Return the static functions that a text calls, and those that they call."""
     wanted, parts = set(_CALLED.findall(body)), []
     _, *texts = files(__package__).joinpath("functions.c").read_text("utf-8").split("\n\n")
-    for function in reversed(texts):
-        name = _NAME.search(function)
-        assert name is not None
-        if name[1] in wanted:
+    folds = [text for text in texts if "FOLD_" in text]
+    named: dict[str, str] = {}
+    for text in (text for text in texts if text not in folds):
+        name = _NAME.findall(text)[0]
+        named[name] = text
+        if name.endswith("_gather"):
+            for fold in folds:
+                function = fold.replace("FOLD_", name.removesuffix("gather"))
+                named[_NAME.findall(function)[0]] = function
+    for name, function in reversed(named.items()):
+        if name in wanted:
             wanted.update(_CALLED.findall(function))
             parts.append(function.rstrip("\n"))
     return "".join(f"{function}\n\n" for function in reversed(parts))

@@ -2,7 +2,8 @@
  *
  * The algorithms are those of eddi_runtime.expressions.windows, in the same order. Buffers are rings
  * whose size is a power of two; the arrays lie in the monitor's struct and are passed next to the
- * ring, so that a struct can be copied as a whole. Blank lines separate functions.
+ * ring, so that a struct can be copied as a whole. Blank lines separate functions. What begins with
+ * FOLD stands behind each function that gathers, under its name.
  */
 
 /* 0 is FALSE, 1 UNKNOWN, 2 TRUE. */
@@ -189,7 +190,7 @@ static void sum_gather(event_ring *r, double x, uint32_t count)
     r->high = total;
 }
 
-static void sum_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+static void FOLD_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
                      double *lows, uint32_t capacity, int64_t start)
 {
     uint32_t k, count = 0u;
@@ -201,7 +202,7 @@ static void sum_turn(event_ring *r, const int64_t *ts, const double *xs, double 
             break;
         }
         count++;
-        sum_gather(r, xs[at], count);
+        FOLD_gather(r, xs[at], count);
         highs[at] = r->high;
         lows[at] = r->low;
     }
@@ -213,7 +214,7 @@ static void sum_turn(event_ring *r, const int64_t *ts, const double *xs, double 
 }
 
 /* Worst case once in a turn of the window: as many sums as there are samples. */
-static void sum_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
+static void FOLD_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
                        double *lows, uint32_t capacity, int64_t start)
 {
     while (r->front > 0u && ts[r->head] <= start) {
@@ -221,21 +222,21 @@ static void sum_expire(event_ring *r, const int64_t *ts, const double *xs, doubl
         r->front--;
     }
     if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {
-        sum_turn(r, ts, xs, highs, lows, capacity, start);
+        FOLD_turn(r, ts, xs, highs, lows, capacity, start);
     }
 }
 
-static void sum_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
+static void FOLD_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
                     uint32_t capacity, int64_t t, double x)
 {
     if (r->size == capacity) {
         if (r->front == 0u) {
-            sum_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
+            FOLD_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
         }
         r->front--;
     }
     queue_add(r, ts, xs, capacity, t, x);
-    sum_gather(r, x, r->size - r->front);
+    FOLD_gather(r, x, r->size - r->front);
 }
 
 /* Mean and squares (Welford 1962). */
@@ -244,55 +245,6 @@ static void stddev_gather(event_ring *r, double x, uint32_t count)
     double away = x - r->high;
     r->high += away / (double)count;
     r->low += away * (x - r->high);
-}
-
-static void stddev_turn(event_ring *r, const int64_t *ts, const double *xs, double *highs,
-                     double *lows, uint32_t capacity, int64_t start)
-{
-    uint32_t k, count = 0u;
-    r->high = 0.0;
-    r->low = 0.0;
-    for (k = r->size; k > 0u; k--) {
-        uint32_t at = (r->head + k - 1u) & (capacity - 1u);
-        if (ts[at] <= start) {
-            break;
-        }
-        count++;
-        stddev_gather(r, xs[at], count);
-        highs[at] = r->high;
-        lows[at] = r->low;
-    }
-    r->head = (r->head + r->size - count) & (capacity - 1u);
-    r->size = count;
-    r->front = count;
-    r->high = 0.0;
-    r->low = 0.0;
-}
-
-/* Worst case once in a turn of the window: as many sums as there are samples. */
-static void stddev_expire(event_ring *r, const int64_t *ts, const double *xs, double *highs,
-                       double *lows, uint32_t capacity, int64_t start)
-{
-    while (r->front > 0u && ts[r->head] <= start) {
-        ring_drop(r, capacity);
-        r->front--;
-    }
-    if (r->front == 0u && r->size > 0u && ts[r->head] <= start) {
-        stddev_turn(r, ts, xs, highs, lows, capacity, start);
-    }
-}
-
-static void stddev_add(event_ring *r, int64_t *ts, double *xs, double *highs, double *lows,
-                    uint32_t capacity, int64_t t, double x)
-{
-    if (r->size == capacity) {
-        if (r->front == 0u) {
-            stddev_turn(r, ts, xs, highs, lows, capacity, INT64_MIN);
-        }
-        r->front--;
-    }
-    queue_add(r, ts, xs, capacity, t, x);
-    stddev_gather(r, x, r->size - r->front);
 }
 
 static double sum_value(const event_ring *r, const double *highs, const double *lows)
