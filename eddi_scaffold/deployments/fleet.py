@@ -24,7 +24,7 @@ from eddi_scaffold.deployments.robots import (
     read_robots,
     with_demand_inputs,
 )
-from eddi_scaffold.kinds import ReadResult, kinds
+from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.robots import MESSAGE, fleet_message
 
@@ -84,7 +84,7 @@ def read_whole_fleet(
     monitors: list[RobotMonitor] = []
     for robot in robots:
         for index, (model, config) in enumerate(robot.pairs):
-            monitor, reported = monitor_of(model, kinds()[model.kind], config)
+            monitor, reported = monitor_of(model, config)
             if monitor is None:
                 problems += reported
             else:  # what is only a warning may be due to a demand that is not bound yet

@@ -16,7 +16,7 @@ from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import Accepted, acceptances
 from eddi_scaffold.deployments.topics import deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
-from eddi_scaffold.kinds import Model, ReadResult, kinds
+from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.connections import check_ids, check_limits
 from eddi_scaffold.monitors.loading import candidates, checked_models, model_for
@@ -76,7 +76,7 @@ def join_pairs(
     problems: list[Problem] = []
     monitors: list[BoundMonitor] = []
     for model, config in pairs:
-        monitor, reported = monitor_of(model, kinds()[model.kind], config, marks)
+        monitor, reported = monitor_of(model, config, marks)
         problems += reported
         monitors += [monitor] if monitor is not None else []
     return monitors, [*problems, *check_ids(monitors)]

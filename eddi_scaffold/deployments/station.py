@@ -14,14 +14,12 @@ from eddi_scaffold.deployments.fleet import Fleet
 from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
 from eddi_scaffold.deployments.topics import Member
-from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 from eddi_scaffold.yaml_text.nodes import dump_plain
 
 STATION = "Station"
-_KIND = "consert"
 _DEMAND = "told_"
 """Before the name of a guarantee: the demand that it is active."""
 
@@ -43,7 +41,7 @@ def with_station(fleet: Fleet) -> Fleet:
     model, config = _pair(name, heard)
     entry = Robot.model_construct(name=name, platform=platform.name, monitors=[])
     robot = FleetRobot(entry, len(fleet.robots), platform, graph, ((model, config),))
-    bound, problems = monitor_of(model, kinds()[_KIND], config)
+    bound, problems = monitor_of(model, config)
     if bound is None:
         raise EddiError(*problems)
     monitor, place = RobotMonitor(robot, 0, bound), fleet.file.place(STATION)

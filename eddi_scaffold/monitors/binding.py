@@ -26,7 +26,7 @@ from eddi_scaffold.config.message_types import (
 )
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry
 from eddi_scaffold.config.topic_types import check_types
-from eddi_scaffold.kinds import EditableMethod, Kind, Model
+from eddi_scaffold.kinds import EditableMethod, Kind, Model, kinds
 from eddi_scaffold.monitors import input_rules
 from eddi_scaffold.monitors.compiling import CompiledModule, compile_monitor
 from eddi_scaffold.monitors.facts import MonitorFacts
@@ -73,28 +73,25 @@ class BoundMonitor:
 
 
 def monitor_of(
-    model: Model,
-    kind: Kind,
-    config: ConfigFile | None,
-    marks: Sequence[str] = (),
+    model: Model, config: ConfigFile | None, marks: Sequence[str] = ()
 ) -> tuple[BoundMonitor | None, list[Problem]]:
     """Join a checked model with its configuration.
 
     Args:
         model: what is monitored.
-        kind: the kind of the model.
         config: how it is connected, if it is.
         marks: the default guarantees that were marked when the model was read; remembered.
 
     Returns:
         The monitor, ``None`` when a problem is an error, and all problems of the join.
     """
+    kind = kinds()[model.kind]
     configured, problems = model.configure(options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
     model = configured or model
     known = known_types(config, {**known_messages(), **EITHER_TIMES})  # a platform binds again
-    bindings, problems_of_inputs = bind_inputs(model, kind, config, known)
+    bindings, problems_of_inputs = bind_inputs(model, config, known)
     problems = [*problems, *problems_of_inputs]
     place, frequency = model.place, USUAL_FREQUENCY
     entries: Sequence[InputEntry] = ()
@@ -119,9 +116,7 @@ def monitor_of(
         inputs[entry.id] = replace(inputs[entry.id], accepts=input_rules.keys(accepted_here))
         accepted += accepted_here
     try:
-        compiled, facts = compile_monitor(
-            model, kind, tuple(inputs.values()), accepted, frequency, place
-        )
+        compiled, facts = compile_monitor(model, tuple(inputs.values()), accepted, frequency, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
     joined = (package, model, kind, config, tuple(bindings), compiled, facts, tuple(marks))
@@ -144,7 +139,7 @@ def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor,
         monitor: as it was read.
         known: type -> its fields.
     """
-    inputs, problems = bind_inputs(monitor.model, monitor.kind, monitor.config, known)
+    inputs, problems = bind_inputs(monitor.model, monitor.config, known)
     errors = [problem for problem in problems if problem.level == "error"]  # others are reported
     return replace(monitor, inputs=tuple(inputs)), errors
 
@@ -163,13 +158,12 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
 
 
 def bind_inputs(
-    model: Model, kind: Kind, config: ConfigFile | None, known: MessageFields
+    model: Model, config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
     """Return how each input of a configured model gets its value, and what does not fit.
 
     Args:
         model: what is monitored.
-        kind: of the model.
         config: how it is connected, if it is.
         known: the types of messages.
     """
@@ -192,7 +186,7 @@ def bind_inputs(
         binding, problems_here = InputBinder(item, entry, index, config, known, types).bind()
         bindings.append(binding)
         problems += problems_here
-    place, without = config.place("EDDIInputs"), kind.without_input
+    place, without = config.place("EDDIInputs"), kinds()[model.kind].without_input
     problems += [
         problem("K014.no_entry", place, input=name, without_input=without) for name in unbound
     ]

@@ -12,7 +12,7 @@ from eddi_runtime.history import EDDIInputBase
 from eddi_scaffold.common.claims import Acceptance, Claim
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.conditions.uses import inputs_of
-from eddi_scaffold.kinds import Kind, Model
+from eddi_scaffold.kinds import Model
 from eddi_scaffold.monitors.digest import digest_of
 from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
 from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
@@ -43,7 +43,6 @@ class CompiledModule:
 
 def compile_monitor(
     model: Model,
-    kind: Kind,
     inputs: Sequence[BoundInput],
     accepted: Sequence[Acceptance],
     frequency: float,
@@ -53,7 +52,6 @@ def compile_monitor(
 
     Args:
         model: what is monitored.
-        kind: its kind.
         inputs: as they are bound.
         accepted: what the configuration accepts for single inputs.
         frequency: steps per second.
@@ -63,11 +61,11 @@ def compile_monitor(
         EddiError: the runtime refuses the monitor (K028).
     """
     source, path = model.source, model.place.path
-    digest = digest_of(kind.name, model, tuple(inputs))
+    digest = digest_of(model.kind, model, tuple(inputs))
     compiled = model.compile(Declaration(model.name, digest, tuple(inputs)))
     compiled = replace(compiled, lines=[*expression_lines(inputs), *compiled.lines])
     origin = f"{comment(source.file_name)} {comment(path or '')}"
-    text = module_text(kind.name, compiled, model.name, origin)
+    text = module_text(model.kind, compiled, model.name, origin)
     module = CompiledModule(text.removesuffix("\n"), compiled.tables, compiled.program)
     try:
         EDDIInputBase().bind(module.monitor(model.name).inputs)
@@ -78,7 +76,7 @@ def compile_monitor(
     result = Claim("", frozenset(input_.id for input_ in inputs), hold_s)
     timeouts = model.input_timeouts()
     facts = MonitorFacts(
-        kind.name,
+        model.kind,
         model.name,
         digest,
         source.file_name,

@@ -221,7 +221,7 @@ def rejoined(
             # types that came from models of the robot stay known without these
             config = old if config is None else with_types(config, old.config.MessageTypes)
         marks = answers.get("default_guarantees") or ()
-        monitor, problems = monitor_of(models[folder], kinds()[answers["kind"]], config, marks)
+        monitor, problems = monitor_of(models[folder], config, marks)
         if monitor is None:
             raise EddiError(*problems)
         if config is None:

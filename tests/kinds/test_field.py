@@ -9,7 +9,6 @@ import pytest
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
-from eddi_scaffold.kinds import kinds
 from eddi_scaffold.kinds.safeml.reference import read_reference
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
@@ -162,7 +161,7 @@ def test_networks_with_unusual_states_and_rows(file: str, node: str, wanted: lis
     (model,) = reading.models
     assert {one.level for one in reading.problems} <= {"warning"}
     assert brute_force(model.data, {}, node) == pytest.approx(wanted, abs=1e-12)
-    monitor, _ = monitor_of(model, kinds()["bayesian_network"], None)
+    monitor, _ = monitor_of(model, None)
     assert monitor is not None
 
 

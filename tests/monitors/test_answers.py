@@ -7,7 +7,6 @@ from pathlib import Path
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
@@ -26,7 +25,7 @@ def wheel_speed(unit: str) -> dict[str, object]:
     (model,) = read_models(Source("Rover.yml", MODEL.encode())).models
     config, problems = read_config(Source("c.yml", CONFIG.format(id="Rover", unit=unit).encode()))
     assert config is not None, problems
-    monitor, problems = monitor_of(model, kinds()["consert"], config)
+    monitor, problems = monitor_of(model, config)
     assert monitor is not None, problems
     (found,) = [i for i in shared_answers(monitor, "x")["inputs"] if i["attribute"] == "WheelSpeed"]
     return found
@@ -51,6 +50,6 @@ def test_an_id_of_the_configuration_that_is_not_the_models_is_told() -> None:
     (model,) = read_models(Source("Rover.yml", MODEL.encode())).models
     config, _ = read_config(Source("c.yml", CONFIG.format(id="Rovr", unit="m/s").encode()))
     assert config is not None
-    _, problems = monitor_of(model, kinds()["consert"], config)
+    _, problems = monitor_of(model, config)
     told = [p.message for p in problems if p.code == "K012"]
     assert told == ["Model id 'Rovr' names the package, the model is called 'Rover'"]

@@ -57,7 +57,7 @@ def joined(
     config, problems = read_config(Source("c.yml", text.encode()))
     assert config is not None, problems
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
-    return monitor_of(model, KIND, config)
+    return monitor_of(model, config)
 
 
 def sound(entry: str, **more: str) -> BoundMonitor:
@@ -134,7 +134,7 @@ def test_damaged_facts_are_refused(text: str | None) -> None:
 
 def test_without_a_configuration_a_value_of_its_own_id_is_taken() -> None:
     (model,) = read_models(Source("speed.yml", SPEED.encode())).models
-    monitor, problems = monitor_of(model, KIND, None)
+    monitor, problems = monitor_of(model, None)
     assert monitor is not None
     assert problems == []
     (binding,) = monitor.inputs
@@ -147,7 +147,7 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     two = (ModelInput("a-b", "bool"), ModelInput("a.b", "bool"), ModelInput("c", "bool"))
     object.__setattr__(model, "inputs", lambda: two)
     object.__setattr__(model, "configure", lambda _: (model, []))
-    monitor, problems = monitor_of(model, KIND, None)
+    monitor, problems = monitor_of(model, None)
     assert monitor is None
     assert_reported("K015", problems)
 
@@ -160,7 +160,7 @@ def test_the_example_needs_no_hand_written_line() -> None:
         assert config is not None
         models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
         model = models["ab".index(letter)]
-        monitor, found = monitor_of(model, KIND, config)
+        monitor, found = monitor_of(model, config)
         assert found == []
         assert monitor is not None
         assert all(binding.expression for binding in monitor.inputs)
@@ -181,7 +181,7 @@ def said(entry: str, uom: str = "m") -> list[tuple[str, str, str | None]]:
     (model,) = read_models(Source("speed.yml", text.encode())).models
     config, problems = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
     assert config is not None, problems
-    _, found = monitor_of(model, KIND, config)
+    _, found = monitor_of(model, config)
     return [(one.code, one.message, one.hint) for one in found if one.level == "error"]
 
 
@@ -269,6 +269,6 @@ def test_the_unit_to_write_converts_the_value() -> None:
     (model,) = read_models(Source("speed.yml", text.encode())).models
     entry = "requires: [battery], field: percentage, unit: fraction"
     config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
-    monitor, problems = monitor_of(model, KIND, config)
+    monitor, problems = monitor_of(model, config)
     assert monitor is not None, problems
     assert monitor.inputs[0].factor == (100, 1)

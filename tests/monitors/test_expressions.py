@@ -13,7 +13,6 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.yaml_text.nodes import Map, Scalar, read_document
@@ -29,7 +28,7 @@ def joined(config: str, folder: Path = Path()) -> tuple[BoundMonitor | None, lis
     file, problems = read_config(Source(str(folder / "c.yml"), config.encode()))
     if file is None:
         return None, problems
-    monitor, found = monitor_of(model, kinds()["consert"], file)
+    monitor, found = monitor_of(model, file)
     return monitor, [*problems, *found]
 
 
@@ -214,7 +213,7 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     assert monitor.config is not None
     (tmp_path / "safety.events").unlink()
     again = from_json(monitor.config.as_json(), "the configuration that rover remembers")
-    other, problems = monitor_of(monitor.model, monitor.kind, again)
+    other, problems = monitor_of(monitor.model, again)
     assert other is not None, problems
     assert other.compiled.text == monitor.compiled.text
     assert again.as_json() == monitor.config.as_json()

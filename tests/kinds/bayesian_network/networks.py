@@ -35,11 +35,11 @@ def read_path(path: Path) -> Model:
 def joined(model: Model, config: str | None = None) -> tuple[BoundMonitor | None, list[Problem]]:
     """Join a model with the text of a configuration."""
     if config is None:
-        return monitor_of(model, KIND, None)
+        return monitor_of(model, None)
     file, problems = read_config(Source("eddi_config.yml", config.encode()))
     if file is None:
         return None, problems
-    monitor, more = monitor_of(model, KIND, file)
+    monitor, more = monitor_of(model, file)
     return monitor, [*problems, *more]
 
 

@@ -11,7 +11,7 @@ from lxml import etree
 from eddi_scaffold import api
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import Model, Options, kinds
+from eddi_scaffold.kinds import Model, Options
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
@@ -32,7 +32,7 @@ def models(text: str) -> dict[str, Model]:
 
 
 def part(model: Model) -> object:
-    monitor, problems = monitor_of(replace(model, name="m"), kinds()[model.kind], None)
+    monitor, problems = monitor_of(replace(model, name="m"), None)
     assert monitor is not None, problems
     lines = monitor.compiled.text.partition("\nclass ")[2].splitlines()
     return [line for line in lines if not line.lstrip().startswith(("digest =", "#"))]
