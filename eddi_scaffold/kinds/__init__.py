@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -296,6 +297,11 @@ class Model:
     file_stem: str = field(default="", compare=False)
     links: Links = field(default_factory=dict, compare=False)
     observes: tuple[tuple[str, str], ...] = field(default=(), compare=False)
+
+    @property
+    def safe_name(self) -> str:
+        """Its name as that of a file."""
+        return re.sub(r"[^\w.-]", "_", self.name).lstrip(".") or self.kind
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -101,8 +100,7 @@ def pictures(
     for model in models:
         picture = model.diagram()
         if picture is not None:
-            plain = re.sub(r"[^\w.-]", "_", model.name).lstrip(".") or model.kind
-            stem = free_name(plain, stems)
+            stem = free_name(model.safe_name, stems)
             stems.add(stem)
             svgs[f"{stem}.svg"] = drawn(picture)
     if not svgs:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
@@ -138,7 +137,7 @@ class NetworkModel(Model):
 
     def export(self) -> Mapping[str, str]:
         """Return the network as XDSL and as XMLBIF."""
-        stem = re.sub(r"[^\w.-]", "_", self.name).lstrip(".") or NAME
+        stem = self.safe_name
         return {f"{stem}.xdsl": to_xdsl(self.data), f"{stem}.xmlbif": to_xmlbif(self.data)}
 
     def diagram(self) -> Diagram:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -97,8 +96,7 @@ class ConSertModel(Model):
         return show.outline(self.data)
 
     def export(self) -> Mapping[str, str]:
-        safe = re.sub(r"[^\w.-]", "_", self.name).lstrip(".") or NAME
-        return {f"{safe}.yml": to_yaml(self.data)}
+        return {f"{self.safe_name}.yml": to_yaml(self.data)}
 
     def diagram(self) -> Diagram:
         return show.diagram(self.data)
