@@ -159,7 +159,8 @@ def on_graph(
         config.write_text(on_change, "utf-8")
         text = LOOPBACK.read_text("utf-8").replace(">30<", ">99<")  # as many processes
         network.write_text(text.replace("<LeaseDuration>2s</LeaseDuration>", ""), "utf-8")
-        stage = make(folder, config)
+        (folder / "stage").mkdir()
+        stage = make(folder / "stage", config)
         more = {"CYCLONEDDS_URI": network.as_uri()}
 
         def start(kind: str, name: str) -> Process:
@@ -189,7 +190,7 @@ def ros1(quick: bool) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         world = World(folder, make_messages(Path(folder) / "messages", MESSAGES))
         model = Path(folder) / "tester.py"
-        model.write_text(models.compiled(models.tester(30.0)))
+        model.write_text(models.tester(30.0).text())
         try:
             master = world.master()
             for case, (env, words, peer, pause) in CASES.items():

@@ -140,14 +140,18 @@ class _Sync:
         for id_ in ours.keys() & theirs.keys():
             a, b = ours[id_].region, theirs[id_].region
             before = [normal(ancestor[id_].body)] if id_ in ancestor else []
+            known = set(ancestor[id_].was) if id_ in ancestor else set()
+            one_meaning = {*a.was} - known == {*b.was} - known
             if b.untouched or normal(a.body) == normal(b.body):
                 continue
-            if a.untouched or normal(a.body) in before:
+            if one_meaning and (a.untouched or normal(a.body) in before):
                 merged[id_] = theirs[id_]
             elif normal(b.body) not in before:
                 line = 1 + file.text[: max(file.text.find(f": {encode_id(id_)}"), 0)].count("\n")
-                reason = f"both branches wrote in region {id_!r}; resolve this conflict by hand"
-                self._refuse(name, line, reason)
+                wrote = f"both branches wrote in region {id_!r}"
+                renamed = f"region {id_!r} has another meaning in each branch"
+                reason = wrote if one_meaning else renamed
+                self._refuse(name, line, f"{reason}; resolve this conflict by hand")
         return merged
 
     def _is_edited(self, name: str) -> bool:
@@ -207,7 +211,6 @@ class _Sync:
         held = {
             (name, normal(new.body))
             for id_, new in content.items()
-            if new.source
             for name in (id_, *self.rendered[id_].was)
         }
         for body in [*present, *self.doubles]:
@@ -220,7 +223,6 @@ class _Sync:
         for id_, new in content.items():  # a body is kept while it moves from file to file
             if new.source and new.source.file in self.new.keys() - {self.home[id_]}:
                 self.last.append(Step(self._keep_region(new.source), None))
-        held |= {(id_, normal(new.body)) for id_, new in content.items()}
         for name, saved in self.kept.items():
             if saved is not None and (saved.region.id, normal(saved.region.body)) in held:
                 self.stamps[name] = package.stamp_of(self.root / name)

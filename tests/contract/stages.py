@@ -161,7 +161,7 @@ class Ros2Stage(Stage):
         self.package = generated(
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
-        around = RELEASE.workspace(below or folder / "below")
+        around = RELEASE.workspace(below or folder.with_name("below"))
         own = ("--packages-select", "rover", "eddi_runtime")
         RELEASE.colcon(folder, "build", *own, env=around)
         self.lock, self.domain = free_domain()

@@ -7,7 +7,7 @@ def _reads(topic, max_age=None):
     return {"requires": [topic], "max_age": max_age}
 
 
-def _tester(max_age):
+def tester(max_age):
     """Return the tester's model with an age limit of the input F."""
     specs = {"E": _reads("how"), "F": _reads("flag", max_age), "N": _reads("number")}
     return consert(
@@ -45,6 +45,6 @@ MODELS = {
         specs={"RtE_B_E0": _reads("RtE_E0", "none")},
         name="ConSertB",
     ),
-    "tester": _tester(None),
-    "tester_half": _tester(0.5),
+    "tester": tester(None),
+    "tester_half": tester(0.5),
 }

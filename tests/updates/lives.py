@@ -235,7 +235,7 @@ class Life:
     copies: list[bytes] = field(default_factory=list)
     outside: set[str] = field(default_factory=set)
     own: dict[str, str] = field(default_factory=dict)
-    removed: bool = False
+    removed: set[str] = field(default_factory=set)
     name: str = "mine"
     count: int = 0
     log: list[str] = field(default_factory=list)
@@ -294,7 +294,7 @@ class Life:
             done = self.place.bring(command)
         assert done.status in {0, 3}, done.said
         self._expect(shown, there)
-        told, self.removed = self.removed, False
+        told, self.removed = self.removed & shown.keys(), set()
         self.check()
         looked = bool(self.kept or self.copies or any(one.look for one in self.written.values()))
         if not told or looked:
@@ -542,7 +542,7 @@ def delete(life: Life) -> None:
     name = life.chance.choice(sorted(life.shown))
     ids = [id_ for id_, (file, _) in life.regions().items() if file == name]
     if not any(life.owners[id_] in life.written for id_ in ids) and name not in life.outside:
-        life.removed |= bool(ids) and life.file(name).exists()
+        life.removed |= {name} if ids and life.file(name).exists() else set()
         life.file(name).unlink(missing_ok=True)
 
 
