@@ -55,6 +55,8 @@ RESERVED = frozenset(
         "_",
     ]
 )
+TODO = "TODO"
+"""In a configuration, without quotes: what a person has still to decide."""
 _INPUT_MEMBERS = frozenset(
     {
         "begin_processing",

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import is_identifier, key_text
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.config.message_types.documented import Documented, documented
+from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
 
 _STEP = re.compile(
     r"""\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)
@@ -254,19 +253,6 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
             taken.append(step)
         of = inner
     return ResolvedPath(tuple(taken), python_type(of))
-
-
-def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
-    """Return the documentation of the field at the end of a path that has its keys."""
-    names: list[str] = []
-    for step in path:
-        if isinstance(step, Attribute):
-            names.append(step.name)
-        elif isinstance(step, Beside):
-            names.append(f"{step.values}[]")
-        else:
-            names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
-    return documented(message, names, fields_of)
 
 
 def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:

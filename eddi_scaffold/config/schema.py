@@ -23,12 +23,11 @@ from pydantic import (
 
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types import PRIMITIVES
-from eddi_scaffold.kinds import InputType
+from eddi_scaffold.config.field_types import PRIMITIVES
 from eddi_scaffold.yaml_text.writer import dump_plain
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
-INPUT_TYPES: dict[str, InputType] = {
+_INPUT_TYPES = {
     "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
     "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
     "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
@@ -120,9 +119,9 @@ def _field_type(text: str) -> str:
 
 
 def _input_type(text: str) -> str:
-    if text.lower() not in INPUT_TYPES:
+    if text.lower() not in _INPUT_TYPES:
         raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
-    return INPUT_TYPES[text.lower()]
+    return _INPUT_TYPES[text.lower()]
 
 
 def _named(value: object) -> object:

@@ -11,9 +11,9 @@ from eddi_scaffold.common.identifiers import attribute, free_name, key_text, pac
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, StationSection
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import Model, ReadResult
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 

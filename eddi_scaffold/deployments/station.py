@@ -9,12 +9,12 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import EddiError, Problem, problem
 from eddi_scaffold.config.deployment_file import Robot
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.fleet import Fleet
 from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
 from eddi_scaffold.deployments.topics import Member
 from eddi_scaffold.monitors.binding import monitor_of
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 from eddi_scaffold.yaml_text.nodes import dump_plain

@@ -19,7 +19,6 @@ from eddi_scaffold.config.field_paths import (
     FieldsOf,
     PlainStep,
     ResolvedPath,
-    documented_at,
     parse_field,
     plain_step,
     resolve,
@@ -27,6 +26,7 @@ from eddi_scaffold.config.field_paths import (
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.input_rules import check
+from eddi_scaffold.monitors.message_types.documented import documented_at
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]

@@ -182,7 +182,8 @@ class Platform:
 
 def names() -> tuple[str, ...]:
     """Return the names of all platforms, sorted, without loading one."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+    modules = {module.name for module in pkgutil.iter_modules(__path__)}
+    return tuple(sorted(modules - {"ros_packages"}))  # those have no platform of their own
 
 
 @cache

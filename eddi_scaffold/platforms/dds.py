@@ -12,7 +12,7 @@ from shlex import quote
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
-from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
+from eddi_scaffold.config.field_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
@@ -26,8 +26,8 @@ from eddi_scaffold.platforms import (
     Platform,
     Templates,
 )
+from eddi_scaffold.platforms.ros_packages.messages import types_of
 from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
-from eddi_scaffold.ros_packages.messages import types_of
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,

@@ -12,10 +12,11 @@ import rospkg
 
 from eddi_scaffold import platforms
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.config.message_types import known_messages, packages_of
+from eddi_scaffold.config.field_types import packages_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.nodes import node_of
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE
 from eddi_scaffold.platforms import (
@@ -27,16 +28,15 @@ from eddi_scaffold.platforms import (
     Workspace,
     built_in,
 )
-from eddi_scaffold.program.runtime_parts import HOST
-from eddi_scaffold.ros_packages import packages
-from eddi_scaffold.ros_packages.messages import (
+from eddi_scaffold.platforms.ros_packages import packages
+from eddi_scaffold.platforms.ros_packages.messages import (
     class_of,
     classes_of,
     imports_of,
     messages_of,
     packages_of_classes,
 )
-from eddi_scaffold.ros_packages.packages import (
+from eddi_scaffold.platforms.ros_packages.packages import (
     LAUNCHER,
     RUNTIME,
     interfaces_of,
@@ -45,6 +45,7 @@ from eddi_scaffold.ros_packages.packages import (
     runtime_parts,
     specs_of,
 )
+from eddi_scaffold.program.runtime_parts import HOST
 
 METAPACKAGE = "eddi_monitor"
 _IMPORTED_BY_ROSPY = (

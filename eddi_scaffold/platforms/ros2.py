@@ -9,7 +9,7 @@ from pathlib import Path
 
 from eddi_scaffold import platforms
 from eddi_scaffold.common.problems import Problem, problem
-from eddi_scaffold.config.message_types import packages_of
+from eddi_scaffold.config.field_types import packages_of
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
@@ -24,8 +24,8 @@ from eddi_scaffold.platforms import (
     Workspace,
     built_in,
 )
-from eddi_scaffold.ros_packages import packages
-from eddi_scaffold.ros_packages.messages import (
+from eddi_scaffold.platforms.ros_packages import packages
+from eddi_scaffold.platforms.ros_packages.messages import (
     class_of,
     classes_of,
     imports_of,
@@ -33,7 +33,7 @@ from eddi_scaffold.ros_packages.messages import (
     packages_of_classes,
     types_of,
 )
-from eddi_scaffold.ros_packages.packages import (
+from eddi_scaffold.platforms.ros_packages.packages import (
     LAUNCHER,
     RUNTIME,
     interfaces_of,

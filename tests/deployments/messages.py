@@ -6,7 +6,8 @@ from functools import cache
 from typing import Any
 
 from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, Index, Step, parse_field
-from eddi_scaffold.config.message_types import element, known_messages
+from eddi_scaffold.config.field_types import element
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.recordings.messages import Message, blank
 
 

@@ -5,16 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from eddi_scaffold.common.problems import EddiError, Place
+from eddi_scaffold.config.field_types import MessageFields, fields_of
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.message_types import (
-    MessageFields,
-    fields_of,
-    known_messages,
-    ros2_fields,
-    ros2_messages,
-)
 from eddi_scaffold.kinds import JsonValue, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
+from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, read_respelt
 

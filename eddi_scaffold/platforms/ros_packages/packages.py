@@ -11,7 +11,7 @@ import rospkg
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import taken_by_python
-from eddi_scaffold.config.message_types import element, fields_of, is_primitive
+from eddi_scaffold.config.field_types import element, fields_of, is_primitive
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import identity_answers

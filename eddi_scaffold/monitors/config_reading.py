@@ -26,8 +26,8 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config import values
+from eddi_scaffold.config.field_types import MessageFields, used
 from eddi_scaffold.config.file import MODEL_KEYS, ConfigFile, about_file
-from eddi_scaffold.config.message_types import MessageFields, used
 from eddi_scaffold.config.schema import Config, Entry, ModelSection
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.kinds import kinds

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from eddi_scaffold.config.message_types import Fields, element
+from eddi_scaffold.config.field_paths import Attribute, Beside, FieldPath, FieldsOf, Index
+from eddi_scaffold.config.field_types import Fields, element
 
 _ROW = re.compile(
     r"(?P<unit>\S+)(?: (?P<low>[^.\s]+)\.\.(?P<high>[^.\s]+))?(?P<inf> inf)?"
@@ -60,6 +61,19 @@ def documented(
         inner = (fields_of(of) or {}).get(path[start].partition("[")[0])
         of = None if inner is None else element(inner) or inner
     return None
+
+
+def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
+    """Return the documentation of the field at the end of a path that has its keys."""
+    names: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            names.append(step.name)
+        elif isinstance(step, Beside):
+            names.append(f"{step.values}[]")
+        else:
+            names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
+    return documented(message, names, fields_of)
 
 
 def _row(message: str, path: Sequence[str]) -> Documented | None:
