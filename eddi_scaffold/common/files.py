@@ -114,15 +114,10 @@ _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default
 
 @dataclass(frozen=True)
 class Source:
-    """One input file.
+    """One input file."""
 
-    Attributes:
-        name: path as the user gave it, for messages.
-        data: its bytes.
-    """
-
-    name: str
-    data: bytes
+    name: str  # path as the user gave it, for messages
+    data: bytes  # its bytes
 
     @cached_property
     def sha256(self) -> str:

@@ -146,16 +146,12 @@ class Refused(Exception):  # noqa: N818 - an answer, not an error
 
 
 class Handler(BaseHTTPRequestHandler):
-    """Answers one connection.
-
-    Attributes:
-        seconds: within which a request has come and its answer is taken, or the connection ends.
-        policy: what a page may load.
-    """
+    """Answers one connection."""
 
     server: LimitedServer
+    # within which a request has come and its answer is taken, or the connection ends
     seconds: float = 20.0
-    policy: str
+    policy: str  # what a page may load
     server_version = "eddi-scaffold"
     sys_version = ""
 

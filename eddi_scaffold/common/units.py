@@ -19,21 +19,13 @@ from eddi_scaffold.common.problems import HintedError
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit of measurement.
+    """A unit of measurement."""
 
-    Attributes:
-        symbol: what messages print (``km/h``); empty for a plain ratio.
-        dimension: what it measures; only units of one dimension can be compared.
-        factor: to the first unit of the dimension.
-        names: further spellings (``kilometer_per_hour``, ``kmph``).
-        root: symbol of the unit of square roots, empty for none.
-    """
-
-    symbol: str
-    dimension: str
-    factor: Fraction = Fraction(1)
-    names: tuple[str, ...] = ()
-    root: str = ""
+    symbol: str  # what messages print (`km/h`); empty for a plain ratio
+    dimension: str  # what it measures; only units of one dimension can be compared
+    factor: Fraction = Fraction(1)  # to the first unit of the dimension
+    names: tuple[str, ...] = ()  # further spellings (`kilometer_per_hour`, `kmph`)
+    root: str = ""  # symbol of the unit of square roots, empty for none
 
 
 def _units(dimension: str, *rows: tuple[str, int | Fraction, str]) -> list[Unit]:

@@ -37,17 +37,11 @@ Bounds = tuple[float, float]
 
 @dataclass(frozen=True)
 class Value:
-    """What a node of the text is.
+    """What a node of the text is."""
 
-    Attributes:
-        type: of its value.
-        unit: of its value, ``None`` for none.
-        node: its number in the graph.
-    """
-
-    type: Type
-    unit: str | None
-    node: int
+    type: Type  # of its value
+    unit: str | None  # of its value, `None` for none
+    node: int  # its number in the graph
 
 
 class Checker:

@@ -44,27 +44,16 @@ _MAX_ROWS, _MAX_CELLS = 600, 4000
 
 @dataclass(frozen=True)
 class Page:
-    """The contents of the page: what was typed, and the result.
+    """The contents of the page: what was typed, and the result."""
 
-    Attributes:
-        text: the events.
-        rate: in Hz, as typed; empty for none.
-        target: of the generated code.
-        name: of the monitor.
-        signal: recorded values as CSV.
-        result: HTML.
-        files: what was generated.
-        error_at: offset of the first error in the text, ``None`` for none.
-    """
-
-    text: str = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
-    rate: str = "10"
-    target: Target = "python"
-    name: str = "event"
-    signal: str = ""
-    result: str = ""
-    files: Mapping[str, str] = field(default_factory=dict)
-    error_at: int | None = None
+    text: str = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"  # the events
+    rate: str = "10"  # in Hz, as typed; empty for none
+    target: Target = "python"  # of the generated code
+    name: str = "event"  # of the monitor
+    signal: str = ""  # recorded values as CSV
+    result: str = ""  # HTML
+    files: Mapping[str, str] = field(default_factory=dict)  # what was generated
+    error_at: int | None = None  # offset of the first error in the text, `None` for none
 
 
 def open_server(

@@ -31,15 +31,10 @@ _ANGLES = ("angle_min", "angle_max", "angle_increment")
 
 @dataclass
 class Elements:
-    """The content of the parentheses of one reduction: it is computed for each element.
+    """The content of the parentheses of one reduction: it is computed for each element."""
 
-    Attributes:
-        builder: its graph.
-        used: variables in the order of their first use.
-    """
-
-    builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))
-    used: dict[str, int] = field(default_factory=dict)
+    builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))  # its graph
+    used: dict[str, int] = field(default_factory=dict)  # variables in the order of their first use
 
     @property
     def lists(self) -> list[str]:

@@ -93,19 +93,12 @@ def in_text(text: str, name: str = EXPRESSION) -> Locate:
 
 
 class Token(NamedTuple):
-    """One token.
+    """One token."""
 
-    Attributes:
-        kind: ``word``, ``number``, ``text``, ``symbol``; ``end`` follows the last token.
-        text: as written; empty at the end.
-        start: offset of its first character.
-        end: offset behind its last one.
-    """
-
-    kind: str
-    text: str
-    start: int
-    end: int
+    kind: str  # `word`, `number`, `text`, `symbol`; `end` follows the last token
+    text: str  # as written; empty at the end
+    start: int  # offset of its first character
+    end: int  # offset behind its last one
 
     @property
     def keyword(self) -> str:

@@ -177,19 +177,12 @@ def nodes_below(
 
 @dataclass(frozen=True)
 class Silence:
-    """What a condition accepts of silence.
+    """What a condition accepts of silence."""
 
-    Attributes:
-        word: as in the text.
-        accepts: what counts in place of what is not known.
-        seconds: how long, ``None`` where only the text states it.
-        at: line and column.
-    """
-
-    word: str
-    accepts: str
-    seconds: float | None
-    at: tuple[int, int]
+    word: str  # as in the text
+    accepts: str  # what counts in place of what is not known
+    seconds: float | None  # how long, `None` where only the text states it
+    at: tuple[int, int]  # line and column
 
 
 def accepted(program: Program, root: int) -> list[Silence]:

@@ -42,30 +42,20 @@ class Index:
 
 @dataclass(frozen=True)
 class ByKey:
-    """Take the only element of a list whose key is ``wanted``.
+    """Take the only element of a list whose key is ``wanted``."""
 
-    Attributes:
-        wanted: text, or a number where the field is one.
-        field: which field is the key (``title``, ``header.frame_id``); ``None``: not given.
-    """
-
-    wanted: str | int
+    wanted: str | int  # text, or a number where the field is one
+    # which field is the key (`title`, `header.frame_id`); `None`: not given
     field: str | None = None
 
 
 @dataclass(frozen=True)
 class Beside:
-    """Take the element of a list at the position of its name in a parallel list.
+    """Take the element of a list at the position of its name in a parallel list."""
 
-    Attributes:
-        wanted: the name.
-        values: the field with the numbers.
-        names: the field with the names.
-    """
-
-    wanted: str
-    values: str
-    names: str
+    wanted: str  # the name
+    values: str  # the field with the numbers
+    names: str  # the field with the names
 
 
 @dataclass(frozen=True)
@@ -210,14 +200,10 @@ FieldsOf = Callable[[str], Fields | None]
 
 @dataclass(frozen=True)
 class ResolvedPath:
-    """A path with its keys, and what is at its end.
+    """A path with its keys, and what is at its end."""
 
-    Attributes:
-        path: each key names its field, as far as the messages are known.
-        type: the Python type, or the message type; ``None`` where a type on the way is not known.
-    """
-
-    path: FieldPath
+    path: FieldPath  # each key names its field, as far as the messages are known
+    # the Python type, or the message type; `None` where a type on the way is not known
     type: str | None
 
 

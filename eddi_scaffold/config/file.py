@@ -22,20 +22,15 @@ MODEL_KEYS = ("model", "config", "file")
 
 @dataclass(frozen=True)
 class ConfigFile:
-    """A configuration with the place of each of its parts.
-
-    Attributes:
-        places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
-        remembered: it comes from the answers of a package, not from its file.
-        text: of the file.
-        event_files: name of each ``expression_file`` as it is written there -> its text.
-    """
+    """A configuration with the place of each of its parts."""
 
     config: Config
     name: str
+    # path such as `("EDDIInputs", 0, "id")` -> place of the value
     places: Mapping[values.Path, Place]
-    remembered: bool = False
-    text: str = ""
+    remembered: bool = False  # it comes from the answers of a package, not from its file
+    text: str = ""  # of the file
+    # name of each `expression_file` as it is written there -> its text
     event_files: Mapping[str, str] = field(default_factory=dict)
 
     def as_json(self) -> str:

@@ -36,13 +36,9 @@ _OF_WHAT_LACKS = ("D006", "G001", "X037")
 
 @dataclass(frozen=True)
 class ByHand(UnwrittenInput):
-    """An input that only hand-written code can make of its messages (K050).
+    """An input that only hand-written code can make of its messages (K050)."""
 
-    Attributes:
-        of: the input and its monitor, for people.
-    """
-
-    of: str = ""
+    of: str = ""  # the input and its monitor, for people
 
 
 def check_files(

@@ -31,19 +31,12 @@ from eddi_scaffold.monitors.robots import MESSAGE, fleet_message
 
 @dataclass(frozen=True)
 class Fleet:
-    """Robots that meet.
+    """Robots that meet."""
 
-    Attributes:
-        file: the deployment file.
-        robots: in its order.
-        monitors: the monitors of all robots, as they are without the others.
-        bindings: the demands that other robots fulfil.
-    """
-
-    file: FleetFile
-    robots: tuple[FleetRobot, ...]
-    monitors: tuple[RobotMonitor, ...]
-    bindings: tuple[DemandBinding, ...]
+    file: FleetFile  # the deployment file
+    robots: tuple[FleetRobot, ...]  # in its order
+    monitors: tuple[RobotMonitor, ...]  # the monitors of all robots, as they are without the others
+    bindings: tuple[DemandBinding, ...]  # the demands that other robots fulfil
 
     def monitors_of(self, robot: FleetRobot) -> list[RobotMonitor]:
         """Return the monitors of one robot."""

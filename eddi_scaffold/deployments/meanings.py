@@ -25,24 +25,15 @@ Field = tuple[SimulatorOutput, FieldPath]
 
 @dataclass(frozen=True)
 class FieldReading:
-    """One use of one field.
+    """One use of one field."""
 
-    Attributes:
-        input: id.
-        text: the field, as a person writes it.
-        place: its place in the configuration.
-        source: the message.
-        path: into the message.
-        holds: which values bring a claim of the monitor nearer.
-        companions: further fields, with tests that hold as well when the claim is made this way.
-    """
-
-    input: str
-    text: str
-    place: Place
-    source: SimulatorOutput
-    path: FieldPath
-    holds: Holds
+    input: str  # id
+    text: str  # the field, as a person writes it
+    place: Place  # its place in the configuration
+    source: SimulatorOutput  # the message
+    path: FieldPath  # into the message
+    holds: Holds  # which values bring a claim of the monitor nearer
+    # further fields, with tests that hold as well when the claim is made this way
     companions: tuple[tuple[Field, Holds], ...] = ()
 
 
@@ -188,19 +179,12 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
 
 @dataclass(frozen=True)
 class _MessageField:
-    """A field of a message of ours that is read.
+    """A field of a message of ours that is read."""
 
-    Attributes:
-        publisher: the monitor, or the topic where it is not at hand.
-        message: that the field is in.
-        path: into that message.
-        meanings: what its fields mean.
-    """
-
-    publisher: object
-    message: str
-    path: FieldPath
-    meanings: Meanings
+    publisher: object  # the monitor, or the topic where it is not at hand
+    message: str  # that the field is in
+    path: FieldPath  # into that message
+    meanings: Meanings  # what its fields mean
 
     @property
     def meaning(self) -> Meaning:

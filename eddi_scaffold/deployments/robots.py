@@ -22,21 +22,13 @@ Pair = tuple[Model, ConfigFile]
 
 @dataclass(frozen=True, eq=False)
 class FleetRobot:
-    """One robot.
+    """One robot."""
 
-    Attributes:
-        form: its entry in the deployment file.
-        number: of that entry.
-        platform: where its monitors run.
-        graph: where it hears others; ``None`` where its platform has no such place.
-        pairs: model and configuration of each of its monitors.
-    """
-
-    form: Robot
-    number: int
-    platform: Platform
-    graph: MeetingPlace | None
-    pairs: tuple[Pair, ...]
+    form: Robot  # its entry in the deployment file
+    number: int  # of that entry
+    platform: Platform  # where its monitors run
+    graph: MeetingPlace | None  # where it hears others; `None` where its platform has no such place
+    pairs: tuple[Pair, ...]  # model and configuration of each of its monitors
 
     @property
     def name(self) -> str:
@@ -155,15 +147,10 @@ def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator
 
 @dataclass(frozen=True)
 class GuaranteeSource:
-    """One guarantee as one topic brings it.
+    """One guarantee as one topic brings it."""
 
-    Attributes:
-        output: the topic; its id is only a wish.
-        guarantee: id in the message.
-    """
-
-    output: SimulatorOutput
-    guarantee: str
+    output: SimulatorOutput  # the topic; its id is only a wish
+    guarantee: str  # id in the message
 
 
 def with_demand_inputs(

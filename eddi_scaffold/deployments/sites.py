@@ -19,15 +19,10 @@ from eddi_scaffold.platforms import Platform
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """The workspace or folder of one robot.
+    """The workspace or folder of one robot."""
 
-    Attributes:
-        robot: its name is that of the folder.
-        monitors: with the configurations that they have on it.
-    """
-
-    robot: FleetRobot
-    monitors: tuple[BoundMonitor, ...]
+    robot: FleetRobot  # its name is that of the folder
+    monitors: tuple[BoundMonitor, ...]  # with the configurations that they have on it
 
     @property
     def name(self) -> str:

@@ -29,26 +29,16 @@ from eddi_scaffold.monitors.facts import MonitorFacts, from_json
 
 @dataclass(frozen=True)
 class WiredMonitor:
-    """A monitor, as far as rings are concerned.
+    """A monitor, as far as rings are concerned."""
 
-    Attributes:
-        name: for people.
-        package: its package, which private topics are below.
-        namespace: of its robot, empty for none.
-        kind: its kind.
-        config: its configuration, given or remembered.
-        facts: what its package remembers of it.
-        model_file: of its model, for places.
-        alone: topic with one value of its message -> that field, for people.
-    """
-
-    name: str
-    package: str
-    namespace: str
-    kind: Kind
-    config: ConfigFile
-    facts: MonitorFacts
-    model_file: str = ""
+    name: str  # for people
+    package: str  # its package, which private topics are below
+    namespace: str  # of its robot, empty for none
+    kind: Kind  # its kind
+    config: ConfigFile  # its configuration, given or remembered
+    facts: MonitorFacts  # what its package remembers of it
+    model_file: str = ""  # of its model, for places
+    # topic with one value of its message -> that field, for people
     alone: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -193,21 +183,13 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
 
 @dataclass(frozen=True)
 class Accepted:
-    """One acceptance in a deployment.
+    """One acceptance in a deployment."""
 
-    Attributes:
-        monitor: name of the participant.
-        what: the acceptance.
-        topics: what its input is read from.
-        claims: those that rest on it, of any participant.
-        place: its place.
-    """
-
-    monitor: str
-    what: Acceptance
-    topics: tuple[str, ...]
-    claims: tuple[str, ...]
-    place: Place
+    monitor: str  # name of the participant
+    what: Acceptance  # the acceptance
+    topics: tuple[str, ...]  # what its input is read from
+    claims: tuple[str, ...]  # those that rest on it, of any participant
+    place: Place  # its place
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return a row of ``trace --json``."""

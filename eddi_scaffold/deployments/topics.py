@@ -22,15 +22,10 @@ from eddi_scaffold.monitors.publications import (
 
 @dataclass(frozen=True)
 class Member:
-    """A monitor of a deployment that is at hand with its model.
+    """A monitor of a deployment that is at hand with its model."""
 
-    Attributes:
-        monitor: it has a configuration.
-        namespace: of its robot, such as ``/robot1``; empty for none.
-    """
-
-    monitor: BoundMonitor
-    namespace: str = ""
+    monitor: BoundMonitor  # it has a configuration
+    namespace: str = ""  # of its robot, such as `/robot1`; empty for none
 
     @cached_property
     def participant(self) -> WiredMonitor:
@@ -86,17 +81,12 @@ class Publisher:
 
 @dataclass(frozen=True)
 class Deployment:
-    """Monitors that run together.
+    """Monitors that run together."""
 
-    Attributes:
-        members: those that are at hand.
-        publishers: full name of a topic -> the members that publish it.
-        others: those that run with them.
-    """
-
-    members: tuple[Member, ...]
+    members: tuple[Member, ...]  # those that are at hand
+    # full name of a topic -> the members that publish it
     publishers: Mapping[str, Sequence[Publisher]]
-    others: tuple[WiredMonitor, ...] = ()
+    others: tuple[WiredMonitor, ...] = ()  # those that run with them
 
     @property
     def participants(self) -> Sequence[WiredMonitor]:

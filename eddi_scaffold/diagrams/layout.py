@@ -111,17 +111,13 @@ def laid_out(diagram: Diagram) -> Layout:
 
 @dataclass(frozen=True)
 class Layers:
-    """Nodes and bends by layer.
+    """Nodes and bends by layer."""
 
-    Attributes:
-        rows: numbers of nodes; bends have numbers behind those of the nodes.
-        chains: for each edge the numbers on its way, in the direction of the layers.
-        turned: whether the edge leads against the layers, because it closes a cycle.
-    """
-
+    # numbers of nodes; bends have numbers behind those of the nodes
     rows: tuple[tuple[int, ...], ...]
+    # for each edge the numbers on its way, in the direction of the layers
     chains: tuple[tuple[int, ...], ...]
-    turned: tuple[bool, ...]
+    turned: tuple[bool, ...]  # whether the edge leads against the layers, because it closes a cycle
 
     def links(self) -> list[Edge]:
         """Return the pieces of all edges between neighbouring layers, each once."""

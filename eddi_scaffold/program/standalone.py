@@ -27,40 +27,24 @@ _C_INTEGER = re.compile(r"u?int(_least|_fast)?[0-9]+")
 
 @dataclass(frozen=True)
 class HostArgument:
-    """One value that the host gives.
+    """One value that the host gives."""
 
-    Attributes:
-        input: its name and type.
-        name: an identifier.
-        description: one line on it.
-        stamped: the time of its sample is asked for.
-    """
-
-    input: HostInput
-    name: str
-    description: str
-    stamped: bool
+    input: HostInput  # its name and type
+    name: str  # an identifier
+    description: str  # one line on it
+    stamped: bool  # the time of its sample is asked for
 
 
 @dataclass(frozen=True)
 class StandaloneMonitor:
-    """One monitor to print.
+    """One monitor to print."""
 
-    Attributes:
-        name: what files and functions begin with.
-        kind: of its model, ``event`` or ``consert``.
-        program: what it does.
-        source: lines of the text, for comments.
-        units: value of the host -> its unit.
-        enums: name of the ENUM of each variable, empty for none.
-    """
-
-    name: str
-    kind: str
-    program: Program
-    source: tuple[str, ...]
-    units: Mapping[str, str] = field(default_factory=dict)
-    enums: tuple[str, ...] = ()
+    name: str  # what files and functions begin with
+    kind: str  # of its model, `event` or `consert`
+    program: Program  # what it does
+    source: tuple[str, ...]  # lines of the text, for comments
+    units: Mapping[str, str] = field(default_factory=dict)  # value of the host -> its unit
+    enums: tuple[str, ...] = ()  # name of the ENUM of each variable, empty for none
 
     @cached_property
     def variables(self) -> list[str]:

@@ -44,15 +44,10 @@ _SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 @dataclass(frozen=True)
 class Scalar:
-    """A text in a document.
+    """A text in a document."""
 
-    Attributes:
-        text: content without quotes and escapes.
-        plain: written without quotes, so that its form may determine its type.
-    """
-
-    text: str
-    plain: bool
+    text: str  # content without quotes and escapes
+    plain: bool  # written without quotes, so that its form may determine its type
     place: Place = field(default=Place(), compare=False)
 
 
@@ -66,13 +61,9 @@ class Items:
 
 @dataclass(frozen=True)
 class Map:
-    """A map; of a repeated key the first entry is kept.
+    """A map; of a repeated key the first entry is kept."""
 
-    Attributes:
-        entries: key and value in the order of the file.
-    """
-
-    entries: tuple[tuple[Scalar, Node], ...]
+    entries: tuple[tuple[Scalar, Node], ...]  # key and value in the order of the file
     place: Place = field(default=Place(), compare=False)
 
     def get(self, key: str) -> Node | None:

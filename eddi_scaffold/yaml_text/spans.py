@@ -22,27 +22,17 @@ _COMMENT = re.compile(r"(?:^|(?<=\s))#")
 
 @dataclass
 class Span:
-    """One node and its text.
+    """One node and its text."""
 
-    Attributes:
-        start: offset of its first character.
-        end: offset behind its last scalar or closing bracket; ``start`` for an empty one.
-        text: of a scalar, else ``None``.
-        is_map: a mapping, whose children are keys and values in turn.
-        is_flow: written with brackets or braces.
-        anchors: names that are given inside -> line.
-        aliases: names that are used inside -> line.
-    """
-
-    start: int
-    end: int
+    start: int  # offset of its first character
+    end: int  # offset behind its last scalar or closing bracket; `start` for an empty one
     line: int
-    text: str | None = None
-    is_map: bool = False
-    is_flow: bool = False
+    text: str | None = None  # of a scalar, else `None`
+    is_map: bool = False  # a mapping, whose children are keys and values in turn
+    is_flow: bool = False  # written with brackets or braces
     children: list[Span] = field(default_factory=list)
-    anchors: dict[str, int] = field(default_factory=dict)
-    aliases: dict[str, int] = field(default_factory=dict)
+    anchors: dict[str, int] = field(default_factory=dict)  # names that are given inside -> line
+    aliases: dict[str, int] = field(default_factory=dict)  # names that are used inside -> line
     scalars: list[tuple[int, int]] = field(default_factory=list)
 
     def entries(self) -> Iterator[tuple[Span, Span]]:
