@@ -13,7 +13,7 @@ from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
 from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
-from eddi_scaffold.deployments.topics import absent_publishers, deployment
+from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import Model, ReadResult
@@ -175,7 +175,7 @@ def _together(
     problems += packages_of(monitors, platform, None)[1]
     joined = {monitor.config.name for monitor in monitors if monitor.config}
     if joined >= {config.name for config in configs}:
-        problems += absent_publishers(deployment(members_of(monitors)))
+        problems += absent_publishers(Deployment(members_of(monitors)))
     return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 

@@ -14,7 +14,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import Accepted, acceptances
-from eddi_scaffold.deployments.topics import deployment
+from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
@@ -57,7 +57,7 @@ def join(
     monitors, reported = join_pairs(pairs, marks)
     members = members_of(monitors)
     problems += [*reported, *_check_packages(monitors), *check_wiring(members)]
-    return monitors, [*problems, *check_ages(deployment(members))]
+    return monitors, [*problems, *check_ages(Deployment(members))]
 
 
 def join_pairs(
@@ -168,7 +168,7 @@ def accepted_of(
     errors = [problem for problem in problems if problem.level == "error"]
     if errors:
         return [], list(models), errors
-    accepted = acceptances([member.participant for member in members_of(monitors)])
+    accepted = acceptances(members_of(monitors))
     configured = {_identity(monitor.model): monitor.model for monitor in monitors}
     return accepted, [configured.get(_identity(model), model) for model in models], []
 

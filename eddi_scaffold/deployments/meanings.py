@@ -12,7 +12,8 @@ from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.config.field_paths import Attribute, FieldPath, Index, parse_field, pattern
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.topics import Deployment, Member
+from eddi_scaffold.deployments.support import WiredMonitor
+from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
@@ -46,7 +47,8 @@ class Readings:
             silence does.
     """
 
-    def __init__(self, monitor: BoundMonitor) -> None:
+    def __init__(self, monitor: BoundMonitor | None) -> None:
+        assert monitor is not None
         assert monitor.config is not None
         self._config, form = monitor.config, monitor.config.config
         self._by_id = {binding.model.id: binding for binding in monitor.inputs}
@@ -137,7 +139,7 @@ class Readings:
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
     """Report what gains from silence: D001, D002, D007."""
     for member in deployment.members:
-        readings, config = Readings(member.monitor), member.config
+        readings, config = Readings(member.bound), member.config
         ids = [entry.id for entry in config.config.EDDIInputs]
         for input_ in readings.inverted:
             place = config.place("EDDIInputs", ids.index(input_), "polarity")
@@ -149,7 +151,9 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
         yield from problems.values()
 
 
-def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Iterator[Problem]:
+def _judge(
+    deployment: Deployment, member: WiredMonitor, reading: FieldReading
+) -> Iterator[Problem]:
     field = _message_field(deployment, member, (reading.source, reading.path))
     if field is None:
         return
@@ -199,14 +203,16 @@ class _MessageField:
         return own == (publisher, validity.message, f".{validity.field}")
 
 
-def _message_field(deployment: Deployment, member: Member, field: Field) -> _MessageField | None:
+def _message_field(
+    deployment: Deployment, member: WiredMonitor, field: Field
+) -> _MessageField | None:
     """Return which field of a monitor's message is read, ``None`` for other messages."""
     source, path = field
     kind, message = kind_of_message(source.type), source.type.partition("/")[2]
     if kind is None:
         return None
     if (publisher := deployment.publisher(member, source)) is not None:
-        monitor = publisher.member.participant
+        monitor = publisher.member
         meanings = monitor.meanings(publisher.publication.output.event)
         return _MessageField(monitor.name, message, path, meanings)
     other = deployment.other(member, source)

@@ -12,7 +12,7 @@ from eddi_scaffold.config.deployment_file import Robot
 from eddi_scaffold.deployments.fleet import Fleet
 from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
-from eddi_scaffold.deployments.topics import Member
+from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
@@ -138,15 +138,14 @@ def is_closed(fleet: Fleet) -> bool:
     of_any = [binding.fulfilments for binding in fleet.bindings if binding.of_any]
     if not of_any:
         return True
-    wired = {
-        monitor: Member(monitor.bound, monitor.robot.form.prefix).participant
-        for monitor in fleet.monitors
+    monitors = {
+        monitor: wired(monitor.bound, monitor.robot.form.prefix) for monitor in fleet.monitors
     }
-    published = {topic for monitor in wired.values() for topic, _ in monitor.published}
+    published = {topic for monitor in monitors.values() for topic, _ in monitor.published}
     bound_demands = {(binding.user, binding.demand) for binding in fleet.bindings}
 
     def rests_on_others(fulfilment: Fulfilment) -> bool:
-        provider, monitor = fulfilment.provider, wired[fulfilment.provider]
+        provider, monitor = fulfilment.provider, monitors[fulfilment.provider]
         return any(
             (provider, input_) in bound_demands
             or any(topic in published for topic, _ in monitor.topics_read.get(input_, ()))

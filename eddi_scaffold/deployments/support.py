@@ -23,8 +23,10 @@ from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.facts import MonitorFacts, from_json
+from eddi_scaffold.monitors.publications import Publication, publications
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,8 @@ class WiredMonitor:
     model_file: str = ""  # of its model, for places
     # topic with one value of its message -> that field, for people
     alone: Mapping[str, str] = field(default_factory=dict)
+    bound: BoundMonitor | None = None  # where its model is at hand
+    publications: Sequence[Publication] = ()  # what its node publishes, likewise
 
     @property
     def frequency(self) -> float:
@@ -119,6 +123,24 @@ class PublishedTopic:
         part = next(iter(keys), self.part)
         names = [part] if part in self.of.claims else list(self.of.claims)
         return [self.of.claim(str(name)) for name in names]
+
+
+def wired(monitor: BoundMonitor, namespace: str = "") -> WiredMonitor:
+    """Return a monitor that has a configuration, as one of a robot with a namespace."""
+    config = monitor.config
+    assert config is not None
+    own = publications(monitor, config)[0]
+    alone = {
+        # the topic of a threshold has no field of its own in the configuration
+        entry.output.topic: f"`{entry.output.field or f'evidence[{entry.output.id}].active'}`"
+        f" of {entry.message}"
+        for entry in own
+        if entry.path
+    }
+    id_, file = config.config.Model.id, monitor.model.source.name
+    name = f"{namespace}/{id_}" if namespace else id_
+    names = name, monitor.package, namespace
+    return WiredMonitor(*names, monitor.kind, config, monitor.facts, file, alone, monitor, own)
 
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
