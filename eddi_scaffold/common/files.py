@@ -133,10 +133,7 @@ class Source:
         return io.BytesIO(self.data)
 
     def text(self, code: str) -> str:
-        """Return the content as text, without a byte order mark.
-
-        Args:
-            code: of the problem if it is none.
+        """Return the content as text, without a byte order mark; ``code`` is that of the problem.
 
         Raises:
             EddiError: it is not UTF-8 text; the place is that of the first byte that is wrong.
@@ -298,13 +295,7 @@ def _unreadable(name: str, failure: OSError) -> Problem:
 
 
 def near_file(path: Path, written: str, but: str = "") -> str | None:
-    """Return the hint on a file of a near name in the folder of one that is missing.
-
-    Args:
-        path: where that one should be.
-        written: how a person named it.
-        but: the file that names it, which is not meant.
-    """
+    """Return the hint on a file of a near name where one is missing; ``but`` is not meant."""
     try:
         there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):

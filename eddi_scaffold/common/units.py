@@ -128,11 +128,7 @@ _BY_SPELLING = {spelling: unit for unit in UNITS for spelling in (unit.symbol, *
 
 
 def find(spelling: str | None) -> Unit | None:
-    """Return the unit of a spelling, case sensitive; ``None`` for an unknown one.
-
-    Args:
-        spelling: as written; ``None`` (no unit given) is a ratio like ``""``.
-    """
+    """Return the unit of a spelling, case sensitive; no unit (``None``) is a ratio."""
     return RATIO if spelling is None else _BY_SPELLING.get(spelling)
 
 
@@ -265,10 +261,6 @@ class Quantity(NamedTuple):
 
 def rate(given: object, unit: str | None = None) -> Quantity:
     """Read a rate; without a unit it is per hour.
-
-    Args:
-        given: text or number.
-        unit: a unit that is given elsewhere.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.

@@ -66,13 +66,6 @@ def open_server(
 ) -> LimitedServer:
     """Return a server of the page on the loopback interface, not serving yet.
 
-    Args:
-        port: 0 for any that is free.
-        read_signal: reads recorded values.
-        start: what the page shows at first.
-        seconds: within which a request has come and its answer is taken, or the connection ends.
-        connections: at once; a further one is asked to retry.
-
     Raises:
         EddiError: the port is taken (E024).
     """

@@ -54,13 +54,7 @@ class GraphBuilder:
         self._known: dict[str, int] = {}
 
     def leaf(self, op: str, value: float | None, at: At) -> int:
-        """Add a constant or what is read.
-
-        Args:
-            op: ``number``, ``truth``, ``literal``, ``variable`` or ``age``.
-            value: the constant, ``None`` for an UNKNOWN number, or which literal or variable.
-            at: its place.
-        """
+        """Add a constant, ``None`` for an UNKNOWN number, or what is read: its number."""
         return self._add(Operation(op, (), "", value, at=at))
 
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
@@ -131,14 +125,7 @@ def program_of(
 def _words(
     reads: Sequence[Read], operation: Operation, before: Sequence[Operation], words: Sequence[str]
 ) -> str:
-    """Return the words of an operation, as they stand in comments beside what is made of it.
-
-    Args:
-        reads: what the program reads.
-        operation: what is done.
-        before: the operations before it.
-        words: of these.
-    """
+    """Return the words of an operation, as they stand in comments beside what is made of it."""
     op, value = operation.op, operation.value
     base = op.partition("_")[0]
     if op in ("variable", "age"):

@@ -79,16 +79,7 @@ def reduced(
     scope: Scope,
     findings: TextFindings,
 ) -> Variable | None:
-    """Return the variable that a reduction is, ``None`` when something is wrong with it.
-
-    Args:
-        file: the text.
-        root: number of the reduction.
-        elements: its graph.
-        nodes: of the graph: the value of an element, and the limits of WITHIN.
-        scope: what the names mean.
-        findings: gets E007 and E009.
-    """
+    """Return the variable that a reduction is, ``None`` when something is wrong with it."""
     node, options, lists = file.nodes[root], file.nodes[root].options, elements.lists
     assert options is not None
     limits = [  # those that the messages document: input, nodes of the limits

@@ -104,11 +104,8 @@ def build_scope(
 ) -> Scope:
     """Collect the names of a text.
 
-    Args:
-        file: the text.
-        findings: gets E007, E008, E009, E013, W003.
-        known: variables that the caller knows; ``None``: variables may be inferred.
-        outer: declarations from elsewhere; problems in them are reported there.
+    Variables are inferred where the caller knows none; problems in the declarations from elsewhere
+    (``outer``) are reported there.
     """
     scope = Scope(closed=known is not None or bool(file.variables))
     if outer is not None:

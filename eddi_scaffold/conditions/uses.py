@@ -34,13 +34,7 @@ _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
 def uses(program: Program, root: int, *, wanted: bool) -> dict[str, tuple[Use, ...]]:
-    """Return the uses of each variable that can make a condition true, or false.
-
-    Args:
-        program: of the conditions (``Analysis.program``).
-        root: number of the condition's operation.
-        wanted: the side that claims something.
-    """
+    """Return the uses of each variable that can make a condition true, or false (``wanted``)."""
     uses_of: dict[str, tuple[Use, ...]] = {}
     for variable, use in _Walk(program).uses(root, wanted):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
@@ -157,13 +151,7 @@ def inputs_of(variable: Read) -> Sequence[str]:
 def nodes_below(
     nodes: Sequence[Operation], root: int, ends: Container[str] = ()
 ) -> Iterator[Operation]:
-    """Yield an operation and all below it, each once, in the order of the text.
-
-    Args:
-        nodes: of the program.
-        root: where to begin.
-        ends: operations whose arguments are omitted.
-    """
+    """Yield an operation and all below it, each once; the arguments of ``ends`` are omitted."""
     waiting, seen = [root], set()
     while waiting:
         number = waiting.pop()

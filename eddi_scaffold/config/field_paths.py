@@ -76,11 +76,7 @@ PlainStep = str | int | list[str | int]
 
 
 def parse_field(text: str, *, lists: bool = False) -> FieldPath:
-    """Parse a field path.
-
-    Args:
-        text: the path.
-        lists: ``[*]`` and ``[2..5]`` are allowed in it.
+    """Parse a field path; ``lists``: ``[*]`` and ``[2..5]`` are allowed in it.
 
     Raises:
         FieldPathError: the text is not a field path; the message has column and expectation.
@@ -209,11 +205,6 @@ class ResolvedPath:
 
 def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
     """Return the path with its keys, and the type at its end.
-
-    Args:
-        path: into the message.
-        message: type of the message.
-        fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
         FieldPathError: the path leads nowhere; the message reports where it ends, with the fields.

@@ -40,12 +40,7 @@ _TYPE = re.compile(r"([A-Za-z][\w/]*)(\[\d*\])?")
 
 
 def fields_of(text: str, package: str = "") -> dict[str, str]:
-    """Read the fields of a ``.msg`` text.
-
-    Args:
-        text: the definition.
-        package: of the message, which names of the same package leave out.
-    """
+    """Read the fields of a ``.msg`` text of a package, whose name types of its own leave out."""
     return {name: _qualified(of, package) for of, name in _FIELD.findall(text)}
 
 

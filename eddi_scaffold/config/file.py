@@ -98,12 +98,7 @@ def about_file(problem: Problem, name: str, place: Place) -> Problem:
 
 
 def existing_file(of: str, name: str, place: Place) -> Path:
-    """Return where a file is that another one names.
-
-    Args:
-        of: the file that names it.
-        name: as written there.
-        place: of the name.
+    """Return where a file is that another one names at a place.
 
     Raises:
         EddiError: there is no such file (F001), or it is not below the folder of the other (F009).

@@ -18,10 +18,6 @@ from eddi_scaffold.kinds import ReadResult
 def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
     """Return the SVG of a deployment file.
 
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
-
     Raises:
         EddiError: it, or what it names, cannot be used.
     """

@@ -61,12 +61,7 @@ class Fleet:
 def read_whole_fleet(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[Fleet | None, list[Problem]]:
-    """Read a deployment file and all that it names; ``None`` where something is missing.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
-    """
+    """Read a deployment file and all that it names; ``None`` where something is missing."""
     file, problems = read_fleet(source)
     if file is None:
         return None, problems
@@ -120,14 +115,7 @@ def digests_of(fleet: Fleet) -> Digests:
 def among_others(
     fleet: Fleet, monitor: RobotMonitor, digests: Digests, *, closed: bool = False
 ) -> ConfigFile:
-    """Return the configuration of a monitor on its robot, one of a fleet.
-
-    Args:
-        fleet: of the deployment file.
-        monitor: the monitor on its robot.
-        digests: of the models of the others.
-        closed: see ``is_closed``.
-    """
+    """Return the configuration of a monitor on its robot, one of a fleet."""
     shared, config = fleet.file.form.Fleet, monitor.config
     if monitor.robot.graph is None or fleet_message(monitor.bound.kind) is None:
         return config

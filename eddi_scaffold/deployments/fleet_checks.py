@@ -59,12 +59,7 @@ _OWN_PERIODS = 2
 def check_fleet(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Problem], frozenset[Path]]:
-    """Return all that is wrong with a deployment file and what it names, and these files.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models, with all problems in it; raises EddiError.
-    """
+    """Return all that is wrong with a deployment file and what it names, and these files."""
     fleet, problems = read_whole_fleet(source, read)
     if fleet is None:
         return problems, frozenset()
@@ -74,12 +69,7 @@ def check_fleet(
 
 
 def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
-    """Return what is wrong with robots that could be read: each by itself, then together.
-
-    Args:
-        fleet: the robots.
-        reported: when they were read.
-    """
+    """Return what is wrong with robots that could be read: each by itself, then together."""
     open_ = unanswered(reported, [model for robot in fleet.robots for model, _ in robot.pairs])
     problems = [*open_, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
     config_of = partial(among_others, fleet, digests={}, closed=is_closed(fleet))
@@ -113,12 +103,7 @@ def _wired(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[WiredMon
 
 
 def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
-    """Return the warning that nothing provides an input, and what a deployment file can do.
-
-    Args:
-        problem: of a configuration, which other robots may share.
-        robot: in which it was found.
-    """
+    """Return the warning that nothing provides an input, and what a deployment file can do."""
     if problem.code != "K014":
         return problem
     hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"

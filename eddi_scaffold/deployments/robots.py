@@ -39,12 +39,7 @@ class FleetRobot:
 def read_robots(
     file: FleetFile, read: Callable[[Path], ReadResult]
 ) -> tuple[list[FleetRobot], list[Problem]]:
-    """Return the robots of a deployment file that can be used as they are, and all problems.
-
-    Args:
-        file: the deployment file.
-        read: reads a file of models; raises EddiError.
-    """
+    """Return the robots of a deployment file that can be used as they are, and all problems."""
     reader = _Reader(file, read)
     all_robots = [reader.robot(number) for number in range(len(file.form.Robots))]
     robots = [robot for robot in all_robots if robot is not None]
@@ -162,12 +157,7 @@ def with_demand_inputs(
 ) -> ConfigFile:
     """Return a configuration whose demand is fulfilled while one of some guarantees is active.
 
-    Args:
-        config: of the monitor; what it says itself of where the demand comes from is replaced.
-        demand: id of the input.
-        sources: the guarantees.
-        max_age: of the input where the configuration has none.
-        place: where the deployment file says so.
+    What it says itself of where the demand comes from is replaced; its age limit stays.
     """
     form, places = config.config, dict(config.places)
     outputs = list(form.SimulatorOutputs)

@@ -35,11 +35,7 @@ class Site:
         return self.robot.platform
 
     def next_steps(self, place: Path) -> Sequence[str]:
-        """Return shell commands that build the workspace and start the monitors.
-
-        Args:
-            place: the workspace, or folder.
-        """
+        """Return shell commands that build the workspace and start the monitors."""
         packages = [monitor.package for monitor in self.monitors]
         meeting, robot = self.platform.meeting, self.robot
         if meeting is None or robot.graph is None:
@@ -51,10 +47,6 @@ def sites_of(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Site], list[Problem]]:
     """Return what is to be generated, and the warnings.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
 
     Raises:
         EddiError: it, or what it names, has errors.

@@ -56,11 +56,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
 
 
 def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
-    """Report what is told to other robots and rests by topics on a statement of a robot (D003).
-
-    Args:
-        participants: the monitors that read each other's topics.
-    """
+    """Report what is told to other robots and rests by topics on a statement of a robot (D003)."""
     relying = {claim: monitor for monitor in participants for claim in monitor.claims_on_statements}
     graph = supports(participants) if relying else {}
     for monitor in participants if relying else ():
@@ -119,12 +115,7 @@ def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
 def check_wiring(
     members: Sequence[WiredMonitor], others: Sequence[WiredMonitor] = ()
 ) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016).
-
-    Args:
-        members: the monitors that are at hand.
-        others: those that run with them.
-    """
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016)."""
     together = Deployment(members, others)
     rings = list(check_rings(together.participants))
     return [

@@ -125,13 +125,7 @@ class Layers:
 
 
 def layered(count: int, edges: Sequence[Edge]) -> Layers:
-    """Assign layers.
-
-    Args:
-        count: number of nodes, which are called 0, 1, ...
-        edges: from, to; a loop at one node, and an edge across very many layers, has an empty
-            chain.
-    """
+    """Assign layers; a loop, and an edge across very many layers, has an empty chain."""
     turned = _turned(count, edges)
     forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
     depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
@@ -258,14 +252,7 @@ def _sort(row: list[int], fixed: Sequence[int], neighbours: Mapping[int, Sequenc
 def placed(
     rows: Rows, widths: Mapping[int, float], links: Sequence[Edge], gap: float
 ) -> dict[int, float]:
-    """Return the middle of every node and bend along its row; the leftmost edge is at 0.
-
-    Args:
-        rows: in their order.
-        widths: of nodes and bends.
-        links: pieces of edges between neighbouring rows.
-        gap: between two neighbours of a row.
-    """
+    """Return the middle of every node and bend along its row; the leftmost edge is at 0."""
     neighbours: dict[int, list[int]] = {node: [] for row in rows for node in row}
     for start, end in links:
         neighbours[start].append(end)

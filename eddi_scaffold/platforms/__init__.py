@@ -48,11 +48,7 @@ def choices(runtime: str | None, single_process: bool | None) -> Choices:
 
 
 def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:
-    """Return where the runtime library of a workspace is: beside the monitors if one needs it.
-
-    Args:
-        monitors: package -> its answers.
-    """
+    """Return where the runtime library of a workspace is: beside the monitors if one needs it."""
     where = [monitor.get(RUNTIME, VENDORED) for monitor in monitors.values()]
     return VENDORED if VENDORED in where else INSTALLED
 

@@ -40,12 +40,7 @@ _Description = dict[str, object]
 
 
 def type_hash(name: str, known: MessageFields) -> str:
-    """Return the hash of a message type.
-
-    Args:
-        name: ``package/Name``.
-        known: the fields of it and of all that it is made of.
-    """
+    """Return the hash of a message type."""
     parts = sorted(_parts(name, known) - {name})
     document = {
         "type_description": _described(name, known[name]),
@@ -88,12 +83,7 @@ def _full(name: str) -> str:
 def definitions_of(
     node: MonitorNode, known: MessageFields
 ) -> tuple[list[JsonValue], list[Problem]]:
-    """Return the types of a node, each after those that it is made of, and those that lack (K048).
-
-    Args:
-        node: of the monitor.
-        known: type -> its fields.
-    """
+    """Return the types of a node, each after those that it is made of; report others (K048)."""
     problems: list[Problem] = []
     found: dict[str, Fields] = {}
     places = {

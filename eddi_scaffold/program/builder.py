@@ -51,12 +51,7 @@ class Builder:
         return len(self._operations) - 1
 
     def append(self, program: Program, given: Mapping[int, int] | None = None) -> list[int]:
-        """Add the operations of a program; return the new number of each.
-
-        Args:
-            program: what is added.
-            given: what it reads -> the operation here that gives that.
-        """
+        """Add the operations of a program, but reads that are ``given``; return the new numbers."""
         given = given or {}
         numbers = {
             k: self._reads.setdefault(read, len(self._reads))

@@ -63,12 +63,7 @@ def expression_lines(inputs: Sequence[BoundInput]) -> list[str]:
 
 
 def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
-    """Return the lines of one class.
-
-    Args:
-        name: of the class.
-        document: what ``eddi_scaffold.conditions.inputs`` made.
-    """
+    """Return the lines of one class."""
     type_, parts = document["type"], document["parts"]
     program = joined([part["program"] for part in parts])
     sampling, sources = Sampling(program), Names(document)
@@ -136,10 +131,6 @@ def inlined(program: Program, inputs: Sequence[BoundInput]) -> Program:
     """Return a program that computes the inputs which an expression gives.
 
     Texts, rounded numbers and reductions of lists stay inputs.
-
-    Args:
-        program: what reads the inputs.
-        inputs: what it reads, in order.
     """
     if all(spec.expression is None for spec in inputs):
         return program

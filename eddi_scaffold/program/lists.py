@@ -113,14 +113,7 @@ _CONVERSIONS = {"number": "number_of", "bool": "truth_of", "text": "number_in"}
 
 
 def reduction_lines(number_: int, name: str, reduction: Reduction, prefix: str) -> list[str]:
-    """Return the method of a reduction.
-
-    Args:
-        number_: of the variable.
-        name: of the variable: the reduction as in the text.
-        reduction: what it is.
-        prefix: of what it calls.
-    """
+    """Return the method of a reduction."""
     arguments = "".join(f", x{k}" for k in range(len(reduction.inputs)))
     head = [f"    def reduce_{number_}(self{arguments}):", f"        # {comment(name)}"]
     return [*head, *_Columns(reduction, prefix).lines()]

@@ -55,13 +55,7 @@ class CompiledMonitor:
 
 
 def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) -> list[str]:
-    """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs.
-
-    Args:
-        base: class of the runtime that it inherits from.
-        declaration: of the monitor.
-        paths: input id -> fragment path of its element in the EDDI.
-    """
+    """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs."""
     classes = expression_classes(declaration.inputs)
     rows = (
         Item(_spec(input_, classes.get(input_.id)), above=comment(paths.get(input_.id, "")))
@@ -87,12 +81,6 @@ def module_text(kind: str, compiled: CompiledMonitor, model_id: str, origin: str
 
     The runtime is imported as a distribution; templates write other imports where it is a part of
     the package.
-
-    Args:
-        kind: name of the kind, as of its part of the runtime.
-        compiled: the monitor.
-        model_id: for people, as are the next.
-        origin: file and element of the model.
     """
     body = "\n".join(compiled.lines)
     offered = {"expressions": expressions.MODULES, kind: compiled.modules}

@@ -108,12 +108,7 @@ def is_identifier(text: str) -> bool:
 
 
 def variables(ids: Sequence[str], reserved: Collection[str]) -> list[str]:
-    """Return a variable for each id: the id itself where that can be, else ``v<number>``.
-
-    Args:
-        ids: no two are equal.
-        reserved: names with another meaning in the text.
-    """
+    """Return a variable for each id: the id itself where that can be, else ``v<number>``."""
     taken = {id_ for id_ in ids if is_identifier(id_)} | set(reserved)
     names = []
     for k, id_ in enumerate(ids):

@@ -119,16 +119,7 @@ def named(
     units: Mapping[str, str] | None = None,
     enums: Mapping[str, str] | None = None,
 ) -> StandaloneMonitor:
-    """Return what is printed of a program.
-
-    Args:
-        program: what it does.
-        name: of the monitor; any text.
-        source: lines on what it was made of.
-        kind: of its model, ``event`` or ``consert``.
-        units: value of the host -> its unit.
-        enums: what is read -> name of its ENUM.
-    """
+    """Return what is printed of a program."""
     names_of_enums = tuple((enums or {}).get(read.name, "") for read in program.reads)
     lines = tuple(map(c_comment, source))
     return StandaloneMonitor(module_name(name), kind, program, lines, units or {}, names_of_enums)

@@ -154,11 +154,7 @@ def as_integer(node: Node) -> int | None:
 
 
 def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
-    """Read the one document of a YAML file.
-
-    Args:
-        source: the file, UTF-8.
-        code: code of all problems of this step (``C001`` for a ConSert).
+    """Read the one document of a YAML file; ``code`` is that of all problems.
 
     Returns:
         The root node and the problems; the node is ``None`` where the document cannot be

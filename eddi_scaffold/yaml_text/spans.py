@@ -47,10 +47,6 @@ class Span:
 def spans(text: str, name: str) -> Span | None:
     """Return the root of a text that was read without a problem.
 
-    Args:
-        text: of the file.
-        name: of the file, for messages.
-
     Returns:
         ``None`` for a text that holds no document.
 
@@ -178,10 +174,7 @@ _BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
 def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
     """Return offset in a scalar's value -> place in the file.
 
-    Args:
-        text: of the file.
-        start: where the scalar begins; quotes, escapes, folded and literal blocks are followed
-            (YAML 1.2, chapters 7 and 8).
+    Quotes, escapes, folded and literal blocks are followed (YAML 1.2, chapters 7 and 8).
     """
     if start.line is None or start.col is None or not text:
         return lambda _: start

@@ -62,9 +62,6 @@ def imports_of(classes: Mapping[str, str]) -> list[str]:
 def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, str]:
     """Return message name -> text.
 
-    Args:
-        monitors: package -> its answers.
-
     Raises:
         EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
     """

@@ -100,13 +100,6 @@ def taken_names(
 
     Packages of the environment and of the workspace count, those below ``root`` do not: they are
     our own. Without ``root`` no package of ours counts: it may be the one that is meant.
-
-    Args:
-        root: folder of all our packages.
-        environment: folders with installed packages.
-        ignoring: name of the file that hides a folder from the build tool.
-        imported: modules that every node imports.
-        own: packages that are generated beside ours of both ROS.
     """
     inside = _manifests(root.parent, ignoring) if root is not None else ()
     ours = root.resolve() if root is not None else None
@@ -173,16 +166,7 @@ def package_answers(
     /,
     **more: JsonValue,
 ) -> dict[str, JsonValue]:
-    """Return the answers of one such package.
-
-    Args:
-        template: of it.
-        name: of the package.
-        description: one sentence.
-        monitors: package -> answers of those that share it: the first one by its name that says
-            who maintains it, says so of this one too.
-        more: answers that only this template asks for.
-    """
+    """Return the answers of one such package; who maintains a monitor, maintains it too."""
     answers = {"template": template, **identity_answers(name, description, None), **more}
     answers["package_version"], nobody = _RELEASE, answers["maintainer_email"]
     for package in sorted(monitors, reverse=True):
@@ -192,11 +176,7 @@ def package_answers(
 
 
 def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
-    """Return the parts of the runtime that monitors need.
-
-    Args:
-        monitors: package -> its answers.
-    """
+    """Return the parts of the runtime that monitors need."""
     return {part for answers in monitors.values() for part in _parts(answers)}
 
 
