@@ -10,71 +10,15 @@ import re
 import sys
 from collections.abc import Container
 
-RESERVED = frozenset(
-    [
-        "False",
-        "None",
-        "True",
-        "and",
-        "as",
-        "assert",
-        "async",
-        "await",
-        "break",
-        "case",
-        "class",
-        "continue",
-        "def",
-        "del",
-        "elif",
-        "else",
-        "except",
-        "finally",
-        "for",
-        "from",
-        "global",
-        "if",
-        "import",
-        "in",
-        "is",
-        "lambda",
-        "match",
-        "nonlocal",
-        "not",
-        "or",
-        "pass",
-        "raise",
-        "return",
-        "self",
-        "super",
-        "try",
-        "type",
-        "while",
-        "with",
-        "yield",
-        "_",
-    ]
-)
+_WORDS = """False None True and as assert async await break case class continue def del elif
+else except finally for from global if import in is lambda match nonlocal not or
+pass raise return self super try type while with yield _"""
+RESERVED = frozenset(_WORDS.split())
 TODO = "TODO"
 """In a configuration, without quotes: what a person has still to decide."""
-_INPUT_MEMBERS = frozenset(
-    {
-        "begin_processing",
-        "begin_step",
-        "bind",
-        "end_step",
-        "expression",
-        "look_again",
-        "processed",
-        "processing",
-        "received",
-        "setup",
-        "states",
-        "update",
-        "update_each",
-        "update_expression",
-    }
-)
+_MEMBERS = """begin_processing begin_step bind end_step expression look_again processed
+processing received setup states update update_each update_expression"""
+_INPUT_MEMBERS = frozenset(_MEMBERS.split())
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 STARTUP_MODULES = ("sitecustomize", "usercustomize")
 """Modules that every Python imports at its start when it finds them."""

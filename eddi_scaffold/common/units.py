@@ -1,4 +1,4 @@
-"""Units of measurement: one table for everything, and quantities as people write them.
+"""Units of measurement: one table (``units.txt``), and quantities as people write them.
 
 Factors are exact, but for those with pi, which is the nearest double. ``degC`` and ``K`` are two
 dimensions: a factor cannot distinguish a temperature of 5 K from a difference.
@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 from eddi_scaffold.common.problems import HintedError
@@ -28,102 +29,21 @@ class Unit:
     root: str = ""  # symbol of the unit of square roots, empty for none
 
 
-def _units(dimension: str, *rows: tuple[str, int | Fraction, str]) -> list[Unit]:
-    """Return the units of a dimension: symbol, factor, further names."""
-    return [
-        Unit(symbol, dimension, Fraction(factor), tuple(names.split()))
-        for symbol, factor, names in rows
-    ]
-
-
-_PI = Fraction(math.pi)
-_HOUR = 3600
 RATIO = Unit("", "ratio", names=("fraction", "ratio"))
-UNITS: tuple[Unit, ...] = (
-    RATIO,
-    Unit("percent", "ratio", Fraction(1, 100), ("pct",)),
-    *_units(
-        "length",
-        ("m", 1, "meter"),
-        ("km", 1000, "kilometer"),
-        ("cm", Fraction(1, 100), ""),
-        ("mm", Fraction(1, 1000), "millimeter"),
-    ),
-    *_units(
-        "time",
-        ("s", 1, "second"),
-        ("ms", Fraction(1, 1000), "millisecond"),
-        ("us", Fraction(1, 10**6), "microsecond"),
-        ("ns", Fraction(1, 10**9), "nanosecond"),
-        ("min", 60, ""),
-        ("h", _HOUR, ""),
-        ("day", 24 * _HOUR, ""),
-        ("week", 168 * _HOUR, ""),
-        ("month", 730 * _HOUR, ""),
-        ("year", 8760 * _HOUR, ""),
-    ),
-    *_units(
-        "frequency",
-        ("Hz", 1, "1/s"),
-        ("kHz", 1000, ""),
-        ("1/min", Fraction(1, 60), ""),
-        ("1/h", Fraction(1, _HOUR), ""),
-        ("1/day", Fraction(1, 24 * _HOUR), ""),
-        ("1/week", Fraction(1, 168 * _HOUR), ""),
-        ("1/month", Fraction(1, 730 * _HOUR), ""),
-        ("1/year", Fraction(1, 8760 * _HOUR), ""),
-        ("FIT", Fraction(1, _HOUR * 10**9), ""),
-    ),
-    *_units(
-        "speed",
-        ("m/s", 1, "meter_per_second mps"),
-        ("km/h", Fraction(5, 18), "kilometer_per_hour kmph"),
-    ),
-    *_units("acceleration", ("m/s^2", 1, "mps2")),
-    *_units("jerk", ("m/s^3", 1, "mps3")),
-    *_units("angle", ("rad", 1, ""), ("deg", _PI / 180, "")),
-    *_units(
-        "angular rate",
-        ("rad/s", 1, "radps"),
-        ("deg/s", _PI / 180, "degps"),
-    ),
-    *_units("angular acceleration", ("rad/s^2", 1, "radps2")),
-    *_units("mass", ("kg", 1, ""), ("g", Fraction(1, 1000), "")),
-    *_units("force", ("N", 1, "newton"), ("kN", 1000, "")),
-    *_units("torque", ("N*m", 1, "Nm")),
-    *_units("voltage", ("V", 1, ""), ("mV", Fraction(1, 1000), "")),
-    *_units("current", ("A", 1, ""), ("mA", Fraction(1, 1000), "")),
-    *_units("charge", ("A*h", 1, "Ah"), ("mA*h", Fraction(1, 1000), "mAh")),
-    *_units("power", ("W", 1, ""), ("kW", 1000, "")),
-    *_units("temperature in Celsius", ("degC", 1, "")),
-    *_units("temperature in Kelvin", ("K", 1, "")),
-    *_units(
-        "pressure",
-        ("Pa", 1, ""),
-        ("hPa", 100, ""),
-        ("kPa", 1000, ""),
-        ("bar", 10**5, ""),
-    ),
-    *_units("magnetic flux density", ("T", 1, ""), ("uT", Fraction(1, 10**6), "")),
-    *_units("illuminance", ("lx", 1, "")),
-    *_units("moment of inertia", ("kg*m^2", 1, "")),
-    *_units("pixels", ("px", 1, "")),
-    *(
-        Unit(symbol, f"square of {dimension}", root=of)
-        for symbol, of, dimension in (
-            ("m^2", "m", "length"),
-            ("rad^2", "rad", "angle"),
-            ("m^2/s^2", "m/s", "speed"),
-            ("rad^2/s^2", "rad/s", "angular rate"),
-            ("m^2/s^4", "m/s^2", "acceleration"),
-            ("rad^2/s^4", "rad/s^2", "angular acceleration"),
-            ("K^2", "K", "temperature"),
-            ("Pa^2", "Pa", "pressure"),
-            ("T^2", "T", "magnetic flux density"),
-            ("lx^2", "lx", "illuminance"),
-        )
-    ),
-)
+
+
+def _units() -> Iterator[Unit]:
+    yield RATIO
+    for line in Path(__file__).with_name("units.txt").read_text("utf-8").splitlines()[1:]:
+        dimension, _, rows = line.partition(": ")
+        for row in rows.split(", "):
+            symbol, factor, *names = row.split()
+            exact = Fraction(math.pi) / 180 if factor == "pi/180" else Fraction(factor)
+            root = names.pop().removeprefix("sqrt:") if "sqrt:" in row else ""
+            yield Unit(symbol, dimension, exact, tuple(names), root)
+
+
+UNITS = tuple(_units())
 _BY_SPELLING = {spelling: unit for unit in UNITS for spelling in (unit.symbol, *unit.names)}
 
 
