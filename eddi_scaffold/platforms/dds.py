@@ -26,7 +26,7 @@ from eddi_scaffold.platforms import (
     Platform,
     Templates,
 )
-from eddi_scaffold.platforms.ros_packages.messages import types_of
+from eddi_scaffold.platforms.ros_packages import types_of
 from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
 
 _IDS = {
