@@ -28,7 +28,7 @@ class Use:
     holds: Holds = any_value  # value -> whether it does
     # ids of further inputs, each with a test that holds as well whenever the claim is made this way
     # (`valid` with `p_fail < 0.1` in `valid AND p_fail < 0.1`)
-    beside: tuple[tuple[str, Holds], ...] = ()
+    companions: tuple[tuple[str, Holds], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Meaning:
     # values that it may have while nothing is known; `None`: any
     silent: tuple[object, ...] | None = None
     # the field has a meaning where all of these have one, whatever `silent` is
-    given: tuple[ValidityField, ...] = ()
+    valid_where: tuple[ValidityField, ...] = ()
     # why a use is refused that a silent value satisfies; no full stop
     refused: str = "it does not show whether anything is known"
     # the line to write in its place; `{field}` stands for the field itself
@@ -124,7 +124,7 @@ class StatusReading:
     digest: str = ""  # of the model, empty where the message has none
     accepted: tuple[str, ...] = ()  # what the configuration accepts in place of what is not known
     # these are all verdicts of its topic; else others came in messages of their own
-    whole: bool = True
+    is_complete: bool = True
 
 
 Listen = Callable[[Any], StatusReading]

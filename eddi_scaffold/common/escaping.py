@@ -64,7 +64,7 @@ def toml_text(text: str) -> str:
 
 def markdown_text(text: str) -> str:
     """Return one line that Markdown shows as it is, in a paragraph or in a cell of a table."""
-    return _MARKUP.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", one_line(text))
+    return _MARKUP.sub(lambda match: f"{match[0][:-1]}\\{match[0][-1]}", one_line(text))
 
 
 def markdown_code(text: str) -> str:

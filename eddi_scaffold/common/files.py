@@ -270,10 +270,10 @@ def refuse_input(path: Path) -> None:
         EddiError: this command has read it (F014).
     """
     try:
-        found = _identity(path.stat())
+        identity = _identity(path.stat())
     except OSError:  # nothing there: it is new
         return
-    if found in (_inputs.get() or ()):
+    if identity in (_inputs.get() or ()):
         raise EddiError(problem("F014", Place(str(path))))
 
 
@@ -295,10 +295,12 @@ def _unreadable(name: str, failure: OSError) -> Problem:
 
 
 def near_file(path: Path, written: str, but: str = "") -> str | None:
-    """Return the hint on a file of a near name where one is missing; ``but`` is not meant."""
+    """Return the hint on a file of a similar name where one is missing; ``but`` is not meant."""
     try:
-        there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
+        there = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):
         return None
-    near = most_similar(path.name, [name for name in there if name != but])
-    return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None
+    similar = most_similar(path.name, [name for name in there if name != but])
+    return (
+        f"did you mean {str(Path(written).with_name(similar))!r}?" if similar is not None else None
+    )

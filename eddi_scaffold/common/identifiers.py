@@ -47,11 +47,9 @@ def is_identifier(name: str) -> bool:
     )
 
 
-def key_text(wanted: str | int) -> str:
+def key_text(key: str | int) -> str:
     """Return the key of an element for brackets: in quotes where it is not a word."""
-    return (
-        str(wanted) if isinstance(wanted, int) or _IDENTIFIER.fullmatch(wanted) else f'"{wanted}"'
-    )
+    return str(key) if isinstance(key, int) or _IDENTIFIER.fullmatch(key) else f'"{key}"'
 
 
 def attribute(name: str) -> str:
@@ -87,12 +85,12 @@ def package_name(model_id: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")
 
 
-def free_name(wanted: str, taken: Container[str]) -> str:
-    """Return a name that is not taken: the wanted one, else with ``_2``, ``_3``, ... behind it."""
-    name, number = wanted, 1
+def free_name(base: str, taken: Container[str]) -> str:
+    """Return a name that is not taken: the base, else with ``_2``, ``_3``, ... behind it."""
+    name, number = base, 1
     while name in taken:
         number += 1
-        name = f"{wanted}_{number}"
+        name = f"{base}_{number}"
     return name
 
 

@@ -69,16 +69,16 @@ def one_word(spelling: str) -> str | None:
         return None
     of = dimension(spelling)
     others = [
-        one for unit in UNITS if unit.dimension == of if (one := word(unit.symbol)) in words()
+        other for unit in UNITS if unit.dimension == of if (other := word(unit.symbol)) in words()
     ]
     own = word(spelling)
     return own if own in words() else " or ".join(others)
 
 
-def apart(given: str, wanted: str) -> str:
+def apart(unit: str, target: str) -> str:
     """Return why a known unit cannot be converted to another of another dimension."""
-    if {given, wanted} == {"K", "degC"}:
-        return f"{given} and {wanted} are 273.15 apart, and a unit is only a factor"
+    if {unit, target} == {"K", "degC"}:
+        return f"{unit} and {target} are 273.15 apart, and a unit is only a factor"
     return "they are not of one dimension"
 
 
@@ -88,21 +88,21 @@ def listed() -> str:
     return f'{", ".join(shown)}, "" (ratio)'
 
 
-def factor(given: str | None, wanted: str | None) -> Fraction | None:
+def factor(unit: str | None, target: str | None) -> Fraction | None:
     """Return by what a number in one unit is multiplied to get it in another.
 
     Returns:
         The exact factor; ``None`` when a unit is unknown or the dimensions differ.
     """
-    first, second = find(given), find(wanted)
+    first, second = find(unit), find(target)
     if first is None or second is None or first.dimension != second.dimension:
         return None
     return first.factor / second.factor
 
 
-def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
+def convertible(target: str | None) -> Mapping[str, tuple[int, int]]:
     """Return each spelling of the same dimension with its factor (numerator, denominator)."""
-    factors = {spelling: factor(spelling, wanted) for spelling in _BY_SPELLING}
+    factors = {spelling: factor(spelling, target) for spelling in _BY_SPELLING}
     return {
         spelling: (exact.numerator, exact.denominator)
         for spelling, exact in factors.items()
@@ -110,10 +110,10 @@ def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
     }
 
 
-def contradict(given: Sequence[str], wanted: str) -> bool:
+def contradict(units: Sequence[str], target: str) -> bool:
     """Return whether a known unit is none of those that a value has, one of which is right."""
-    known = bool(given) and find(wanted) is not None
-    return known and all(factor(unit, wanted) != 1 for unit in given)
+    known = bool(units) and find(target) is not None
+    return known and all(factor(unit, target) != 1 for unit in units)
 
 
 def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
@@ -123,9 +123,9 @@ def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
     return convertible(unit) if find(unit) is not None else {unit: (1, 1)}
 
 
-def converted(value: float, given: str, wanted: str) -> float:
+def converted(value: float, unit: str, target: str) -> float:
     """Return a finite number in another unit of its dimension; infinity when it is too large."""
-    exact = factor(given, wanted)
+    exact = factor(unit, target)
     assert exact is not None
     try:
         return value if exact == 1 else float(Fraction(value) * exact)
@@ -137,7 +137,7 @@ def word(spelling: str) -> str:
     """Return the spelling that is a name, which an event takes, of a known unit."""
     unit = _BY_SPELLING[spelling]
     every = (spelling, unit.symbol, *reversed(unit.names))
-    return next((one for one in every if one.isidentifier()), spelling)
+    return next((text for text in every if text.isidentifier()), spelling)
 
 
 def dimension(spelling: str) -> str:
@@ -179,13 +179,13 @@ class Quantity(NamedTuple):
     has_unit: bool
 
 
-def rate(given: object, unit: str | None = None) -> Quantity:
+def rate(quantity: object, unit: str | None = None) -> Quantity:
     """Read a rate; without a unit it is per hour.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given, form="write a rate such as `1e-5 1/h` or `100 FIT`")
+    number, written = _split(quantity, form="write a rate such as `1e-5 1/h` or `100 FIT`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -193,16 +193,16 @@ def rate(given: object, unit: str | None = None) -> Quantity:
     if per_hour is None:
         raise UnitError(f"{written!r} is not a unit of a rate", _list(RATE_UNITS))
     up, down = per_hour
-    return Quantity(_finite(number * up / down, given), has_unit=True)
+    return Quantity(_finite(number * up / down, quantity), has_unit=True)
 
 
-def duration(given: object, unit: str | None = None) -> Quantity:
+def duration(quantity: object, unit: str | None = None) -> Quantity:
     """Read a duration in hours; without a unit it is in hours.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given, form="write a duration such as `2 h` or `30 min`")
+    number, written = _split(quantity, form="write a duration such as `2 h` or `30 min`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -210,35 +210,35 @@ def duration(given: object, unit: str | None = None) -> Quantity:
     if hours is None:
         raise UnitError(f"{written!r} is not a unit of time", _list(DURATION_UNITS))
     value = number * hours.numerator / hours.denominator
-    return Quantity(_finite(value, given), has_unit=True)
+    return Quantity(_finite(value, quantity), has_unit=True)
 
 
-def temperature(given: object) -> float:
+def temperature(quantity: object) -> float:
     """Read a temperature with its unit in degC.
 
     Raises:
         QuantityError: it is none, has no unit, or lies below absolute zero.
     """
-    number, written = _split(given, signed=True, form="write a temperature such as `51 degC`")
+    number, written = _split(quantity, signed=True, form="write a temperature such as `51 degC`")
     if written not in ("degC", "K"):
-        raise UnitError(f"{given!r} has no unit of temperature", "write degC or K")
+        raise UnitError(f"{quantity!r} has no unit of temperature", "write degC or K")
     value = number - 273.15 if written == "K" else number
     if value <= -273.0 or value > 1e4:
-        raise QuantityError(f"{given!r} is out of range, -273 degC to 10000 degC")
+        raise QuantityError(f"{quantity!r} is out of range, -273 degC to 10000 degC")
     return value
 
 
-def number(given: object, low: float, high: float) -> float:
+def number(quantity: object, low: float, high: float) -> float:
     """Read a number between two limits, inclusive.
 
     Raises:
         QuantityError: it is none, or out of range.
     """
-    value, unit = _split(given, signed=True)
+    value, unit = _split(quantity, signed=True)
     if unit is not None:
-        raise UnitError(f"{given!r} has a unit, a number without one is expected")
+        raise UnitError(f"{quantity!r} has a unit, a number without one is expected")
     if not low <= value <= high:
-        raise QuantityError(f"{given!r} is out of range, {low:.15g} to {high:.15g}")
+        raise QuantityError(f"{quantity!r} is out of range, {low:.15g} to {high:.15g}")
     return value
 
 
@@ -268,31 +268,31 @@ def _time_unit(text: str) -> str:
 
 
 def _split(
-    given: object, *, signed: bool = False, form: str | None = None
+    quantity: object, *, signed: bool = False, form: str | None = None
 ) -> tuple[float, str | None]:
-    if isinstance(given, bool) or not isinstance(given, int | float | str):
-        raise QuantityError(f"{_shown(given)} is not a number", form)
-    match = _NUMBER.fullmatch(given.strip(_BLANKS)) if isinstance(given, str) else None
-    if isinstance(given, str) and match is None:
-        hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
-        raise QuantityError(f"{_shown(given)} is not a number", hint)
+    if isinstance(quantity, bool) or not isinstance(quantity, int | float | str):
+        raise QuantityError(f"{_shown(quantity)} is not a number", form)
+    match = _NUMBER.fullmatch(quantity.strip(_BLANKS)) if isinstance(quantity, str) else None
+    if isinstance(quantity, str) and match is None:
+        hint = "write a point, not a comma" if _COMMA.fullmatch(quantity) else form
+        raise QuantityError(f"{_shown(quantity)} is not a number", hint)
     try:
-        value = float(match[1]) if match else float(given)
+        value = float(match[1]) if match else float(quantity)
     except OverflowError:
         value = math.inf
     if value < 0 and not signed:
-        raise QuantityError(f"{_shown(given)} is negative")
-    return _finite(value, given, form), match[2] if match else None
+        raise QuantityError(f"{_shown(quantity)} is negative")
+    return _finite(value, quantity, form), match[2] if match else None
 
 
-def _finite(value: float, given: object, form: str | None = None) -> float:
+def _finite(value: float, quantity: object, form: str | None = None) -> float:
     if not math.isfinite(value):
-        raise QuantityError(f"{_shown(given)} is not finite", form)
+        raise QuantityError(f"{_shown(quantity)} is not finite", form)
     return value
 
 
-def _shown(given: object) -> str:
-    text = repr(given)
+def _shown(quantity: object) -> str:
+    text = repr(quantity)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

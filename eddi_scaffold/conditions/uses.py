@@ -33,10 +33,10 @@ _KNOWN = ("known", "known_bool", "known_enum", "age")
 _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
-def uses(program: Program, root: int, *, wanted: bool) -> dict[str, tuple[Use, ...]]:
+def uses(program: Program, root: int, *, side: bool) -> dict[str, tuple[Use, ...]]:
     """Return the uses of each variable that can make a condition true, or false (``wanted``)."""
     uses_of: dict[str, tuple[Use, ...]] = {}
-    for variable, use in _Walk(program).uses(root, wanted):
+    for variable, use in _Walk(program).uses(root, side):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
     return uses_of
 

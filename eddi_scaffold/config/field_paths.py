@@ -42,18 +42,18 @@ class Index:
 
 @dataclass(frozen=True)
 class ByKey:
-    """Take the only element of a list whose key is ``wanted``."""
+    """Take the only element of a list that has a key."""
 
-    wanted: str | int  # text, or a number where the field is one
+    key: str | int  # text, or a number where the field is one
     # which field is the key (`title`, `header.frame_id`); `None`: not given
     field: str | None = None
 
 
 @dataclass(frozen=True)
-class Beside:
+class ByName:
     """Take the element of a list at the position of its name in a parallel list."""
 
-    wanted: str  # the name
+    key: str  # the name
     values: str  # the field with the numbers
     names: str  # the field with the names
 
@@ -69,7 +69,7 @@ class FieldPathError(HintedError):
     """A text is not a field path, or the path leads nowhere in its message."""
 
 
-Step = Attribute | Index | ByKey | Beside | Every
+Step = Attribute | Index | ByKey | ByName | Every
 FieldPath = tuple[Step, ...]
 PlainStep = str | int | list[str | int]
 """A step as ``eddi_runtime.plain_values.follow`` takes it."""
@@ -129,10 +129,10 @@ def path_text(path: Sequence[Step]) -> str:
             text += f"[{step.position}]"
         elif isinstance(step, Every):
             text += "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
-        elif isinstance(step, Beside):
-            text += f".{step.values}[{key_text(step.wanted)}]"
+        elif isinstance(step, ByName):
+            text += f".{step.values}[{key_text(step.key)}]"
         else:
-            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
+            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.key)}]"
     return text.removeprefix(".")
 
 
@@ -142,7 +142,7 @@ def pattern(path: FieldPath) -> list[str]:
     for step in path:
         if isinstance(step, Attribute):
             steps.append(f".{step.name}")
-        elif isinstance(step, Beside):
+        elif isinstance(step, ByName):
             steps += [f".{step.values}", "[]"]
         else:
             steps.append("[]")
@@ -159,14 +159,12 @@ def expression(variable: str, path: FieldPath) -> str:
             text = f"{text}[{step.position}]"
         elif isinstance(step, Every):
             raise TypeError("a list is not a single value")
-        elif isinstance(step, Beside):
-            text = (
-                f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.wanted)})"
-            )
+        elif isinstance(step, ByName):
+            text = f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.key)})"
         elif step.field in (None, "id"):
-            text = f"by_id({text}, {python_literal(step.wanted)})"
+            text = f"by_id({text}, {python_literal(step.key)})"
         else:
-            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.wanted)})"
+            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.key)})"
     return text
 
 
@@ -178,9 +176,9 @@ def plain_step(step: Step) -> PlainStep:
         return step.position
     if isinstance(step, Every):
         return ["*", *(step.part or ())]
-    if isinstance(step, Beside):
-        return [step.values, step.names, step.wanted]
-    return [step.field or "id", step.wanted]
+    if isinstance(step, ByName):
+        return [step.values, step.names, step.key]
+    return [step.field or "id", step.key]
 
 
 KEYS = (
@@ -225,7 +223,7 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
         if isinstance(step, ByKey):
             keyed = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
-            taken[len(taken) - isinstance(keyed, Beside) :] = [keyed]
+            taken[len(taken) - isinstance(keyed, ByName) :] = [keyed]
         else:
             taken.append(step)
         of = inner
@@ -257,7 +255,7 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         known = fields_of(parent) or {}
         names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
         if step.field is None and len(names) == 1 and names[0] != before.name:
-            return Beside(str(step.wanted), before.name, names[0])
+            return ByName(str(step.key), before.name, names[0])
         message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
         raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
     fields = fields_of(inner)
@@ -267,19 +265,19 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         for key in KEYS:
             if _type_of(key, inner, fields_of) == "string":
                 return replace(step, field=key)
-        message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-        hint = f'name the field, [field="{step.wanted}"], of: {", ".join(fields)}'
+        message = f"the elements are {inner}, which have no name that [{step.key}] could be"
+        hint = f'name the field, [field="{step.key}"], of: {", ".join(fields)}'
         raise FieldPathError(message, hint)
     of = _type_of(step.field, inner, fields_of)  # of the field that a person names as the key
     if of is None:
         raise _no_field(inner, step.field, fields)
     if of == "string":
-        return replace(step, wanted=str(step.wanted))
+        return replace(step, key=str(step.key))
     what = f"{step.field!r} of {inner} is a {of}"
     if not of.startswith(_INTEGERS) or of.endswith("]"):
         raise FieldPathError(f"{what}: a key is a text or a whole number")
-    if isinstance(step.wanted, str):
-        raise FieldPathError(f"{what}, {step.wanted!r} is not a whole number")
+    if isinstance(step.key, str):
+        raise FieldPathError(f"{what}, {step.key!r} is not a whole number")
     return step
 
 

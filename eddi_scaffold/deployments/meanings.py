@@ -85,7 +85,7 @@ class Readings:
             program = part["program"]
             (output,) = program.results
             for result in results:
-                for name, uses_of_name in uses(program, output.operation, wanted=result).items():
+                for name, uses_of_name in uses(program, output.operation, side=result).items():
                     yield from self._named(binding, name, uses_of_name)
 
     def _named(
@@ -105,14 +105,14 @@ class Readings:
         for use in used:
             companions = tuple(
                 ((self._sources[head_of(other)], path_behind(other)), holds)
-                for other, holds in use.beside
+                for other, holds in use.companions
                 if head_of(other) in self._sources
             )
             yield FieldReading(id_, name, place, source, path, use.holds, companions)
 
     def _companions(self, use: Use) -> Iterator[tuple[Field, Holds]]:
         """Yield the fields of the other inputs that a use of one input names."""
-        for id_, holds in use.beside:
+        for id_, holds in use.companions:
             other = self._by_id.get(id_)
             if other is None or other.computed is not None or len(other.requires) != 1:
                 continue
@@ -176,7 +176,7 @@ def _judge(
                     return True
         return False
 
-    if not any(map(is_ensured, meaning.given)):
+    if not any(map(is_ensured, meaning.valid_where)):
         hint = f"read {meaning.instead.format(field=name)}" if meaning.instead else None
         yield problem("D001.gains", reading.place, hint=hint, refused=meaning.refused, **names)
 

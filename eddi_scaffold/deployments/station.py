@@ -32,13 +32,13 @@ def with_station(fleet: Fleet) -> Fleet:
     """
     name = fleet.file.form.Station.name
     platform, graph = _place(fleet)
-    heard: dict[str, Fulfilment] = {}  # by a name that tells whose they are
+    offered: dict[str, Fulfilment] = {}  # by a name that tells whose they are
     for fulfilment in _heard(fleet):
         whose = f"{fulfilment.provider.robot.name}_{attribute(fulfilment.guarantee)}"
-        heard[free_name(whose, heard)] = fulfilment
-    if platform is None or not heard:
+        offered[free_name(whose, offered)] = fulfilment
+    if platform is None or not offered:
         return fleet
-    model, config = _pair(name, heard)
+    model, config = _pair(name, offered)
     entry = Robot.model_construct(name=name, platform=platform.name, monitors=[])
     robot = FleetRobot(entry, len(fleet.robots), platform, graph, ((model, config),))
     bound, problems = monitor_of(model, config)
@@ -47,7 +47,7 @@ def with_station(fleet: Fleet) -> Fleet:
     monitor, place = RobotMonitor(robot, 0, bound), fleet.file.place(STATION)
     bindings = [
         DemandBinding(monitor, f"{_DEMAND}{id_}", (fulfilment,), of_any=False, place=place)
-        for id_, fulfilment in heard.items()
+        for id_, fulfilment in offered.items()
     ]
     return replace(
         fleet,
@@ -99,7 +99,7 @@ def _heard(fleet: Fleet) -> list[Fulfilment]:
     ]
 
 
-def _pair(name: str, heard: Mapping[str, Fulfilment]) -> Pair:
+def _pair(name: str, offered: Mapping[str, Fulfilment]) -> Pair:
     dimensions = [{"Binary": {"type": "Active"}}]
     model = {
         "guarantees": [
@@ -108,16 +108,16 @@ def _pair(name: str, heard: Mapping[str, Fulfilment]) -> Pair:
                 "description": f"{fulfilment.provider.name} guarantees {fulfilment.guarantee}",
                 "dimensions": dimensions,
             }
-            for id_, fulfilment in heard.items()
+            for id_, fulfilment in offered.items()
         ],
-        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in heard],
+        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in offered],
         "evidence": [],
         "gates": [],
-        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in heard],
+        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in offered],
         "required_services": [],
         "provided_services": [],
     }
-    frequency = max(fulfilment.provider.frequency for fulfilment in heard.values())
+    frequency = max(fulfilment.provider.frequency for fulfilment in offered.values())
     config = {
         "Model": {"id": name, "type": "ConSert", "frequency": frequency},
         "EDDIOutputs": [{"id": "station", "topic": "guarantees"}],

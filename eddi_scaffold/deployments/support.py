@@ -119,7 +119,7 @@ class PublishedTopic:
 
     def claims(self, path: FieldPath) -> Sequence[str]:
         """Return the claims that a field carries: the named one, else all of the monitor."""
-        keys = [str(step.wanted) for step in (self.path or path) if isinstance(step, ByKey)]
+        keys = [str(step.key) for step in (self.path or path) if isinstance(step, ByKey)]
         part = next(iter(keys), self.part)
         names = [part] if part in self.of.claims else list(self.of.claims)
         return [self.of.claim(str(name)) for name in names]

@@ -44,7 +44,7 @@ def check_composition(deployment: Deployment) -> Iterator[Problem]:
             if publisher is None:
                 continue
             path = publisher.publication.path or reading.path
-            output = next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
+            output = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
             if output is None or (reading.input, output) in seen:
                 continue
             seen.add((reading.input, output))

@@ -100,9 +100,9 @@ def read_config(
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
-        told = {problem.place for problem in open_values}
+        reported = {problem.place for problem in open_values}
         violations = values.violations(failed, places, source.name, Config)
-        wrong = [violation for violation in violations if violation.place not in told]
+        wrong = [violation for violation in violations if violation.place not in reported]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
             return None, in_order([*problems, *wrong])

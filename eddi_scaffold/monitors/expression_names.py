@@ -11,8 +11,8 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
 from eddi_scaffold.conditions.tokens import Locate
 from eddi_scaffold.config.field_paths import (
-    Beside,
     ByKey,
+    ByName,
     Every,
     FieldPath,
     FieldPathError,
@@ -119,7 +119,7 @@ class ExpressionNames:
         paths: dict[str, dict[str, list[PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
-            if any(isinstance(step, ByKey | Beside | Every) for step in path):
+            if any(isinstance(step, ByKey | ByName | Every) for step in path):
                 of = self._sources[head_of(name)].id
                 paths.setdefault(of, {})[name] = [plain_step(step) for step in path]
         return paths

@@ -43,8 +43,8 @@ def built_in(place: Path, command: str) -> str:
 
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
     """Return what is to be otherwise than it was; None is as it was."""
-    given = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
-    return {name: value for name, value in given.items() if value is not None}
+    answers = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
+    return {name: value for name, value in answers.items() if value is not None}
 
 
 def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:

@@ -51,7 +51,7 @@ def type_hash(name: str, known: MessageFields) -> str:
 
 def _parts(name: str, known: MessageFields) -> set[str]:
     inner = {_item(of) for of in known[name].values()} - _IDS.keys()
-    return {name}.union(*(_parts(one, known) for one in inner))
+    return {name}.union(*(_parts(part, known) for part in inner))
 
 
 def _item(of: str) -> str:
@@ -85,15 +85,15 @@ def definitions_of(
 ) -> tuple[list[JsonValue], list[Problem]]:
     """Return the types of a node, each after those that it is made of; report others (K048)."""
     problems: list[Problem] = []
-    found: dict[str, Fields] = {}
+    types: dict[str, Fields] = {}
     places = {
         entry.type: node.config.place("SimulatorOutputs", index, "type")
         for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
-    for type_ in _wanted(node):
+    for type_ in _types_of_topics(node):
         for name in with_parts(type_, known):
             if name in known:
-                found.setdefault(name, known[name])
+                types.setdefault(name, known[name])
                 continue
             place = places.get(type_, Place())
             if name == type_:
@@ -102,20 +102,24 @@ def definitions_of(
                 problems.append(problem("K048.part", place, part=name, type=type_))
     written = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
-        for name, fields in found.items()
+        for name, fields in types.items()
     ]
     return [*written], problems
 
 
 def hashes_of(node: MonitorNode, known: MessageFields) -> list[JsonValue]:
     """Return the types of the node's topics with their hashes; the unknown are refused anyway."""
-    whole = [one for one in sorted(_wanted(node)) if known.keys() >= set(with_parts(one, known))]
-    return [{"name": one, "hash": type_hash(one, known)} for one in whole]
+    known_types = [
+        type_
+        for type_ in sorted(_types_of_topics(node))
+        if known.keys() >= set(with_parts(type_, known))
+    ]
+    return [{"name": type_, "hash": type_hash(type_, known)} for type_ in known_types]
 
 
-def _wanted(node: MonitorNode) -> dict[str, None]:
+def _types_of_topics(node: MonitorNode) -> dict[str, None]:
     """Return the types of the node's topics, each once."""
-    types = [one.type for one in node.heard] + [one.type for one in node.publications]
+    types = [topic.type for topic in node.heard] + [topic.type for topic in node.publications]
     return dict.fromkeys([*types, *node.between_robots.values()])
 
 
@@ -174,9 +178,9 @@ def _steps_of_robot(
     at: MeetingPlace, place: Path, namespace: str, monitors: Sequence[str]
 ) -> Sequence[str]:
     packages = " ".join(quote(str(place / name)) for name in monitors)
-    given = [f"-r __ns:={namespace}"] if namespace else []
-    given += [f"-p partition:={at.partition}"] if at.partition else []
-    below = " ".join([" --ros-args", *given]) if given else ""
+    arguments = [f"-r __ns:={namespace}"] if namespace else []
+    arguments += [f"-p partition:={at.partition}"] if at.partition else []
+    below = " ".join([" --ros-args", *arguments]) if arguments else ""
     return [
         f"pip install {packages}",
         *(f"ROS_DOMAIN_ID={at.name} {name}{below}" for name in monitors),

@@ -37,7 +37,10 @@ def _check_topics(node: MonitorNode) -> Iterator[Problem]:
         for section, topics in sections.items()
         for index, topic in enumerate(topics)
     }
-    used = [*(one.output.topic for one in node.publications), *(one.topic for one in node.heard)]
+    used = [
+        *(topic.output.topic for topic in node.publications),
+        *(topic.topic for topic in node.heard),
+    ]
     for topic in dict.fromkeys([*used, *node.between_robots]):
         if any(part[:1].isdigit() for part in topic.lstrip("~").split("/")):
             yield problem(

@@ -38,14 +38,16 @@ _ARROWS = {"publishers": "pub", "subscribers": "sub"}
 
 def interfaces_of(
     published: Iterable[Publication],
-    heard: Iterable[SimulatorOutput],
+    subscribed: Iterable[SimulatorOutput],
     between_robots: dict[str, str],
 ) -> list[JsonValue]:
     """Return the sections of a node that are not empty: its topics, each once, sorted."""
     sections = {
-        "publishers": dict([*((one.output.topic, one.type) for one in published), _DIAGNOSTICS])
+        "publishers": dict(
+            [*((topic.output.topic, topic.type) for topic in published), _DIAGNOSTICS]
+        )
         | between_robots,
-        "subscribers": {one.topic: one.type for one in heard} | between_robots,
+        "subscribers": {topic.topic: topic.type for topic in subscribed} | between_robots,
     }
     return [
         {
@@ -76,7 +78,10 @@ def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
 def specs_of(messages: Mapping[str, str]) -> Sequence[JsonValue]:
     """Return the fields of messages, without comments and constants."""
     return [
-        {"name": name, "fields": [_field(*one) for one in fields_of(text, MESSAGE_PACKAGE).items()]}
+        {
+            "name": name,
+            "fields": [_field(*field) for field in fields_of(text, MESSAGE_PACKAGE).items()],
+        }
         for name, text in sorted(messages.items())
     ]
 
@@ -131,9 +136,9 @@ def taken_names(
 def _packages(paths: Iterable[str]) -> Iterator[tuple[str, Path]]:
     """Yield the packages of ROS paths; a path with a damaged manifest has none."""
     for path in paths:
-        found = rospkg.RosPack([path])
+        folder = rospkg.RosPack([path])
         with suppress(rospkg.InvalidManifest):
-            yield from ((name, Path(found.get_path(name)).resolve()) for name in found.list())
+            yield from ((name, Path(folder.get_path(name)).resolve()) for name in folder.list())
 
 
 def _manifests(source: Path, ignoring: str) -> Iterator[str]:
@@ -142,19 +147,19 @@ def _manifests(source: Path, ignoring: str) -> Iterator[str]:
     It would follow every link, and one to `/` is the whole machine: here a link leads to one
     package, or to a repository with packages directly in it.
     """
-    found = {PurePosixPath(name): kind for name, kind in entries(source, {".git"})}
-    leaves = {path.parent for path in found if path.name in {*_MANIFESTS, ignoring}}
-    for path, kind in sorted(found.items()):
+    places = {PurePosixPath(name): kind for name, kind in entries(source, {".git"})}
+    leaves = {path.parent for path in places if path.name in {*_MANIFESTS, ignoring}}
+    for path, kind in sorted(places.items()):
         inner = path if kind == LINK else path.parent
         if leaves.isdisjoint(inner.parents):
             if kind is None and path.name in _MANIFESTS:
                 yield str(source / path.parent)
             elif kind == LINK:
-                near = [
+                manifests = [
                     *(source / path).glob("package.xml"),
                     *(source / path).glob("*/package.xml"),
                 ]
-                yield from (str(manifest.parent) for manifest in near if manifest.is_file())
+                yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
 
 
 def _is_ours(package: Path) -> bool:
@@ -163,7 +168,10 @@ def _is_ours(package: Path) -> bool:
         manifest = (package / "package.xml").read_text("utf-8", "replace")
     except OSError:  # of the time before catkin, which is older than ours
         return False
-    return any(f"<exec_depend>{one}</exec_depend>" in manifest for one in (RUNTIME, ROSDEP_KEY))
+    return any(
+        f"<exec_depend>{dependency}</exec_depend>" in manifest
+        for dependency in (RUNTIME, ROSDEP_KEY)
+    )
 
 
 _RELEASE = ".".join(__version__.split(".")[:3])
@@ -183,8 +191,10 @@ def package_answers(
     answers = {"template": template, **identity_answers(name, description, None), **more}
     answers["package_version"], nobody = _RELEASE, answers["maintainer_email"]
     for package in sorted(monitors, reverse=True):
-        said = {key: monitors[package][key] for key in _MAINTAINED if key in monitors[package]}
-        answers |= said if said.get("maintainer_email") != nobody else {}
+        maintainer = {
+            key: monitors[package][key] for key in _MAINTAINED if key in monitors[package]
+        }
+        answers |= maintainer if maintainer.get("maintainer_email") != nobody else {}
     return answers
 
 
@@ -204,7 +214,7 @@ _OURS = frozenset({"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "Mo
 
 def classes_of(node: MonitorNode) -> dict[str, str]:
     """Return message type -> Python name of its class; whole messages of ours keep their module."""
-    values = [one.type for one in node.published if one.path]
+    values = [topic.type for topic in node.published if topic.path]
     classes = _class_names([*(source.type for source in node.heard), *values])
     return classes | {p.type: _in_module(p.type) for p in node.published if not p.path}
 
@@ -252,29 +262,31 @@ def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, st
         EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
     """
     texts = {name: text for kind in kinds().values() for name, text in kind.all_messages.items()}
-    wanted: list[str] = []
-    heard: dict[str, str] = {}
+    waiting: list[str] = []
+    read_by: dict[str, str] = {}
     respelt: dict[str, str] = {}
     for package, answers in monitors.items():
         kind = kinds()[str(answers["kind"])]
-        wanted += kind.messages
+        waiting += kind.messages
         if answers["config_json"]:
             config = from_json(str(answers["config_json"]), "the configuration of a package").config
-            wanted += kind.between_robots if config.Fleet is not None else ()
+            waiting += kind.between_robots if config.Fleet is not None else ()
             respelt |= kind.respelt(config.Model.model_extra or {})
             types = (entry.type.partition("/") for entry in config.SimulatorOutputs)
-            heard |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
-    for name in heard.keys() & respelt.keys():
-        raise EddiError(read_respelt(name, Place(heard[name])))
+            read_by |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
+    for name in read_by.keys() & respelt.keys():
+        raise EddiError(read_respelt(name, Place(read_by[name])))
     texts |= respelt
-    wanted += heard
-    found: dict[str, str] = {}
-    while wanted:
-        name = wanted.pop()
-        if name in texts and name not in found:
-            found[name] = texts[name]
-            wanted += [line.partition(" ")[0].partition("[")[0] for line in texts[name].split("\n")]
-    return found
+    waiting += read_by
+    needed: dict[str, str] = {}
+    while waiting:
+        name = waiting.pop()
+        if name in texts and name not in needed:
+            needed[name] = texts[name]
+            waiting += [
+                line.partition(" ")[0].partition("[")[0] for line in texts[name].split("\n")
+            ]
+    return needed
 
 
 def types_of(monitor: BoundMonitor) -> MessageFields:

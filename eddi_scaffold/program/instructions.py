@@ -151,7 +151,7 @@ class Sampling:
     """
 
     def __init__(self, program: Program) -> None:
-        given: dict[str, HostInput] = {}
+        by_name: dict[str, HostInput] = {}
         names: list[list[str]] = []
         for read in program.reads:
             inputs = [
@@ -162,7 +162,7 @@ class Sampling:
                 inputs = [HostInput(part.name, part.type, part.is_list) for part in parts]
             names.append([input_.name for input_ in inputs])
             for input_ in inputs:
-                given.setdefault(input_.name, input_)
-        self.inputs = tuple(given.values())
-        numbers = {name: k for k, name in enumerate(given)}
+                by_name.setdefault(input_.name, input_)
+        self.inputs = tuple(by_name.values())
+        numbers = {name: k for k, name in enumerate(by_name)}
         self.uses = [[numbers[name] for name in used] for used in names]

@@ -219,10 +219,10 @@ class Printer:
         # AND is decided by a false sample, OR by a true one.
         last = {"time": 0, "once": 2}.get(operation.op, operation.capacity)
         numbers = map(str, (window, window - self._program.period, last))
-        made = call(self._called(CLASSES[operation.op]), numbers)
+        new = call(self._called(CLASSES[operation.op]), numbers)
         if operation.coverage is None:
-            return made
-        return call(self._called("window.Covered"), [made, number(operation.coverage)])
+            return new
+        return call(self._called("window.Covered"), [new, number(operation.coverage)])
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""

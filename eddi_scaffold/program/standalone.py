@@ -73,9 +73,9 @@ class StandaloneMonitor:
         return any(variable.reduction is not None for variable in self.program.reads)
 
     @cached_property
-    def given(self) -> list[HostArgument]:
+    def arguments(self) -> list[HostArgument]:
         """What the host gives: variables as they are, and the parts of reductions."""
-        return [*self._given()]
+        return [*self._arguments()]
 
     def describe(self, number: int) -> str:
         """Return one line on a variable: type, unit, range, timeout."""
@@ -93,7 +93,7 @@ class StandaloneMonitor:
             parts.append(f"UNKNOWN after {variable.timeout / 1e9:g} s without a new sample")
         return c_comment(", ".join(parts))
 
-    def _given(self) -> Iterator[HostArgument]:
+    def _arguments(self) -> Iterator[HostArgument]:
         reads = self.program.reads
         numbers = {read.name: k for k, read in enumerate(reads) if read.reduction is None}
         taken = [*self.variables]

@@ -107,26 +107,26 @@ def _root(text: str) -> Span | None:
 
 def comments(text: str, span: Span, start: int, end: int) -> list[int]:
     """Return the lines between two offsets that hold a comment (counted from 1)."""
-    found = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
-    return list(dict.fromkeys(found))
+    lines = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
+    return list(dict.fromkeys(lines))
 
 
 def comment_texts(text: str, span: Span, start: int, end: int) -> list[str]:
     """Return the comments between two offsets, each to the end of its line."""
-    found: list[str] = []
+    texts: list[str] = []
     done = start
     for at in _comment_starts(text, span, start, end):
         if at >= done:  # not a "#" inside of a comment
-            found.append(text[at:].partition("\n")[0].rstrip())
-            done = at + len(found[-1])
-    return found
+            texts.append(text[at:].partition("\n")[0].rstrip())
+            done = at + len(texts[-1])
+    return texts
 
 
 def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int]:
     inside = sorted(span.scalars)
-    for found in _COMMENT.finditer(text, start, end):
-        if not any(first <= found.start() < last for first, last in inside):
-            yield found.start()
+    for match in _COMMENT.finditer(text, start, end):
+        if not any(first <= match.start() < last for first, last in inside):
+            yield match.start()
 
 
 class TextEditor:

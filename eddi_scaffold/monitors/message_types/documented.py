@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from eddi_scaffold.config.field_paths import Attribute, Beside, FieldPath, FieldsOf, Index
+from eddi_scaffold.config.field_paths import Attribute, ByName, FieldPath, FieldsOf, Index
 from eddi_scaffold.config.field_types import Fields, element
 
 _ROW = re.compile(
@@ -69,7 +69,7 @@ def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documen
     for step in path:
         if isinstance(step, Attribute):
             names.append(step.name)
-        elif isinstance(step, Beside):
+        elif isinstance(step, ByName):
             names.append(f"{step.values}[]")
         else:
             names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
@@ -81,7 +81,7 @@ def _row(message: str, path: Sequence[str]) -> Documented | None:
     exact = ".".join(path)
     every = re.sub(r"\[[0-9]+\]", "[]", exact)
     parent, _, _ = every.rpartition(".")
-    return next((rows[one] for one in (exact, every, f"{parent}.*") if one in rows), None)
+    return next((rows[name] for name in (exact, every, f"{parent}.*") if name in rows), None)
 
 
 def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
@@ -100,17 +100,17 @@ def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
 @cache
 def _rows() -> Mapping[str, Mapping[str, Documented]]:
     """Return message type -> path -> its documentation."""
-    found: dict[str, dict[str, Documented]] = {}
+    rows: dict[str, dict[str, Documented]] = {}
     of = ""
     for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():
         if line.startswith("    "):
             paths, _, text = line.strip().partition(": ")
             documented = _parse_row(text)
-            found[of].update((path, documented) for name in paths.split() for path in _paths(name))
+            rows[of].update((path, documented) for name in paths.split() for path in _paths(name))
         elif line and not line.startswith("#"):
             of = line
-            found[of] = {}
-    return found
+            rows[of] = {}
+    return rows
 
 
 def _paths(name: str) -> Iterator[str]:
