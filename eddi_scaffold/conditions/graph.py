@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import add, eq, ge, gt, le, lt, mul, ne, sub
 from typing import Any
 
+from eddi_scaffold.conditions.syntax import OPERATORS
 from eddi_scaffold.program.builder import SIGNATURES
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -26,22 +27,6 @@ At = tuple[int, int]
 _CONSTANTS = {"number": NUMBER, "truth": BOOL, "literal": ENUM}
 _KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""
-_BETWEEN = {
-    "add": "+",
-    "sub": "-",
-    "mul": "*",
-    "div": "/",
-    "lt": "<",
-    "le": "<=",
-    "gt": ">",
-    "ge": ">=",
-    "eq": "==",
-    "ne": "!=",
-    "and": "AND",
-    "or": "OR",
-    "xor": "XOR",
-    "implies": "IMPLIES",
-}
 _TRUTH_WORDS = ("FALSE", "UNKNOWN", "TRUE")
 
 
@@ -139,10 +124,10 @@ def _words(
         return f"literal {value}"
     arguments = [before[k] for k in operation.args]
     inner = [words[k] for k in operation.args]
-    if base in _BETWEEN or op in ("neg", "not"):
+    if base in OPERATORS or op in ("neg", "not"):
         pairs = zip(arguments, inner, strict=True)
         inner = [
-            f"({text})" if argument.op.partition("_")[0] in _BETWEEN else text
+            f"({text})" if argument.op.partition("_")[0] in OPERATORS else text
             for argument, text in pairs
         ]
     if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
@@ -153,8 +138,8 @@ def _words(
         for k, argument in enumerate(arguments):
             if argument.op == "literal" and argument.value < len(literals):
                 inner[k] = literals[argument.value]
-    if base in _BETWEEN:
-        return f"{inner[0]} {_BETWEEN[base]} {inner[1]}"
+    if base in OPERATORS:
+        return f"{inner[0]} {OPERATORS[base]} {inner[1]}"
     if op in ("neg", "not"):
         return f"{'-' if op == 'neg' else 'NOT '}{inner[0]}"
     if op in WINDOWS:
