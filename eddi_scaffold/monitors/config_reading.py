@@ -46,14 +46,11 @@ _NO_OUTPUTS = (
 
 @dataclass(frozen=True)
 class RobotAdditions:
-    """What models of a robot add to a configuration.
+    """What models of a robot add to a configuration."""
 
-    Attributes:
-        outputs: the entries of ``SimulatorOutputs`` as they are written -> those that count.
-        types: message type -> fields, of the specifications next to the node models.
-    """
-
+    # the entries of `SimulatorOutputs` as they are written -> those that count
     outputs: Callable[[Any], Any] = lambda entries: entries
+    # message type -> fields, of the specifications next to the node models
     types: MessageFields = field(default_factory=dict)
 
 

@@ -21,20 +21,14 @@ NONE = "none"
 
 @dataclass(frozen=True)
 class Documented:
-    """What is known of a field.
+    """What is known of a field."""
 
-    Attributes:
-        units: one, or those of which the joint decides; none when the field has no unit.
-        range: least and greatest measurement.
-        limits: the same as paths of fields in the message.
-        infinite: infinities are measurements.
-        unless: path of a field and the value by which it marks that there is no measurement.
-    """
-
+    # one, or those of which the joint decides; none when the field has no unit
     units: tuple[str, ...] = ()
-    range: tuple[float, float] | None = None
-    limits: tuple[str, str] | None = None
-    infinite: bool = False
+    range: tuple[float, float] | None = None  # least and greatest measurement
+    limits: tuple[str, str] | None = None  # the same as paths of fields in the message
+    infinite: bool = False  # infinities are measurements
+    # path of a field and the value by which it marks that there is no measurement
     unless: tuple[str, float] | None = None
 
 
