@@ -120,15 +120,11 @@ def _shortest_cycle(
         id_ = waiting.popleft()
         for target in targets[id_]:
             if target == start:
-                return _path_back(came_from, id_, start)
+                path = [id_]
+                while path[-1] != start:
+                    path.append(came_from[path[-1]])
+                return path[::-1]
             if target in knot and target not in came_from:
                 came_from[target] = id_
                 waiting.append(target)
     return []
-
-
-def _path_back(came_from: Mapping[str, str], end: str, start: str) -> list[str]:
-    path = [end]
-    while path[-1] != start:
-        path.append(came_from[path[-1]])
-    return path[::-1]

@@ -50,12 +50,8 @@ def type_hash(name: str, known: MessageFields) -> str:
 
 
 def _parts(name: str, known: MessageFields) -> set[str]:
-    inner = {_item(of) for of in known[name].values()} - _IDS.keys()
+    inner = {of.partition("[")[0] for of in known[name].values()} - _IDS.keys()
     return {name}.union(*(_parts(part, known) for part in inner))
-
-
-def _item(of: str) -> str:
-    return of.partition("[")[0]
 
 
 def _described(name: str, fields: Fields) -> _Description:

@@ -51,35 +51,28 @@ _OTHER = (
 )
 """Not the same in all releases."""
 _GONE = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics", "std_msgs/Duration", "std_msgs/Time")
+_ACTIONS = tuple(
+    f"{package}/{action}"
+    for package in ("nav_msgs", "tf2_msgs")
+    for action in ("GetMap", "LookupTransform")
+)
 
 
 def ros2_messages(known: dict[str, Fields]) -> dict[str, Fields]:
-    """Return the fields of message types in ROS 2; types that it does not have are left out.
-
-    Args:
-        known: type -> fields, as ROS 1 has them.
-    """
-    return {name: _fields(name, of) for name, of in known.items() if not _is_gone(name)} | _CHANGED
+    """Return message types as ROS 2 has them, of those of ROS 1; some it does not have."""
+    messages = dict(_CHANGED)
+    for name, fields in known.items():
+        if name not in (*_CHANGED, *_GONE, *_OTHER, *TIMES) and not name.startswith(_ACTIONS):
+            is_lower = name in _LOWER_CASE
+            renamed = {f.lower() if is_lower else f: of for f, of in fields.items()}
+            messages[name] = ros2_fields(renamed)
+    return messages
 
 
 def ros2_fields(fields: Fields) -> dict[str, str]:
     """Return fields with the times of ROS 2."""
-    return {name: _renamed(of) for name, of in fields.items()}
-
-
-def _fields(name: str, fields: Fields) -> Fields:
-    lower = name in _LOWER_CASE
-    return {field.lower() if lower else field: of for field, of in ros2_fields(fields).items()}
-
-
-def _renamed(of: str) -> str:
-    item = element(of) or of
-    return _WORDS.get(item, item) + of[len(item) :]
-
-
-def _is_gone(name: str) -> bool:
-    package, _, message = name.partition("/")
-    action = package in ("nav_msgs", "tf2_msgs") and message.startswith(
-        ("GetMap", "LookupTransform")
-    )
-    return action or name in (*_GONE, *_OTHER, *TIMES)
+    items = {name: element(of) or of for name, of in fields.items()}
+    return {
+        name: _WORDS.get(items[name], items[name]) + of[len(items[name]) :]
+        for name, of in fields.items()
+    }
