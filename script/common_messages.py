@@ -4,7 +4,7 @@
 mkdir /tmp/debs && cd /tmp/debs
 apt-get download $(script/common_messages.py --packages)
 for deb in *.deb; do dpkg -x $deb root; done
-script/common_messages.py root/usr/share > eddi_scaffold/config/message_types/common.txt
+script/common_messages.py root/usr/share > eddi_scaffold/monitors/message_types/common.txt
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from eddi_scaffold.config.message_types import fields_of, line_of
+from eddi_scaffold.config.field_types import Fields, fields_of
 
 PACKAGES = (
     "actionlib_msgs", "diagnostic_msgs", "geometry_msgs", "nav_msgs", "rosgraph_msgs",
@@ -29,6 +29,11 @@ HEADER = """\
 # They are those of std_msgs, common_msgs, ros_comm_msgs and geometry2,
 # (c) 2008-2010 Willow Garage, Inc. and others, BSD-3-Clause.
 """
+
+
+def line_of(name: str, fields: Fields) -> str:
+    """Return the line of one message."""
+    return f"{name}: {', '.join(f'{of} {field}' for field, of in fields.items())}".rstrip()
 
 
 def lines(share: Path) -> Iterator[str]:

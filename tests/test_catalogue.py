@@ -18,7 +18,8 @@ NAME = re.compile(r"[A-Z]\d{3}(\..*)?")
 SHARED = re.compile(r"\.[a-z]+")
 ALL = [diagnostic for area in areas() for diagnostic in area.diagnostics.values()]
 CASES = [f"{diagnostic.code}.{case}".rstrip(".") for diagnostic in ALL for case in diagnostic.cases]
-REPORTERS = {"problem", "report", "_report", "add", "count", "_fail", "_fault", "fault", "_Wrong"}
+REPORTERS = {"problem", "report", "_report", "add", "refuse", "count", "_fail", "_fault", "fault"}
+REPORTERS |= {"_Wrong"}
 """What takes a case and its fields."""
 
 

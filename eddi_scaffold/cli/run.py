@@ -20,10 +20,10 @@ from eddi_scaffold.cli.options import (
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Problem
-    from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
+    from eddi_scaffold.monitors.config_reading import RobotAdditions
+    from eddi_scaffold.packages.running import Packaged
     from eddi_scaffold.recordings.csv_recording import Recording
-    from eddi_scaffold.recordings.packaged import Packaged
     from eddi_scaffold.recordings.playing import Playback
 
 
@@ -169,7 +169,7 @@ def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None
         return None
     if len(files) > 1 or any(others):
         raise EddiError(problem("G000.package", Place(str(folder))))
-    from eddi_scaffold.recordings.packaged import load
+    from eddi_scaffold.packages.running import load
 
     return load(folder)
 
@@ -194,7 +194,7 @@ def _models_and_configs(
     from eddi_scaffold.common.files import read_source
     from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.file import named_model_path
-    from eddi_scaffold.config.reading import read_config
+    from eddi_scaffold.monitors.config_reading import read_config
     from eddi_scaffold.monitors.loading import is_config
 
     if len(files) == 1 and configs:

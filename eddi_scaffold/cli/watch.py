@@ -11,9 +11,11 @@ import typer
 from eddi_scaffold.cli.options import Json
 
 if TYPE_CHECKING:
+    from eddi_scaffold.kinds import Model
     from eddi_scaffold.watch.fleet import FleetState
     from eddi_scaffold.watch.following import Clock
     from eddi_scaffold.watch.messages import Source
+    from eddi_scaffold.watch.page import Pictures
 
 _MASTER = "http://localhost:11311"
 
@@ -129,7 +131,7 @@ def _serve(
 
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.watch.following import follow
-    from eddi_scaffold.watch.page import pictures_of, view_of
+    from eddi_scaffold.watch.page import view_of
     from eddi_scaffold.watch.page_server import Feed, open_server
 
     first = state.snapshot(0.0)
@@ -143,3 +145,36 @@ def _serve(
         finally:
             feed.close()
             server.shutdown()
+
+
+def pictures_of(paths: Sequence[Path]) -> Pictures:
+    """Return the pictures of the models in some files.
+
+    Args:
+        paths: models, configurations that name theirs, or deployment files.
+
+    Raises:
+        EddiError: a file cannot be read, or has errors.
+    """
+    from eddi_scaffold.kinds import kinds
+
+    models = (model for path in paths for model in _models(path))
+    pictures = ((kinds()[model.kind].title, model.name, model.diagram()) for model in models)
+    return {(title, name): picture for title, name, picture in pictures if picture is not None}
+
+
+def _models(path: Path) -> Sequence[Model]:
+    from eddi_scaffold.common.files import read_source
+    from eddi_scaffold.config.deployment_file import is_fleet
+    from eddi_scaffold.deployments.sites import sites_of
+    from eddi_scaffold.monitors.loading import checked_models, is_config
+    from eddi_scaffold.packages.assembly import monitors_of
+
+    source = read_source(path)
+    if is_fleet(source):
+        sites, _ = sites_of(source, checked_models)
+        return [monitor.model for site in sites for monitor in site.monitors]
+    if is_config(source):
+        monitors, _ = monitors_of(None, [path])
+        return [monitor.model for monitor in monitors]
+    return checked_models(path, ()).models

@@ -64,7 +64,7 @@ def toml_text(text: str) -> str:
 
 def markdown_text(text: str) -> str:
     """Return one line that Markdown shows as it is, in a paragraph or in a cell of a table."""
-    return _MARKUP.sub(lambda found: f"{found[0][:-1]}\\{found[0][-1]}", one_line(text))
+    return _MARKUP.sub(lambda match: f"{match[0][:-1]}\\{match[0][-1]}", one_line(text))
 
 
 def markdown_code(text: str) -> str:
@@ -104,13 +104,9 @@ def parse_shallow(text: str | bytes) -> ast.Module:
     level: list[ast.AST] = [tree]
     for _ in range(DEEPEST):
         level = [node for parent in level for node in ast.iter_child_nodes(parent)]
-        if any(_is_huge(node) for node in level):
+        values = (node.value for node in level if isinstance(node, ast.Constant))
+        if any(isinstance(value, int) and value.bit_length() > _MOST_BITS for value in values):
             raise SyntaxError("a number with too many digits")
         if not level:
             return tree
     raise SyntaxError("nested too deeply")
-
-
-def _is_huge(node: ast.AST) -> bool:
-    value = node.value if isinstance(node, ast.Constant) else None
-    return isinstance(value, int) and value.bit_length() > _MOST_BITS

@@ -21,10 +21,12 @@ from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
-from eddi_scaffold.regions.package import KINDS, is_relative
 
 MAX_BYTES = 64 * 1024 * 1024
 """A larger file is nothing that we read."""
+
+
+_KINDS = {stat.S_IFIFO: "a FIFO", stat.S_IFSOCK: "a socket"}
 
 
 class NotRegularError(OSError):
@@ -68,35 +70,12 @@ def read_regular(path: str | Path, limit: int = MAX_BYTES) -> bytes:
     return data
 
 
-def stays(root: Path, path: Path) -> bool:
-    """Return whether a path, links followed, still lies below a folder."""
-    return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(root))
-
-
-def inside(root: Path, name: object) -> Path | None:
-    """Return the place of a relative path below a folder, ``None`` where it may lie elsewhere.
-
-    Args:
-        root: the folder.
-        name: from a file; anything.
-
-    Returns:
-        ``None`` for a path that is not relative and normalised, or has a link among its parents
-        below ``root``. The last part may be a link: it names the link, not its target.
-    """
-    if not isinstance(name, str) or not is_relative(name):
-        return None
-    above = [root / folder for folder in PurePosixPath(name).parents][:-1]
-    # false for a name that no disk can hold
-    return None if any(map(os.path.islink, above)) else root / name
-
-
 def _refuse(mode: int, path: str | Path) -> None:
     kind = stat.S_IFMT(mode)
     if kind == stat.S_IFDIR:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if kind != stat.S_IFREG:
-        reason = f"it is {KINDS.get(kind, 'no regular file')}, and only regular files are read"
+        reason = f"it is {_KINDS.get(kind, 'a device')}, and only regular files are read"
         raise NotRegularError(errno.EINVAL, reason, str(path))
 
 
@@ -135,15 +114,10 @@ _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default
 
 @dataclass(frozen=True)
 class Source:
-    """One input file.
+    """One input file."""
 
-    Attributes:
-        name: path as the user gave it, for messages.
-        data: its bytes.
-    """
-
-    name: str
-    data: bytes
+    name: str  # path as the user gave it, for messages
+    data: bytes  # its bytes
 
     @cached_property
     def sha256(self) -> str:
@@ -159,10 +133,7 @@ class Source:
         return io.BytesIO(self.data)
 
     def text(self, code: str) -> str:
-        """Return the content as text, without a byte order mark.
-
-        Args:
-            code: of the problem if it is none.
+        """Return the content as text, without a byte order mark; ``code`` is that of the problem.
 
         Raises:
             EddiError: it is not UTF-8 text; the place is that of the first byte that is wrong.
@@ -191,10 +162,12 @@ def next_to(file: str, name: str) -> Path:
     Raises:
         EddiError: it is not in the folder of that file, or below (F009).
     """
-    place = inside(Path(file).parent, str(PurePosixPath(name)))
-    if place is None:
+    root, path = Path(file).parent, PurePosixPath(name)
+    folders = [root / folder for folder in path.parents][:-1]
+    is_below = name.isprintable() and path.name and ".." not in path.parts
+    if not is_below or path.is_absolute() or any(map(os.path.islink, folders)):
         raise EddiError(problem("F009.outside", Place(file)))
-    return place
+    return root / path
 
 
 class LargeSource(Source):
@@ -297,10 +270,10 @@ def refuse_input(path: Path) -> None:
         EddiError: this command has read it (F014).
     """
     try:
-        found = _identity(path.stat())
+        identity = _identity(path.stat())
     except OSError:  # nothing there: it is new
         return
-    if found in (_inputs.get() or ()):
+    if identity in (_inputs.get() or ()):
         raise EddiError(problem("F014", Place(str(path))))
 
 
@@ -322,16 +295,12 @@ def _unreadable(name: str, failure: OSError) -> Problem:
 
 
 def near_file(path: Path, written: str, but: str = "") -> str | None:
-    """Return the hint on a file of a near name in the folder of one that is missing.
-
-    Args:
-        path: where that one should be.
-        written: how a person named it.
-        but: the file that names it, which is not meant.
-    """
+    """Return the hint on a file of a similar name where one is missing; ``but`` is not meant."""
     try:
-        there = [one.name for one in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
+        there = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]
     except (OSError, ValueError):
         return None
-    near = most_similar(path.name, [name for name in there if name != but])
-    return f"did you mean {str(Path(written).with_name(near))!r}?" if near is not None else None
+    similar = most_similar(path.name, [name for name in there if name != but])
+    return (
+        f"did you mean {str(Path(written).with_name(similar))!r}?" if similar is not None else None
+    )

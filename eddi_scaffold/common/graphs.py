@@ -18,7 +18,7 @@ def reversed_graph(graph: Mapping[str, Sequence[str]]) -> Graph:
     for id_, sources in graph.items():
         for source in sources:
             targets[source].append(id_)
-    return {id_: tuple(found) for id_, found in targets.items()}
+    return {id_: tuple(following) for id_, following in targets.items()}
 
 
 def reached(graph: Mapping[str, Sequence[str]], starts: Iterable[str]) -> set[str]:
@@ -61,13 +61,13 @@ def cycles(inputs: Mapping[str, Sequence[str]]) -> list[list[str]]:
     """
     place = {id_: index for index, id_ in enumerate(inputs)}
     targets = reversed_graph(inputs)
-    found: list[list[str]] = []
+    shortest: list[list[str]] = []
     for knot in _knots(inputs):
         start = min(knot, key=place.__getitem__)
         cycle = _shortest_cycle(targets, start, knot)
         if cycle:
-            found.append(cycle)
-    return sorted(found, key=lambda cycle: place[cycle[0]])
+            shortest.append(cycle)
+    return sorted(shortest, key=lambda cycle: place[cycle[0]])
 
 
 def _knots(graph: Mapping[str, Sequence[str]]) -> list[set[str]]:
@@ -120,15 +120,11 @@ def _shortest_cycle(
         id_ = waiting.popleft()
         for target in targets[id_]:
             if target == start:
-                return _path_back(came_from, id_, start)
+                path = [id_]
+                while path[-1] != start:
+                    path.append(came_from[path[-1]])
+                return path[::-1]
             if target in knot and target not in came_from:
                 came_from[target] = id_
                 waiting.append(target)
     return []
-
-
-def _path_back(came_from: Mapping[str, str], end: str, start: str) -> list[str]:
-    path = [end]
-    while path[-1] != start:
-        path.append(came_from[path[-1]])
-    return path[::-1]

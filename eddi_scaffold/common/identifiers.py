@@ -10,69 +10,15 @@ import re
 import sys
 from collections.abc import Container
 
-RESERVED = frozenset(
-    [
-        "False",
-        "None",
-        "True",
-        "and",
-        "as",
-        "assert",
-        "async",
-        "await",
-        "break",
-        "case",
-        "class",
-        "continue",
-        "def",
-        "del",
-        "elif",
-        "else",
-        "except",
-        "finally",
-        "for",
-        "from",
-        "global",
-        "if",
-        "import",
-        "in",
-        "is",
-        "lambda",
-        "match",
-        "nonlocal",
-        "not",
-        "or",
-        "pass",
-        "raise",
-        "return",
-        "self",
-        "super",
-        "try",
-        "type",
-        "while",
-        "with",
-        "yield",
-        "_",
-    ]
-)
-_INPUT_MEMBERS = frozenset(
-    {
-        "begin_processing",
-        "begin_step",
-        "bind",
-        "end_step",
-        "expression",
-        "look_again",
-        "processed",
-        "processing",
-        "received",
-        "setup",
-        "states",
-        "update",
-        "update_each",
-        "update_expression",
-    }
-)
+_WORDS = """False None True and as assert async await break case class continue def del elif
+else except finally for from global if import in is lambda match nonlocal not or
+pass raise return self super try type while with yield _"""
+RESERVED = frozenset(_WORDS.split())
+TODO = "TODO"
+"""In a configuration, without quotes: what a person has still to decide."""
+_MEMBERS = """begin_processing begin_step bind end_step expression look_again processed
+processing received setup states update update_each update_expression"""
+_INPUT_MEMBERS = frozenset(_MEMBERS.split())
 """Members of the runtime's ``EDDIInputBase``, which an attribute must not hide."""
 STARTUP_MODULES = ("sitecustomize", "usercustomize")
 """Modules that every Python imports at its start when it finds them."""
@@ -101,11 +47,9 @@ def is_identifier(name: str) -> bool:
     )
 
 
-def key_text(wanted: str | int) -> str:
+def key_text(key: str | int) -> str:
     """Return the key of an element for brackets: in quotes where it is not a word."""
-    return (
-        str(wanted) if isinstance(wanted, int) or _IDENTIFIER.fullmatch(wanted) else f'"{wanted}"'
-    )
+    return str(key) if isinstance(key, int) or _IDENTIFIER.fullmatch(key) else f'"{key}"'
 
 
 def attribute(name: str) -> str:
@@ -141,12 +85,12 @@ def package_name(model_id: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")
 
 
-def free_name(wanted: str, taken: Container[str]) -> str:
-    """Return a name that is not taken: the wanted one, else with ``_2``, ``_3``, ... behind it."""
-    name, number = wanted, 1
+def free_name(base: str, taken: Container[str]) -> str:
+    """Return a name that is not taken: the base, else with ``_2``, ``_3``, ... behind it."""
+    name, number = base, 1
     while name in taken:
         number += 1
-        name = f"{wanted}_{number}"
+        name = f"{base}_{number}"
     return name
 
 

@@ -19,12 +19,7 @@ _BUSY = b"HTTP/1.0 503 Service Unavailable\r\nContent-Length: 0\r\nRetry-After: 
 
 
 class TimedInput(RawIOBase):
-    """What comes over a connection, until its time is over: however slowly it drips.
-
-    Args:
-        connection: whose timeout is what is left.
-        seconds: from now on.
-    """
+    """What comes over a connection, until its time is over: however slowly it drips."""
 
     def __init__(self, connection: socket.socket, seconds: float) -> None:
         self._connection = connection
@@ -57,11 +52,6 @@ class TimedInput(RawIOBase):
 
 class LimitedServer(ThreadingHTTPServer):
     """A server with a thread for each connection, and an end to their number.
-
-    Args:
-        address: host and port.
-        handler: what answers a connection.
-        connections: at once.
 
     Attributes:
         names: what ``Host`` may be.
@@ -116,12 +106,6 @@ def open_server(
 ) -> LimitedServer:
     """Return a server that listens on the loopback interface and is not serving yet.
 
-    Args:
-        port: 0 for any that is free.
-        handler: what answers a connection.
-        parts: attributes that it gets.
-        connections: at once; a further one is asked to retry.
-
     Raises:
         EddiError: the port is taken (E024).
     """
@@ -132,12 +116,7 @@ def open_server(
 
 
 class Refused(Exception):  # noqa: N818 - an answer, not an error
-    """The answer is no.
-
-    Args:
-        status: of the answer.
-        text: why, in one line.
-    """
+    """The answer is no."""
 
     def __init__(self, status: HTTPStatus, text: str) -> None:
         super().__init__(text)
@@ -146,16 +125,12 @@ class Refused(Exception):  # noqa: N818 - an answer, not an error
 
 
 class Handler(BaseHTTPRequestHandler):
-    """Answers one connection.
-
-    Attributes:
-        seconds: within which a request has come and its answer is taken, or the connection ends.
-        policy: what a page may load.
-    """
+    """Answers one connection."""
 
     server: LimitedServer
+    # within which a request has come and its answer is taken, or the connection ends
     seconds: float = 20.0
-    policy: str
+    policy: str  # what a page may load
     server_version = "eddi-scaffold"
     sys_version = ""
 

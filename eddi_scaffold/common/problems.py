@@ -162,10 +162,6 @@ class SimilarNames:
     """Hints on near names that stay affordable in a file with thousands of wrong ones.
 
     Comparing texts is slow: only the first :data:`_MOST_WORDS` different words are compared.
-
-    Args:
-        known: the names that there are.
-        otherwise: the text before a list of them, where none is near; None: no such list.
     """
 
     def __init__(self, known: Collection[str], otherwise: str | None = None) -> None:

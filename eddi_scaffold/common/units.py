@@ -1,4 +1,4 @@
-"""Units of measurement: one table for everything, and quantities as people write them.
+"""Units of measurement: one table (``units.txt``), and quantities as people write them.
 
 Factors are exact, but for those with pi, which is the nearest double. ``degC`` and ``K`` are two
 dimensions: a factor cannot distinguish a temperature of 5 K from a difference.
@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 from eddi_scaffold.common.problems import HintedError
@@ -19,128 +20,35 @@ from eddi_scaffold.common.problems import HintedError
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit of measurement.
+    """A unit of measurement."""
 
-    Attributes:
-        symbol: what messages print (``km/h``); empty for a plain ratio.
-        dimension: what it measures; only units of one dimension can be compared.
-        factor: to the first unit of the dimension.
-        names: further spellings (``kilometer_per_hour``, ``kmph``).
-        root: symbol of the unit of square roots, empty for none.
-    """
-
-    symbol: str
-    dimension: str
-    factor: Fraction = Fraction(1)
-    names: tuple[str, ...] = ()
-    root: str = ""
+    symbol: str  # what messages print (`km/h`); empty for a plain ratio
+    dimension: str  # what it measures; only units of one dimension can be compared
+    factor: Fraction = Fraction(1)  # to the first unit of the dimension
+    names: tuple[str, ...] = ()  # further spellings (`kilometer_per_hour`, `kmph`)
+    root: str = ""  # symbol of the unit of square roots, empty for none
 
 
-def _units(dimension: str, *rows: tuple[str, int | Fraction, str]) -> list[Unit]:
-    """Return the units of a dimension: symbol, factor, further names."""
-    return [
-        Unit(symbol, dimension, Fraction(factor), tuple(names.split()))
-        for symbol, factor, names in rows
-    ]
-
-
-_PI = Fraction(math.pi)
-_HOUR = 3600
 RATIO = Unit("", "ratio", names=("fraction", "ratio"))
-UNITS: tuple[Unit, ...] = (
-    RATIO,
-    Unit("percent", "ratio", Fraction(1, 100), ("pct",)),
-    *_units(
-        "length",
-        ("m", 1, "meter"),
-        ("km", 1000, "kilometer"),
-        ("cm", Fraction(1, 100), ""),
-        ("mm", Fraction(1, 1000), "millimeter"),
-    ),
-    *_units(
-        "time",
-        ("s", 1, "second"),
-        ("ms", Fraction(1, 1000), "millisecond"),
-        ("us", Fraction(1, 10**6), "microsecond"),
-        ("ns", Fraction(1, 10**9), "nanosecond"),
-        ("min", 60, ""),
-        ("h", _HOUR, ""),
-        ("day", 24 * _HOUR, ""),
-        ("week", 168 * _HOUR, ""),
-        ("month", 730 * _HOUR, ""),
-        ("year", 8760 * _HOUR, ""),
-    ),
-    *_units(
-        "frequency",
-        ("Hz", 1, "1/s"),
-        ("kHz", 1000, ""),
-        ("1/min", Fraction(1, 60), ""),
-        ("1/h", Fraction(1, _HOUR), ""),
-        ("1/day", Fraction(1, 24 * _HOUR), ""),
-        ("1/week", Fraction(1, 168 * _HOUR), ""),
-        ("1/month", Fraction(1, 730 * _HOUR), ""),
-        ("1/year", Fraction(1, 8760 * _HOUR), ""),
-        ("FIT", Fraction(1, _HOUR * 10**9), ""),
-    ),
-    *_units(
-        "speed",
-        ("m/s", 1, "meter_per_second mps"),
-        ("km/h", Fraction(5, 18), "kilometer_per_hour kmph"),
-    ),
-    *_units("acceleration", ("m/s^2", 1, "mps2")),
-    *_units("jerk", ("m/s^3", 1, "mps3")),
-    *_units("angle", ("rad", 1, ""), ("deg", _PI / 180, "")),
-    *_units(
-        "angular rate",
-        ("rad/s", 1, "radps"),
-        ("deg/s", _PI / 180, "degps"),
-    ),
-    *_units("angular acceleration", ("rad/s^2", 1, "radps2")),
-    *_units("mass", ("kg", 1, ""), ("g", Fraction(1, 1000), "")),
-    *_units("force", ("N", 1, "newton"), ("kN", 1000, "")),
-    *_units("torque", ("N*m", 1, "Nm")),
-    *_units("voltage", ("V", 1, ""), ("mV", Fraction(1, 1000), "")),
-    *_units("current", ("A", 1, ""), ("mA", Fraction(1, 1000), "")),
-    *_units("charge", ("A*h", 1, "Ah"), ("mA*h", Fraction(1, 1000), "mAh")),
-    *_units("power", ("W", 1, ""), ("kW", 1000, "")),
-    *_units("temperature in Celsius", ("degC", 1, "")),
-    *_units("temperature in Kelvin", ("K", 1, "")),
-    *_units(
-        "pressure",
-        ("Pa", 1, ""),
-        ("hPa", 100, ""),
-        ("kPa", 1000, ""),
-        ("bar", 10**5, ""),
-    ),
-    *_units("magnetic flux density", ("T", 1, ""), ("uT", Fraction(1, 10**6), "")),
-    *_units("illuminance", ("lx", 1, "")),
-    *_units("moment of inertia", ("kg*m^2", 1, "")),
-    *_units("pixels", ("px", 1, "")),
-    *(
-        Unit(symbol, f"square of {dimension}", root=of)
-        for symbol, of, dimension in (
-            ("m^2", "m", "length"),
-            ("rad^2", "rad", "angle"),
-            ("m^2/s^2", "m/s", "speed"),
-            ("rad^2/s^2", "rad/s", "angular rate"),
-            ("m^2/s^4", "m/s^2", "acceleration"),
-            ("rad^2/s^4", "rad/s^2", "angular acceleration"),
-            ("K^2", "K", "temperature"),
-            ("Pa^2", "Pa", "pressure"),
-            ("T^2", "T", "magnetic flux density"),
-            ("lx^2", "lx", "illuminance"),
-        )
-    ),
-)
+
+
+def _units() -> Iterator[Unit]:
+    yield RATIO
+    for line in Path(__file__).with_name("units.txt").read_text("utf-8").splitlines()[1:]:
+        dimension, _, rows = line.partition(": ")
+        for row in rows.split(", "):
+            symbol, factor, *names = row.split()
+            exact = Fraction(math.pi) / 180 if factor == "pi/180" else Fraction(factor)
+            root = names.pop().removeprefix("sqrt:") if "sqrt:" in row else ""
+            yield Unit(symbol, dimension, exact, tuple(names), root)
+
+
+UNITS = tuple(_units())
 _BY_SPELLING = {spelling: unit for unit in UNITS for spelling in (unit.symbol, *unit.names)}
 
 
 def find(spelling: str | None) -> Unit | None:
-    """Return the unit of a spelling, case sensitive; ``None`` for an unknown one.
-
-    Args:
-        spelling: as written; ``None`` (no unit given) is a ratio like ``""``.
-    """
+    """Return the unit of a spelling, case sensitive; no unit (``None``) is a ratio."""
     return RATIO if spelling is None else _BY_SPELLING.get(spelling)
 
 
@@ -161,16 +69,16 @@ def one_word(spelling: str) -> str | None:
         return None
     of = dimension(spelling)
     others = [
-        one for unit in UNITS if unit.dimension == of if (one := word(unit.symbol)) in words()
+        other for unit in UNITS if unit.dimension == of if (other := word(unit.symbol)) in words()
     ]
     own = word(spelling)
     return own if own in words() else " or ".join(others)
 
 
-def apart(given: str, wanted: str) -> str:
+def apart(unit: str, target: str) -> str:
     """Return why a known unit cannot be converted to another of another dimension."""
-    if {given, wanted} == {"K", "degC"}:
-        return f"{given} and {wanted} are 273.15 apart, and a unit is only a factor"
+    if {unit, target} == {"K", "degC"}:
+        return f"{unit} and {target} are 273.15 apart, and a unit is only a factor"
     return "they are not of one dimension"
 
 
@@ -180,21 +88,21 @@ def listed() -> str:
     return f'{", ".join(shown)}, "" (ratio)'
 
 
-def factor(given: str | None, wanted: str | None) -> Fraction | None:
+def factor(unit: str | None, target: str | None) -> Fraction | None:
     """Return by what a number in one unit is multiplied to get it in another.
 
     Returns:
         The exact factor; ``None`` when a unit is unknown or the dimensions differ.
     """
-    first, second = find(given), find(wanted)
+    first, second = find(unit), find(target)
     if first is None or second is None or first.dimension != second.dimension:
         return None
     return first.factor / second.factor
 
 
-def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
+def convertible(target: str | None) -> Mapping[str, tuple[int, int]]:
     """Return each spelling of the same dimension with its factor (numerator, denominator)."""
-    factors = {spelling: factor(spelling, wanted) for spelling in _BY_SPELLING}
+    factors = {spelling: factor(spelling, target) for spelling in _BY_SPELLING}
     return {
         spelling: (exact.numerator, exact.denominator)
         for spelling, exact in factors.items()
@@ -202,10 +110,10 @@ def convertible(wanted: str | None) -> Mapping[str, tuple[int, int]]:
     }
 
 
-def contradict(given: Sequence[str], wanted: str) -> bool:
+def contradict(units: Sequence[str], target: str) -> bool:
     """Return whether a known unit is none of those that a value has, one of which is right."""
-    known = bool(given) and find(wanted) is not None
-    return known and all(factor(unit, wanted) != 1 for unit in given)
+    known = bool(units) and find(target) is not None
+    return known and all(factor(unit, target) != 1 for unit in units)
 
 
 def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
@@ -215,9 +123,9 @@ def accepted(unit: str | None) -> Mapping[str, tuple[int, int]] | None:
     return convertible(unit) if find(unit) is not None else {unit: (1, 1)}
 
 
-def converted(value: float, given: str, wanted: str) -> float:
+def converted(value: float, unit: str, target: str) -> float:
     """Return a finite number in another unit of its dimension; infinity when it is too large."""
-    exact = factor(given, wanted)
+    exact = factor(unit, target)
     assert exact is not None
     try:
         return value if exact == 1 else float(Fraction(value) * exact)
@@ -229,7 +137,7 @@ def word(spelling: str) -> str:
     """Return the spelling that is a name, which an event takes, of a known unit."""
     unit = _BY_SPELLING[spelling]
     every = (spelling, unit.symbol, *reversed(unit.names))
-    return next((one for one in every if one.isidentifier()), spelling)
+    return next((text for text in every if text.isidentifier()), spelling)
 
 
 def dimension(spelling: str) -> str:
@@ -271,17 +179,13 @@ class Quantity(NamedTuple):
     has_unit: bool
 
 
-def rate(given: object, unit: str | None = None) -> Quantity:
+def rate(quantity: object, unit: str | None = None) -> Quantity:
     """Read a rate; without a unit it is per hour.
-
-    Args:
-        given: text or number.
-        unit: a unit that is given elsewhere.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given, form="write a rate such as `1e-5 1/h` or `100 FIT`")
+    number, written = _split(quantity, form="write a rate such as `1e-5 1/h` or `100 FIT`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -289,16 +193,16 @@ def rate(given: object, unit: str | None = None) -> Quantity:
     if per_hour is None:
         raise UnitError(f"{written!r} is not a unit of a rate", _list(RATE_UNITS))
     up, down = per_hour
-    return Quantity(_finite(number * up / down, given), has_unit=True)
+    return Quantity(_finite(number * up / down, quantity), has_unit=True)
 
 
-def duration(given: object, unit: str | None = None) -> Quantity:
+def duration(quantity: object, unit: str | None = None) -> Quantity:
     """Read a duration in hours; without a unit it is in hours.
 
     Raises:
         QuantityError: it is none, negative, or of an unknown unit.
     """
-    number, written = _split(given, form="write a duration such as `2 h` or `30 min`")
+    number, written = _split(quantity, form="write a duration such as `2 h` or `30 min`")
     written = written or unit
     if written is None:
         return Quantity(number, has_unit=False)
@@ -306,35 +210,35 @@ def duration(given: object, unit: str | None = None) -> Quantity:
     if hours is None:
         raise UnitError(f"{written!r} is not a unit of time", _list(DURATION_UNITS))
     value = number * hours.numerator / hours.denominator
-    return Quantity(_finite(value, given), has_unit=True)
+    return Quantity(_finite(value, quantity), has_unit=True)
 
 
-def temperature(given: object) -> float:
+def temperature(quantity: object) -> float:
     """Read a temperature with its unit in degC.
 
     Raises:
         QuantityError: it is none, has no unit, or lies below absolute zero.
     """
-    number, written = _split(given, signed=True, form="write a temperature such as `51 degC`")
+    number, written = _split(quantity, signed=True, form="write a temperature such as `51 degC`")
     if written not in ("degC", "K"):
-        raise UnitError(f"{given!r} has no unit of temperature", "write degC or K")
+        raise UnitError(f"{quantity!r} has no unit of temperature", "write degC or K")
     value = number - 273.15 if written == "K" else number
     if value <= -273.0 or value > 1e4:
-        raise QuantityError(f"{given!r} is out of range, -273 degC to 10000 degC")
+        raise QuantityError(f"{quantity!r} is out of range, -273 degC to 10000 degC")
     return value
 
 
-def number(given: object, low: float, high: float) -> float:
+def number(quantity: object, low: float, high: float) -> float:
     """Read a number between two limits, inclusive.
 
     Raises:
         QuantityError: it is none, or out of range.
     """
-    value, unit = _split(given, signed=True)
+    value, unit = _split(quantity, signed=True)
     if unit is not None:
-        raise UnitError(f"{given!r} has a unit, a number without one is expected")
+        raise UnitError(f"{quantity!r} has a unit, a number without one is expected")
     if not low <= value <= high:
-        raise QuantityError(f"{given!r} is out of range, {low:.15g} to {high:.15g}")
+        raise QuantityError(f"{quantity!r} is out of range, {low:.15g} to {high:.15g}")
     return value
 
 
@@ -364,31 +268,31 @@ def _time_unit(text: str) -> str:
 
 
 def _split(
-    given: object, *, signed: bool = False, form: str | None = None
+    quantity: object, *, signed: bool = False, form: str | None = None
 ) -> tuple[float, str | None]:
-    if isinstance(given, bool) or not isinstance(given, int | float | str):
-        raise QuantityError(f"{_shown(given)} is not a number", form)
-    match = _NUMBER.fullmatch(given.strip(_BLANKS)) if isinstance(given, str) else None
-    if isinstance(given, str) and match is None:
-        hint = "write a point, not a comma" if _COMMA.fullmatch(given) else form
-        raise QuantityError(f"{_shown(given)} is not a number", hint)
+    if isinstance(quantity, bool) or not isinstance(quantity, int | float | str):
+        raise QuantityError(f"{_shown(quantity)} is not a number", form)
+    match = _NUMBER.fullmatch(quantity.strip(_BLANKS)) if isinstance(quantity, str) else None
+    if isinstance(quantity, str) and match is None:
+        hint = "write a point, not a comma" if _COMMA.fullmatch(quantity) else form
+        raise QuantityError(f"{_shown(quantity)} is not a number", hint)
     try:
-        value = float(match[1]) if match else float(given)
+        value = float(match[1]) if match else float(quantity)
     except OverflowError:
         value = math.inf
     if value < 0 and not signed:
-        raise QuantityError(f"{_shown(given)} is negative")
-    return _finite(value, given, form), match[2] if match else None
+        raise QuantityError(f"{_shown(quantity)} is negative")
+    return _finite(value, quantity, form), match[2] if match else None
 
 
-def _finite(value: float, given: object, form: str | None = None) -> float:
+def _finite(value: float, quantity: object, form: str | None = None) -> float:
     if not math.isfinite(value):
-        raise QuantityError(f"{_shown(given)} is not finite", form)
+        raise QuantityError(f"{_shown(quantity)} is not finite", form)
     return value
 
 
-def _shown(given: object) -> str:
-    text = repr(given)
+def _shown(quantity: object) -> str:
+    text = repr(quantity)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

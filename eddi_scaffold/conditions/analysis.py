@@ -31,44 +31,29 @@ from eddi_scaffold.program.instructions import Program, Read, Result
 
 @dataclass(frozen=True)
 class Event:
-    """One checked event.
+    """One checked event."""
 
-    Attributes:
-        id: its name; ``event`` for a bare expression.
-        polarity: ``EVIDENCE`` or ``HAZARD``.
-        type: ``bool``, or ``number`` for a bare numeric expression.
-        canonical: its expression in canonical form.
-        at: offset of its name.
-        unit: of a number, ``None`` for none.
-    """
-
-    id: str
-    polarity: str
-    type: str
-    canonical: str
-    at: int
-    unit: str | None
+    id: str  # its name; `event` for a bare expression
+    polarity: str  # `EVIDENCE` or `HAZARD`
+    type: str  # `bool`, or `number` for a bare numeric expression
+    canonical: str  # its expression in canonical form
+    at: int  # offset of its name
+    unit: str | None  # of a number, `None` for none
 
 
 @dataclass(frozen=True)
 class Analysis:
-    """What is known of a text; the program is all that decides.
+    """What is known of a text; the program is all that decides."""
 
-    Attributes:
-        problems: everything that is wrong with it, in order, with source lines.
-        events: in the order of the text; those with an error are omitted.
-        variables: those that are used, in the order of the program.
-        enums: ENUM -> literals.
-        program: what computes the events; ``None`` after an error.
-        text: what was analysed.
-    """
-
+    # everything that is wrong with it, in order, with source lines
     problems: tuple[Problem, ...] = field(compare=False)
+    # in the order of the text; those with an error are omitted
     events: tuple[Event, ...] = field(compare=False)
+    # those that are used, in the order of the program
     variables: tuple[Variable, ...] = field(compare=False)
-    enums: Mapping[str, tuple[str, ...]] = field(compare=False)
-    program: Program | None
-    text: str = field(compare=False)
+    enums: Mapping[str, tuple[str, ...]] = field(compare=False)  # ENUM -> literals
+    program: Program | None  # what computes the events; `None` after an error
+    text: str = field(compare=False)  # what was analysed
 
     @property
     def inputs(self) -> tuple[Variable, ...]:

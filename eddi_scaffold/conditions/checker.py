@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from eddi_scaffold.common.problems import SimilarNames
 from eddi_scaffold.common.units import converted, dimension, factor, root, word
@@ -20,7 +21,7 @@ from eddi_scaffold.conditions.scope import (
     result_of,
 )
 from eddi_scaffold.conditions.syntax import OPERATORS, EventDeclaration, File, SyntaxNode, word_of
-from eddi_scaffold.conditions.tokens import TextFindings
+from eddi_scaffold.conditions.tokens import Refused, TextFindings
 from eddi_scaffold.program.builder import MAX_CAPACITY
 from eddi_scaffold.program.instructions import BUFFERED
 from eddi_scaffold.program.instructions import WINDOWS as WINDOW_OPS
@@ -37,17 +38,11 @@ Bounds = tuple[float, float]
 
 @dataclass(frozen=True)
 class Value:
-    """What a node of the text is.
+    """What a node of the text is."""
 
-    Attributes:
-        type: of its value.
-        unit: of its value, ``None`` for none.
-        node: its number in the graph.
-    """
-
-    type: Type
-    unit: str | None
-    node: int
+    type: Type  # of its value
+    unit: str | None  # of its value, `None` for none
+    node: int  # its number in the graph
 
 
 class Checker:
@@ -86,7 +81,11 @@ class Checker:
         for k in range(event.first, event.root + 1):
             node = self._file.nodes[k]
             self._inside = self._elements.get(k)
-            values[k] = self._value(k, node, [values.pop(arg) for arg in node.args])
+            args = [values.pop(arg) for arg in node.args]
+            try:
+                values[k] = self._value(k, node, args)
+            except Refused:
+                self._inside, values[k] = None, None
         value = values[event.root]
         expected = (BOOL, NUMBER) if event.anonymous else (BOOL,)
         if value is not None and value.type not in expected:
@@ -105,8 +104,7 @@ class Checker:
         at = self._locate(node.at)
         objection = "" if self._inside is None else self._inside.objection(node, self._scope)
         if objection:
-            self._findings.add("E007.objection", node.start, reason=objection)
-            return None
+            self._findings.refuse("E007.objection", node.start, reason=objection)
         if node.op == "number":
             return Value(NUMBER, node.unit, self._builder.leaf("number", float(node.text), at))
         if node.op == "truth":
@@ -115,7 +113,8 @@ class Checker:
         if node.op == "name":
             return self._name(node, at)
         known = [arg for arg in args if arg is not None]
-        if not self._arguments_fit(node, args) or len(known) != len(args):
+        self._check_types(node, args)
+        if len(known) != len(args):
             return None
         if node.options is not None:
             return self._reduction(k, node, known, at)
@@ -123,22 +122,18 @@ class Checker:
             return self._window(node, known[0], at)
         return self._operation(node, known, at)
 
-    def _reduction(self, k: int, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
+    def _reduction(self, k: int, node: SyntaxNode, args: list[Value], at: At) -> Value:
         """Return the value of a list; it is a variable that a message gives."""
         elements = self._elements[node.args[0]]
         self._inside = elements
         element = Value(NUMBER, elements.unit(self._scope), args[0].node)
-        pairs = [
-            self._in_one_unit(node, element, limit, operands=(0, n))
+        limits = [
+            self._in_one_unit(node, element, limit, operands=(0, n))[1].node
             for n, limit in enumerate(args[1:], start=1)
         ]
         self._inside = None
-        nodes = [args[0].node, *(pair[1].node for pair in pairs if pair is not None)]
-        if len(nodes) != len(args):
-            return None
+        nodes = [args[0].node, *limits]
         variable = reduced(self._file, k, elements, nodes, self._scope, self._findings)
-        if variable is None:
-            return None
         type_ = result_of(node.op)
         unit = args[0].unit if type_ == NUMBER and node.op != "list_count" else None
         self._scope.reductions.setdefault(variable.name, replace(variable, unit=unit))
@@ -153,8 +148,7 @@ class Checker:
     def _name(self, node: SyntaxNode, at: At) -> Value | None:
         name, scope = node.text, self._scope
         if self._inside is None and node.is_list:
-            self._findings.add("E007.list", node.start, list=name)
-            return None
+            self._findings.refuse("E007.list", node.start, list=name)
         if name in scope.literals:
             enum, number = scope.literals[name]
             return Value(Type("enum", enum), None, self._builder.leaf("literal", number, at))
@@ -183,71 +177,56 @@ class Checker:
 
     # types
 
-    def _arguments_fit(self, node: SyntaxNode, args: list[Value | None]) -> bool:
-        """Report operands of a wrong type."""
+    def _check_types(self, node: SyntaxNode, args: list[Value | None]) -> None:
+        """Refuse operands of a wrong type."""
         types = [arg.type for arg in args if arg is not None]
         if node.op in ("known", "age", "eq", "ne"):
             if len(set(types)) > 1:
-                self._findings.add("E007.comparison", node.at, left=types[0], right=types[1])
-            elif TEXT in types and None not in args:
+                self._findings.refuse("E007.comparison", node.at, left=types[0], right=types[1])
+            if TEXT in types and None not in args:
                 operand = self._file.nodes[node.args[0]]
-                self._findings.add("E007.text", operand.start, operand=operand.text)
-            else:
-                return True
-            return False
-        expected = arguments_of(node.op)
+                self._findings.refuse("E007.text", operand.start, operand=operand.text)
+            return
         wrong = [
             (self._file.nodes[k], arg.type, type_)
-            for k, arg, type_ in zip(node.args, args, expected, strict=False)
+            for k, arg, type_ in zip(node.args, args, arguments_of(node.op), strict=False)
             if arg is not None and arg.type != type_
         ]
         if node.op in _ORDER and len(wrong) == 2:
             shown = " and ".join(sorted(set(map(str, types))))
-            self._findings.add("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
-            return False
-        for operand, actual, type_ in wrong:
-            self._report_type(operand, actual, word_of(node.op), type_)
-        return not wrong
-
-    def _report_type(self, operand: SyntaxNode, actual: Type, shown: str, expected: Type) -> None:
-        variable = self._scope.variables.get(operand.text) if operand.op == "name" else None
-        if variable is None or variable.declared:
-            self._findings.add(
-                "E007.operand", operand.start, shown=shown, expected=expected, type=actual
-            )
-            return
-        self._findings.add(
-            "E008.elsewhere",
-            operand.start,
-            hint=_VAR_ADVICE.format(operand.text),
-            operand=operand.text,
-            type=actual,
-            shown=shown,
-            expected=expected,
-        )
+            self._findings.refuse("E007.order", node.at, shown=shown, operators=OPERATORS[node.op])
+        for operand, actual, expected in wrong:
+            name, start = operand.text if operand.op == "name" else "", operand.start
+            fields: dict[str, Any] = {
+                "shown": word_of(node.op),
+                "expected": expected,
+                "type": actual,
+            }
+            if name in self._scope.variables and not self._scope.variables[name].declared:
+                hint = _VAR_ADVICE.format(name)
+                self._findings.add("E008.elsewhere", start, hint=hint, operand=name, **fields)
+            else:
+                self._findings.add("E007.operand", start, **fields)
+        if wrong:
+            raise Refused
 
     # operations
 
-    def _operation(self, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
+    def _operation(self, node: SyntaxNode, args: list[Value], at: At) -> Value:
         op, unit, builder = node.op, None, self._builder
         operand = self._file.nodes[node.args[0]]
         if op == "number_of":
             if operand.op == "name":
                 return Value(NUMBER, None, args[0].node)
-            self._findings.add("E007.number", operand.start)
-            return None
+            self._findings.refuse("E007.number", operand.start)
         if op == "age":
             if operand.op == "name" and operand.text in self._scope.variables:
                 return Value(NUMBER, "s", builder.leaf("age", self.used[operand.text], at))
-            self._findings.add("E007.age", operand.start)
-            return None
+            self._findings.refuse("E007.age", operand.start)
         if op in ("hysteresis", "clamp"):
             return self._bounded(node, args, at)
         if op in _SAME_UNIT and args[0].type == NUMBER:
-            pair = self._in_one_unit(node, args[0], args[1])
-            if pair is None:
-                return None
-            args = list(pair)
+            args = list(self._in_one_unit(node, args[0], args[1]))
             if op in COMPARISONS:
                 self._warn_decided(node, args)
             unit = args[0].unit or args[1].unit if op in _UNIT_OF_BOTH else None
@@ -305,21 +284,17 @@ class Checker:
         low, high = variable.range
         return (-high, -low) if is_negative else (low, high)
 
-    def _bounded(self, node: SyntaxNode, args: list[Value], at: At) -> Value | None:
+    def _bounded(self, node: SyntaxNode, args: list[Value], at: At) -> Value:
         x, *limits = args
-        pairs = [
-            self._in_one_unit(node, x, limit, operands=(0, k)) for k, limit in enumerate(limits, 1)
-        ]
-        ends = [pair[1] for pair in pairs if pair is not None]
-        if len(ends) != len(limits):
-            return None
-        low, high = ends
+        low, high = (
+            self._in_one_unit(node, x, limit, operands=(0, k))[1]
+            for k, limit in enumerate(limits, 1)
+        )
         builder = self._builder
-        operations = [builder.operations[end.node] for end in ends]
+        operations = [builder.operations[end.node] for end in (low, high)]
         values = [row.value for row in operations if row.op == "number"]
         if len(values) == 2 and None not in values and values[0] >= values[1]:
-            self._findings.add("E006.bounds", node.at, word=node.op.upper())
-            return None
+            self._findings.refuse("E006.bounds", node.at, word=node.op.upper())
         if node.op == "clamp":
             least = builder.operation("greatest", (x.node, low.node), at)
             clamped = builder.operation("least", (least, high.node), at)
@@ -327,32 +302,26 @@ class Checker:
         nodes = (x.node, low.node, high.node)
         return Value(BOOL, None, builder.operation("hysteresis", nodes, at))
 
-    def _window(self, node: SyntaxNode, arg: Value, at: At) -> Value | None:
+    def _window(self, node: SyntaxNode, arg: Value, at: At) -> Value:
         period, place = self._builder.period, node.window_at
-        too_many = (
-            node.op in BUFFERED
-            and not self._any_rate
-            and capacity(node.window, period or 1) > MAX_CAPACITY
-        )
         if not period:
-            self._findings.add("E005.no_rate", place, word=node.op.upper())
-        elif node.window < period:
-            self._findings.add("E005.short_window", place, period=period / 1e9)
-        elif too_many:
+            self._findings.refuse("E005.no_rate", place, word=node.op.upper())
+        if node.window < period:
+            self._findings.refuse("E005.short_window", place, period=period / 1e9)
+        is_bounded = node.op not in BUFFERED or self._any_rate
+        if not is_bounded and capacity(node.window, period) > MAX_CAPACITY:
             samples, limit = -(-node.window // period), MAX_CAPACITY // 2 - 8
-            self._findings.add("E013.window", place, samples=samples, limit=limit)
-        else:
-            unit = arg.unit if node.op in _KEEPS_UNIT else None
-            window = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
-            return Value(result_of(node.op), unit, window)
-        return None
+            self._findings.refuse("E013.window", place, samples=samples, limit=limit)
+        unit = arg.unit if node.op in _KEEPS_UNIT else None
+        window = self._builder.window(node.op, arg.node, node.window, node.coverage, at)
+        return Value(result_of(node.op), unit, window)
 
     # units
 
     def _in_one_unit(
         self, node: SyntaxNode, left: Value, right: Value, operands: Sequence[int] = (0, 1)
-    ) -> tuple[Value, Value] | None:
-        """Bring two numbers to one unit; report where that cannot be."""
+    ) -> tuple[Value, Value]:
+        """Bring two numbers to one unit; refuse where that cannot be."""
         starts = [self._file.nodes[node.args[k]].start for k in operands]
         constant = [self._builder.is_constant(value.node) for value in (left, right)]
         if left.unit == right.unit:
@@ -367,32 +336,23 @@ class Checker:
             hint = f"declare the unit: VAR name : NUMBER UNIT {word(unit)}"
             if self._builder.operations[plain.node].op != "variable":
                 hint = "what *, / and RATE give has no unit: write the number without one"
-            self._findings.add("E009.one_side", starts[other], hint=hint, unit=unit)
-        elif dimension(left.unit) != dimension(right.unit):
+            self._findings.refuse("E009.one_side", starts[other], hint=hint, unit=unit)
+        if dimension(left.unit) != dimension(right.unit):
             shown = " and ".join(f"{unit} ({dimension(unit)})" for unit in (left.unit, right.unit))
             at = starts[0 if constant[0] and not constant[1] else 1]
-            self._findings.add("E009.apart", at, shown=shown)
-        elif constant[1]:
-            converted_right = self._converted(right, left.unit, starts[1])
-            return None if converted_right is None else (left, converted_right)
-        elif constant[0]:
-            converted_left = self._converted(left, right.unit, starts[0])
-            return None if converted_left is None else (converted_left, right)
-        else:
-            self._findings.add(
-                "E009.scale",
-                starts[1],
-                unit=left.unit,
-                right_unit=right.unit,
-                times=converted(1.0, right.unit, left.unit),
-            )
-        return None
+            self._findings.refuse("E009.apart", at, shown=shown)
+        if not any(constant):
+            units = {"unit": left.unit, "right_unit": right.unit}
+            times = converted(1.0, right.unit, left.unit)
+            self._findings.refuse("E009.scale", starts[1], **units, times=times)
+        if constant[1]:
+            return left, self._converted(right, left.unit, starts[1])
+        return self._converted(left, right.unit, starts[0]), right
 
-    def _converted(self, value: Value, unit: str, start: int) -> Value | None:
+    def _converted(self, value: Value, unit: str, start: int) -> Value:
         """Return a constant in another unit of its dimension."""
         row = self._builder.operations[value.node]
         number = None if row.value is None else converted(row.value, value.unit or "", unit)
         if number is not None and not math.isfinite(number):
-            self._findings.add("E013.number_in_unit", start, unit=unit)
-            return None
+            self._findings.refuse("E013.number_in_unit", start, unit=unit)
         return Value(NUMBER, unit, self._builder.leaf("number", number, row.at))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import math
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +23,7 @@ from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
 from eddi_scaffold.conditions.analysis import Analysis, analyse
-from eddi_scaffold.conditions.report import as_json, as_text
+from eddi_scaffold.conditions.report import as_text
 from eddi_scaffold.conditions.scope import BOOL, Variable
 from eddi_scaffold.conditions.standalone import Target, columns, generate, play
 from eddi_scaffold.conditions.syntax import number_text
@@ -44,27 +43,16 @@ _MAX_ROWS, _MAX_CELLS = 600, 4000
 
 @dataclass(frozen=True)
 class Page:
-    """The contents of the page: what was typed, and the result.
+    """The contents of the page: what was typed, and the result."""
 
-    Attributes:
-        text: the events.
-        rate: in Hz, as typed; empty for none.
-        target: of the generated code.
-        name: of the monitor.
-        signal: recorded values as CSV.
-        result: HTML.
-        files: what was generated.
-        error_at: offset of the first error in the text, ``None`` for none.
-    """
-
-    text: str = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"
-    rate: str = "10"
-    target: Target = "python"
-    name: str = "event"
-    signal: str = ""
-    result: str = ""
-    files: Mapping[str, str] = field(default_factory=dict)
-    error_at: int | None = None
+    text: str = "AVERAGE(temp, 5s) > 100 AND TIME(warning == TRUE, 5s)"  # the events
+    rate: str = "10"  # in Hz, as typed; empty for none
+    target: Target = "python"  # of the generated code
+    name: str = "event"  # of the monitor
+    signal: str = ""  # recorded values as CSV
+    result: str = ""  # HTML
+    files: Mapping[str, str] = field(default_factory=dict)  # what was generated
+    error_at: int | None = None  # offset of the first error in the text, `None` for none
 
 
 def open_server(
@@ -76,13 +64,6 @@ def open_server(
     connections: int = 32,
 ) -> LimitedServer:
     """Return a server of the page on the loopback interface, not serving yet.
-
-    Args:
-        port: 0 for any that is free.
-        read_signal: reads recorded values.
-        start: what the page shows at first.
-        seconds: within which a request has come and its answer is taken, or the connection ends.
-        connections: at once; a further one is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
@@ -111,13 +92,9 @@ class _Handler(Handler):
         """Check or generate what was sent."""
         if self.path not in ("/check", "/generate"):
             super().post()
-        body, kind = self.body(), self.headers.get_content_type()
-        code = self.path == "/generate"
-        if kind == "application/json":
-            self.send(HTTPStatus.OK, kind, json.dumps(_json_answer(body, code=code)).encode())
-            return
-        if kind != "application/x-www-form-urlencoded":
-            raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a form or JSON is expected")
+        body, code = self.body(), self.path == "/generate"
+        if self.headers.get_content_type() != "application/x-www-form-urlencoded":
+            raise Refused(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a form is expected")
         try:
             pairs = parse_qs(body.decode("utf-8"), keep_blank_values=True, max_num_fields=20)
         except ValueError:
@@ -146,22 +123,6 @@ def _analysis(page: Page) -> Analysis:
     except ValueError:
         raise EddiError(problem("E005.rate_text", rate=text[:40])) from None
     return analyse(page.text, rate=rate)
-
-
-def _json_answer(body: bytes, *, code: bool) -> dict[str, Any]:
-    try:
-        document = json.loads(body)
-    except (ValueError, RecursionError):
-        document = None
-    if not isinstance(document, dict):
-        raise Refused(HTTPStatus.BAD_REQUEST, "a JSON object is expected")
-    page = _typed({name: str(value) for name, value in document.items()})
-    try:
-        analysis = _analysis(page)
-    except EddiError as failure:
-        return {"ok": False, "problems": [problem.as_json() for problem in failure.problems]}
-    is_good = code and analysis.program is not None
-    return as_json(analysis, generate(analysis, page.target, page.name) if is_good else {})
 
 
 def _answer(page: Page, read_signal: ReadSignal, *, code: bool, example: bool) -> Page:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from operator import add, eq, ge, gt, le, lt, mul, ne, sub
 from typing import Any
 
+from eddi_scaffold.conditions.syntax import OPERATORS
 from eddi_scaffold.program.builder import SIGNATURES
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -26,22 +27,6 @@ At = tuple[int, int]
 _CONSTANTS = {"number": NUMBER, "truth": BOOL, "literal": ENUM}
 _KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""
-_BETWEEN = {
-    "add": "+",
-    "sub": "-",
-    "mul": "*",
-    "div": "/",
-    "lt": "<",
-    "le": "<=",
-    "gt": ">",
-    "ge": ">=",
-    "eq": "==",
-    "ne": "!=",
-    "and": "AND",
-    "or": "OR",
-    "xor": "XOR",
-    "implies": "IMPLIES",
-}
 _TRUTH_WORDS = ("FALSE", "UNKNOWN", "TRUE")
 
 
@@ -54,13 +39,7 @@ class GraphBuilder:
         self._known: dict[str, int] = {}
 
     def leaf(self, op: str, value: float | None, at: At) -> int:
-        """Add a constant or what is read.
-
-        Args:
-            op: ``number``, ``truth``, ``literal``, ``variable`` or ``age``.
-            value: the constant, ``None`` for an UNKNOWN number, or which literal or variable.
-            at: its place.
-        """
+        """Add a constant, ``None`` for an UNKNOWN number, or what is read: its number."""
         return self._add(Operation(op, (), "", value, at=at))
 
     def operation(self, op: str, args: Sequence[int], at: At) -> int:
@@ -131,14 +110,7 @@ def program_of(
 def _words(
     reads: Sequence[Read], operation: Operation, before: Sequence[Operation], words: Sequence[str]
 ) -> str:
-    """Return the words of an operation, as they stand in comments beside what is made of it.
-
-    Args:
-        reads: what the program reads.
-        operation: what is done.
-        before: the operations before it.
-        words: of these.
-    """
+    """Return the words of an operation, as they stand in comments beside what is made of it."""
     op, value = operation.op, operation.value
     base = op.partition("_")[0]
     if op in ("variable", "age"):
@@ -152,10 +124,10 @@ def _words(
         return f"literal {value}"
     arguments = [before[k] for k in operation.args]
     inner = [words[k] for k in operation.args]
-    if base in _BETWEEN or op in ("neg", "not"):
+    if base in OPERATORS or op in ("neg", "not"):
         pairs = zip(arguments, inner, strict=True)
         inner = [
-            f"({text})" if argument.op.partition("_")[0] in _BETWEEN else text
+            f"({text})" if argument.op.partition("_")[0] in OPERATORS else text
             for argument, text in pairs
         ]
     if op in ("eq_enum", "ne_enum"):  # literals by the names that the other one has
@@ -166,8 +138,8 @@ def _words(
         for k, argument in enumerate(arguments):
             if argument.op == "literal" and argument.value < len(literals):
                 inner[k] = literals[argument.value]
-    if base in _BETWEEN:
-        return f"{inner[0]} {_BETWEEN[base]} {inner[1]}"
+    if base in OPERATORS:
+        return f"{inner[0]} {OPERATORS[base]} {inner[1]}"
     if op in ("neg", "not"):
         return f"{'-' if op == 'neg' else 'NOT '}{inner[0]}"
     if op in WINDOWS:

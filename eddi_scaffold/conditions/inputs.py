@@ -16,38 +16,23 @@ ExpressionType = Literal["bool", "float", "int", "state"]
 
 @dataclass(frozen=True)
 class ExpressionText:
-    """One expression as written in a configuration.
+    """One expression as written in a configuration."""
 
-    Attributes:
-        text: the expression.
-        locate: offset in it -> place in the configuration.
-        state: of the input that it decides, for type ``state``.
-        event: which event of the text it is, where that is a file of events.
-    """
-
-    text: str
-    locate: Locate
-    state: str | None = None
-    event: str | None = None
+    text: str  # the expression
+    locate: Locate  # offset in it -> place in the configuration
+    state: str | None = None  # of the input that it decides, for type `state`
+    event: str | None = None  # which event of the text it is, where that is a file of events
 
 
 @dataclass(frozen=True)
 class CompiledExpression:
-    """A checked expression of an input.
+    """A checked expression of an input."""
 
-    Attributes:
-        document: for ``eddi_scaffold.program``: the programs, and what they give.
-        names: variables, in order and once each.
-        requires: first words of the variables: SimulatorOutputs, or other inputs.
-        canonical: the expression in canonical form; several for a state.
-        unit: of a number, ``None`` for none.
-    """
-
-    document: Mapping[str, Any]
-    names: tuple[str, ...]
-    requires: tuple[str, ...]
-    canonical: tuple[str, ...]
-    unit: str | None
+    document: Mapping[str, Any]  # for `eddi_scaffold.program`: the programs, and what they give
+    names: tuple[str, ...]  # variables, in order and once each
+    requires: tuple[str, ...]  # first words of the variables: SimulatorOutputs, or other inputs
+    canonical: tuple[str, ...]  # the expression in canonical form; several for a state
+    unit: str | None  # of a number, `None` for none
 
 
 def compile_input(

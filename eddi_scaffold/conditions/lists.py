@@ -31,15 +31,10 @@ _ANGLES = ("angle_min", "angle_max", "angle_increment")
 
 @dataclass
 class Elements:
-    """The content of the parentheses of one reduction: it is computed for each element.
+    """The content of the parentheses of one reduction: it is computed for each element."""
 
-    Attributes:
-        builder: its graph.
-        used: variables in the order of their first use.
-    """
-
-    builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))
-    used: dict[str, int] = field(default_factory=dict)
+    builder: GraphBuilder = field(default_factory=lambda: GraphBuilder(0))  # its graph
+    used: dict[str, int] = field(default_factory=dict)  # variables in the order of their first use
 
     @property
     def lists(self) -> list[str]:
@@ -83,16 +78,11 @@ def reduced(
     nodes: Sequence[int],
     scope: Scope,
     findings: TextFindings,
-) -> Variable | None:
-    """Return the variable that a reduction is, ``None`` when something is wrong with it.
+) -> Variable:
+    """Return the variable that a reduction is.
 
-    Args:
-        file: the text.
-        root: number of the reduction.
-        elements: its graph.
-        nodes: of the graph: the value of an element, and the limits of WITHIN.
-        scope: what the names mean.
-        findings: gets E007 and E009.
+    Raises:
+        Refused: something is wrong with it.
     """
     node, options, lists = file.nodes[root], file.nodes[root].options, elements.lists
     assert options is not None
@@ -102,16 +92,12 @@ def reduced(
         if scope.variables[name].within is not None
     ]
     numbers = [name for name in lists if scope.variables[name].type == NUMBER]
-    if not _is_of_one_message(node, elements, findings):
-        return None
+    _check_one_message(node, elements, findings)
     if options.within:
         if len(numbers) != 1:
-            findings.add("E007.within", node.start)
-            return None
+            findings.refuse("E007.within", node.start)
         limits.append([elements.used[numbers[0]], *nodes[1:]])
     sector = _sector(options, lists, elements, findings)
-    if sector is None:
-        return None
     rows, new = elements.builder.needed([nodes[0], *(n for limit in limits for n in limit[1:])])
     parts = [
         scope.variables.get(name) or Variable(name, NUMBER, declared=False)
@@ -158,17 +144,14 @@ def reduced(
     )
 
 
-def _is_of_one_message(node: SyntaxNode, elements: Elements, findings: TextFindings) -> bool:
+def _check_one_message(node: SyntaxNode, elements: Elements, findings: TextFindings) -> None:
     """Check that everything is of one message, and the lists have one length."""
     heads = list(dict.fromkeys(name.partition(".")[0].partition("[")[0] for name in elements.used))
     lists = elements.lists
     if len(heads) > 1:
-        findings.add("E007.two_messages", node.start, first=heads[0], second=heads[1])
-    elif len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_container, lists))) > 1:
-        findings.add("E007.two_lists", node.start, first=lists[0], second=lists[1])
-    else:
-        return True
-    return False
+        findings.refuse("E007.two_messages", node.start, first=heads[0], second=heads[1])
+    if len({array_of(name)[0] for name in lists}) > 1 and len(set(map(_container, lists))) > 1:
+        findings.refuse("E007.two_lists", node.start, first=lists[0], second=lists[1])
 
 
 def _container(name: str) -> tuple[str, str, str]:
@@ -181,25 +164,22 @@ def _container(name: str) -> tuple[str, str, str]:
 
 def _sector(
     options: ReductionOptions, lists: list[str], elements: Elements, findings: TextFindings
-) -> tuple[tuple[float, float] | None, tuple[int, ...]] | None:
+) -> tuple[tuple[float, float] | None, tuple[int, ...]]:
     """Return the angles of a sector, and the inputs with those of the scan."""
     ends = []
     for end in options.sector or ():
         unit = find(end.unit) if end.unit else None
         if unit is None or unit.dimension != "angle":
-            findings.add("E009.sector", end.at)
-            return None
+            findings.refuse("E009.sector", end.at)
         ends.append(converted(end.value, end.unit or "", "rad"))
     if not ends:
         return None, ()
     if ends[0] >= ends[1]:
-        findings.add("E007.empty_sector", options.sector_at)
-        return None
+        findings.refuse("E007.empty_sector", options.sector_at)
     scan = _container(lists[0])[0]
     array, rest = array_of(lists[0])
     if len(lists) != 1 or rest or not array.endswith("[*]"):
-        findings.add("E007.scan", options.sector_at)
-        return None
+        findings.refuse("E007.scan", options.sector_at)
     for angle in _ANGLES:
         elements.read(f"{scan}.{angle}")
     angles = tuple(elements.used[f"{scan}.{angle}"] for angle in _ANGLES)

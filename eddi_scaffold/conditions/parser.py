@@ -18,9 +18,9 @@ from eddi_scaffold.conditions.syntax import (
 from eddi_scaffold.conditions.tokens import (
     DECLARATIONS,
     RESERVED,
+    Refused,
     TextFindings,
     Token,
-    Unreadable,
     tokens_of,
 )
 
@@ -74,7 +74,7 @@ class _Parser(ExpressionParser):
             try:
                 declarations.append(readers.get(self._declaration(), self._bare)())
                 self._expect_end(first, readers)
-            except Unreadable:
+            except Refused:
                 broken.add(self._declared)
                 self._index += self._index == first and self._token.kind != "end"
                 while not (self._token.kind == "end" or self._is_symbol(";")):

@@ -26,15 +26,10 @@ from eddi_scaffold.program.lists import TRUTHS, Reduction
 
 @dataclass(frozen=True)
 class Type:
-    """NUMBER, BOOL, or an ENUM.
+    """NUMBER, BOOL, or an ENUM."""
 
-    Attributes:
-        kind: ``number``, ``bool`` or ``enum``, as in the program, or ``text``.
-        enum: name of the ENUM.
-    """
-
-    kind: str
-    enum: str = ""
+    kind: str  # `number`, `bool` or `enum`, as in the program, or `text`
+    enum: str = ""  # name of the ENUM
 
     def __str__(self) -> str:
         return self.enum or {"number": "a number", "bool": "a boolean"}.get(self.kind, "a text")
@@ -46,56 +41,39 @@ _TYPES = {"NUMBER": NUMBER, "BOOL": BOOL, "TEXT": TEXT}
 
 @dataclass(frozen=True)
 class Variable:
-    """What is known of an input.
+    """What is known of an input."""
 
-    Attributes:
-        name: as in the text.
-        type: ``None``: inferred from its use.
-        unit: ``None`` for none.
-        range: least and greatest value.
-        timeout: nanoseconds after which a sample is UNKNOWN; ``None`` for never.
-        infinite: infinity is a value (range sensors report "no return" by it).
-        defined: the definition of the message says so; nobody accepts it in place of a measurement.
-        declared: by a VAR or by the caller.
-        within: names of the numbers between which its finite values are measurements.
-        reduction: how it is made of lists.
-        parts: what it is made of.
-        advice: how to say its type, where that is not for a VAR.
-    """
-
-    name: str
-    type: Type | None = None
-    unit: str | None = None
-    range: tuple[float, float] | None = None
-    timeout: int | None = None
-    infinite: bool = False
+    name: str  # as in the text
+    type: Type | None = None  # `None`: inferred from its use
+    unit: str | None = None  # `None` for none
+    range: tuple[float, float] | None = None  # least and greatest value
+    timeout: int | None = None  # nanoseconds after which a sample is UNKNOWN; `None` for never
+    infinite: bool = False  # infinity is a value (range sensors report "no return" by it)
+    # the definition of the message says so; nobody accepts it in place of a measurement
     defined: bool = False
-    declared: bool = True
+    declared: bool = True  # by a VAR or by the caller
+    # names of the numbers between which its finite values are measurements
     within: tuple[str, str] | None = None
-    reduction: Reduction | None = None
-    parts: tuple[Variable, ...] = ()
-    advice: str = ""
+    reduction: Reduction | None = None  # how it is made of lists
+    parts: tuple[Variable, ...] = ()  # what it is made of
+    advice: str = ""  # how to say its type, where that is not for a VAR
 
 
 @dataclass
 class Scope:
-    """The one name space of a text.
+    """The one name space of a text."""
 
-    Attributes:
-        closed: every variable is declared; another name is an error.
-        literals: literal -> its ENUM and number.
-        reductions: what lists of messages are reduced to, by canonical text.
-        events: by name; a bare expression cannot be named.
-        order: events, those that others use first; members of a cycle are omitted.
-    """
-
-    closed: bool
+    closed: bool  # every variable is declared; another name is an error
     enums: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    # literal -> its ENUM and number
     literals: dict[str, tuple[str, int]] = field(default_factory=dict)
     variables: dict[str, Variable] = field(default_factory=dict)
     constants: dict[str, NumberWithUnit] = field(default_factory=dict)
+    # what lists of messages are reduced to, by canonical text
     reductions: dict[str, Variable] = field(default_factory=dict)
+    # by name; a bare expression cannot be named
     events: dict[str, EventDeclaration] = field(default_factory=dict)
+    # events, those that others use first; members of a cycle are omitted
     order: list[EventDeclaration] = field(default_factory=list)
 
     @property
@@ -126,11 +104,8 @@ def build_scope(
 ) -> Scope:
     """Collect the names of a text.
 
-    Args:
-        file: the text.
-        findings: gets E007, E008, E009, E013, W003.
-        known: variables that the caller knows; ``None``: variables may be inferred.
-        outer: declarations from elsewhere; problems in them are reported there.
+    Variables are inferred where the caller knows none; problems in the declarations from elsewhere
+    (``outer``) are reported there.
     """
     scope = Scope(closed=known is not None or bool(file.variables))
     if outer is not None:

@@ -74,12 +74,7 @@ def columns(analysis: Analysis) -> dict[str, Column]:
 def play(
     analysis: Analysis, rows: Iterable[tuple[float, Mapping[str, Any]]]
 ) -> Iterator[tuple[float, dict[str, Verdict]]]:
-    """Yield (time in seconds, event -> verdict) for each row of a recording.
-
-    Args:
-        analysis: of a text without errors.
-        rows: time in seconds, and the new samples by variable; one holds until its TIMEOUT.
-    """
+    """Yield (time in seconds, event -> verdict) for each row of new samples."""
     assert analysis.program is not None
     engine = Engine(analysis.program)
     names = [entry.name for entry in engine.sampling.inputs]

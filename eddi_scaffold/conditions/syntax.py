@@ -23,55 +23,34 @@ class NumberWithUnit:
 
 @dataclass(frozen=True)
 class ReductionOptions:
-    """The options after the list of a reduction.
+    """The options after the list of a reduction."""
 
-    Attributes:
-        coverage: share of known elements that is enough.
-        sector: angles of the first and the last element.
-        length: least and greatest number of elements.
-        within: the node has two more arguments, the limits of the elements.
-        sector_at: offset of the word SECTOR.
-    """
-
-    coverage: float | None = None
+    coverage: float | None = None  # share of known elements that is enough
+    # angles of the first and the last element
     sector: tuple[NumberWithUnit, NumberWithUnit] | None = None
-    length: tuple[int, int] | None = None
-    within: bool = False
-    sector_at: int = 0
+    length: tuple[int, int] | None = None  # least and greatest number of elements
+    within: bool = False  # the node has two more arguments, the limits of the elements
+    sector_at: int = 0  # offset of the word SECTOR
 
 
 @dataclass(frozen=True)
 class SyntaxNode:
-    """One operation, literal or name.
+    """One operation, literal or name."""
 
-    Attributes:
-        op: ``number``, ``truth``, ``name``, ``neg``, ``not``, an operator (``add``, ``lt``,
-            ``and``, ...) or a function (``average``, ``latch``, ...).
-        args: indices of the operands.
-        start: offset of its first character, with its parenthesis.
-        at: offset of the operator or of the function's name.
-        text: name, number or truth value as written.
-        unit: of a number.
-        wrapped: it has parentheses of its own.
-        window: nanoseconds of a window.
-        window_at: offset of the duration.
-        coverage: share of known samples that is enough.
-        is_list: it has one value for each element of a list.
-        options: of a reduction.
-    """
-
+    # `number`, `truth`, `name`, `neg`, `not`, an operator (`add`, `lt`, `and`, ...) or a function
+    # (`average`, `latch`, ...)
     op: str
-    args: tuple[int, ...]
-    start: int
-    at: int
-    text: str = ""
-    unit: str | None = None
-    wrapped: bool = False
-    window: int = 0
-    window_at: int = 0
-    coverage: float | None = None
-    is_list: bool = False
-    options: ReductionOptions | None = None
+    args: tuple[int, ...]  # indices of the operands
+    start: int  # offset of its first character, with its parenthesis
+    at: int  # offset of the operator or of the function's name
+    text: str = ""  # name, number or truth value as written
+    unit: str | None = None  # of a number
+    wrapped: bool = False  # it has parentheses of its own
+    window: int = 0  # nanoseconds of a window
+    window_at: int = 0  # offset of the duration
+    coverage: float | None = None  # share of known samples that is enough
+    is_list: bool = False  # it has one value for each element of a list
+    options: ReductionOptions | None = None  # of a reduction
 
 
 @dataclass(frozen=True)
@@ -91,21 +70,14 @@ class EnumDeclaration(Identifier):
 
 @dataclass(frozen=True)
 class VarDeclaration(Identifier):
-    """``VAR x : NUMBER UNIT degC RATE 10 Hz TIMEOUT 500ms RANGE 0 .. 100 ALLOW INF``.
+    """``VAR x : NUMBER UNIT degC RATE 10 Hz TIMEOUT 500ms RANGE 0 .. 100 ALLOW INF``."""
 
-    Attributes:
-        type: ``NUMBER``, ``BOOL`` or the name of an ENUM.
-        rate: samples per second.
-        timeout: nanoseconds.
-        infinite: ALLOW INF.
-    """
-
-    type: Identifier
+    type: Identifier  # `NUMBER`, `BOOL` or the name of an ENUM
     unit: Identifier | None = None
-    rate: float | None = None
-    timeout: int | None = None
+    rate: float | None = None  # samples per second
+    timeout: int | None = None  # nanoseconds
     range: tuple[NumberWithUnit, NumberWithUnit] | None = None
-    infinite: bool = False
+    infinite: bool = False  # ALLOW INF
 
 
 @dataclass(frozen=True)
@@ -117,36 +89,24 @@ class ConstDeclaration(Identifier):
 
 @dataclass(frozen=True)
 class EventDeclaration(Identifier):
-    """``EVENT hot (EVIDENCE) := x > 5``, or a bare expression.
+    """``EVENT hot (EVIDENCE) := x > 5``, or a bare expression."""
 
-    Attributes:
-        polarity: ``EVIDENCE`` or ``HAZARD``, None when not given.
-        first: index of the expression's first node.
-        root: index of its last node.
-        anonymous: a bare expression.
-    """
-
-    polarity: str | None
-    first: int
-    root: int
-    anonymous: bool = False
+    polarity: str | None  # `EVIDENCE` or `HAZARD`, None when not given
+    first: int  # index of the expression's first node
+    root: int  # index of its last node
+    anonymous: bool = False  # a bare expression
 
 
 @dataclass(frozen=True)
 class File:
-    """A text that was parsed.
+    """A text that was parsed."""
 
-    Attributes:
-        nodes: of all expressions.
-        broken: names whose declaration could not be read.
-    """
-
-    nodes: tuple[SyntaxNode, ...] = ()
+    nodes: tuple[SyntaxNode, ...] = ()  # of all expressions
     enums: tuple[EnumDeclaration, ...] = ()
     variables: tuple[VarDeclaration, ...] = ()
     constants: tuple[ConstDeclaration, ...] = ()
     events: tuple[EventDeclaration, ...] = ()
-    broken: frozenset[str] = frozenset()
+    broken: frozenset[str] = frozenset()  # names whose declaration could not be read
 
     def nodes_of(self, event: EventDeclaration) -> tuple[SyntaxNode, ...]:
         """Return the nodes of an event's expression."""

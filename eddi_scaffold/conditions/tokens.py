@@ -57,6 +57,10 @@ DURATIONS = {"ns": 1, "us": 10**3, "ms": 10**6, "s": 10**9, "min": 60 * 10**9, "
 """Unit of a duration -> nanoseconds."""
 
 
+class Refused(Exception):  # noqa: N818 - it ends one part of a text, a problem says why
+    """What is being read or checked has no meaning."""
+
+
 class TextFindings:
     """Collects what is wrong with one text.
 
@@ -73,6 +77,13 @@ class TextFindings:
         """Add the problem of a case at an offset."""
         if len(self.problems) < _MAX_FINDINGS:
             self.problems.append(problem(case, self._locate(offset), hint=hint, **fields))
+
+    def refuse(
+        self, case: str, offset: int, /, *, hint: str | None = None, **fields: object
+    ) -> NoReturn:
+        """Add a problem which is the end of a part."""
+        self.add(case, offset, hint=hint, **fields)
+        raise Refused
 
 
 def line_and_column(text: str) -> Callable[[int], tuple[int, int]]:
@@ -93,19 +104,12 @@ def in_text(text: str, name: str = EXPRESSION) -> Locate:
 
 
 class Token(NamedTuple):
-    """One token.
+    """One token."""
 
-    Attributes:
-        kind: ``word``, ``number``, ``text``, ``symbol``; ``end`` follows the last token.
-        text: as written; empty at the end.
-        start: offset of its first character.
-        end: offset behind its last one.
-    """
-
-    kind: str
-    text: str
-    start: int
-    end: int
+    kind: str  # `word`, `number`, `text`, `symbol`; `end` follows the last token
+    text: str  # as written; empty at the end
+    start: int  # offset of its first character
+    end: int  # offset behind its last one
 
     @property
     def keyword(self) -> str:
@@ -139,10 +143,6 @@ def tokens_of(text: str, findings: TextFindings) -> tuple[Token, ...]:
             tokens.append(Token(kind, char, *match.span()))
     end = tokens[-1].end if tokens else 0
     return (*tokens, Token("end", "", end, end))
-
-
-class Unreadable(Exception):  # noqa: N818 - it ends one declaration, a problem says why
-    """The rest of a declaration cannot be read."""
 
 
 class Cursor:
@@ -185,8 +185,7 @@ class Cursor:
     def _fail(
         self, case: str, at: int | None = None, /, *, hint: str | None = None, **fields: object
     ) -> NoReturn:
-        self._findings.add(case, self._token.start if at is None else at, hint=hint, **fields)
-        raise Unreadable
+        self._findings.refuse(case, self._token.start if at is None else at, hint=hint, **fields)
 
     def _missing(self, expected: str, hint: str | None = None) -> NoReturn:
         self._fail("E001.word", hint=hint, expected=expected, shown=self._token.shown)

@@ -33,16 +33,10 @@ _KNOWN = ("known", "known_bool", "known_enum", "age")
 _SILENT = ("number", "truth", "literal", *_KNOWN)
 
 
-def uses(program: Program, root: int, *, wanted: bool) -> dict[str, tuple[Use, ...]]:
-    """Return the uses of each variable that can make a condition true, or false.
-
-    Args:
-        program: of the conditions (``Analysis.program``).
-        root: number of the condition's operation.
-        wanted: the side that claims something.
-    """
+def uses(program: Program, root: int, *, side: bool) -> dict[str, tuple[Use, ...]]:
+    """Return the uses of each variable that can make a condition true, or false (``wanted``)."""
     uses_of: dict[str, tuple[Use, ...]] = {}
-    for variable, use in _Walk(program).uses(root, wanted):
+    for variable, use in _Walk(program).uses(root, side):
         uses_of[variable] = (*uses_of.get(variable, ()), use)
     return uses_of
 
@@ -157,13 +151,7 @@ def inputs_of(variable: Read) -> Sequence[str]:
 def nodes_below(
     nodes: Sequence[Operation], root: int, ends: Container[str] = ()
 ) -> Iterator[Operation]:
-    """Yield an operation and all below it, each once, in the order of the text.
-
-    Args:
-        nodes: of the program.
-        root: where to begin.
-        ends: operations whose arguments are omitted.
-    """
+    """Yield an operation and all below it, each once; the arguments of ``ends`` are omitted."""
     waiting, seen = [root], set()
     while waiting:
         number = waiting.pop()
@@ -177,19 +165,12 @@ def nodes_below(
 
 @dataclass(frozen=True)
 class Silence:
-    """What a condition accepts of silence.
+    """What a condition accepts of silence."""
 
-    Attributes:
-        word: as in the text.
-        accepts: what counts in place of what is not known.
-        seconds: how long, ``None`` where only the text states it.
-        at: line and column.
-    """
-
-    word: str
-    accepts: str
-    seconds: float | None
-    at: tuple[int, int]
+    word: str  # as in the text
+    accepts: str  # what counts in place of what is not known
+    seconds: float | None  # how long, `None` where only the text states it
+    at: tuple[int, int]  # line and column
 
 
 def accepted(program: Program, root: int) -> list[Silence]:

@@ -63,47 +63,32 @@ Providers = Annotated[Literal["any"] | tuple[Text, ...], BeforeValidator(_provid
 
 
 class FleetSection(Section):
-    """What all robots share.
+    """What all robots share."""
 
-    Attributes:
-        topic: on which robots publish their guarantees for each other.
-        lease: seconds after which a guarantee of another robot is unknown.
-    """
-
+    # on which robots publish their guarantees for each other
     topic: Annotated[Topic, _absolute] = PEERS_TOPIC
-    lease: Lease = PEERS_LEASE
+    lease: Lease = PEERS_LEASE  # seconds after which a guarantee of another robot is unknown
 
 
 class MonitorEntry(Section):
-    """One monitor of a robot.
+    """One monitor of a robot."""
 
-    Attributes:
-        config: file of its configuration, relative to the deployment file.
-        model: file of its model, likewise; without it, the one that the configuration names.
-        override: what counts on this robot in place of parts of the configuration.
-    """
-
-    config: FileName
+    config: FileName  # file of its configuration, relative to the deployment file
+    # file of its model, likewise; without it, the one that the configuration names
     model: FileName | None = None
+    # what counts on this robot in place of parts of the configuration
     override: dict[Text, Any] = Field({})
 
 
 class Robot(Section):
-    """One robot.
-
-    Attributes:
-        namespace: of its nodes; by default its name.
-        master: URI of its ROS 1 master; robots without one share a master.
-        domain: id of its DDS domain, as in ``ROS_DOMAIN_ID``.
-        partition: of DDS inside the domain; ROS 2 has none.
-    """
+    """One robot."""
 
     name: RobotName
     platform: Text = "ros1"
-    namespace: Annotated[Text, _namespace] | None = None
-    master: Line | None = None
-    domain: Domain | None = None
-    partition: RobotName | None = None
+    namespace: Annotated[Text, _namespace] | None = None  # of its nodes; by default its name
+    master: Line | None = None  # URI of its ROS 1 master; robots without one share a master
+    domain: Domain | None = None  # id of its DDS domain, as in `ROS_DOMAIN_ID`
+    partition: RobotName | None = None  # of DDS inside the domain; ROS 2 has none
     monitors: Annotated[list[MonitorEntry], _some]
 
     @property
@@ -123,20 +108,14 @@ class StationSection(Section):
 
 
 class Binding(Section):
-    """Whose guarantees may fulfil a demand.
+    """Whose guarantees may fulfil a demand."""
 
-    Attributes:
-        demand: its id.
-        robot: that demands it; by default every robot that has such a demand.
-        monitor: ``Model: id:`` of its monitor, where several have such a demand.
-        from_: robots that may fulfil it, or any that offers it.
-        guarantee: the only guarantee that may; by default each that fulfils the demand.
-    """
-
-    demand: Name
-    robot: Text | None = None
-    monitor: Name | None = None
+    demand: Name  # its id
+    robot: Text | None = None  # that demands it; by default every robot that has such a demand
+    monitor: Name | None = None  # `Model: id:` of its monitor, where several have such a demand
+    # robots that may fulfil it, or any that offers it
     from_: Providers = Field("any", alias="from")
+    # the only guarantee that may; by default each that fulfils the demand
     guarantee: Name | None = None
 
 
@@ -157,18 +136,13 @@ _ROBOTS_LINE = re.compile(rb"^Robots[ \t]*:", re.MULTILINE)
 
 @dataclass(frozen=True)
 class FleetFile:
-    """A deployment file as it was read.
+    """A deployment file as it was read."""
 
-    Attributes:
-        form: its content.
-        name: path as the user gave it.
-        places: path such as ``("Robots", 0, "name")`` -> place of the value.
-        overrides: number of a robot and of one of its monitors -> its ``override``.
-    """
-
-    form: FleetForm
-    name: str
+    form: FleetForm  # its content
+    name: str  # path as the user gave it
+    # path such as `("Robots", 0, "name")` -> place of the value
     places: Mapping[tuple[str | int, ...], Place]
+    # number of a robot and of one of its monitors -> its `override`
     overrides: Mapping[tuple[int, int], Map]
 
     def place(self, *path: str | int) -> Place:

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from eddi_scaffold.common.escaping import python_literal
 from eddi_scaffold.common.identifiers import is_identifier, key_text
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.config.message_types.documented import Documented, documented
+from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
 
 _STEP = re.compile(
     r"""\.?(?P<name>[A-Za-z][A-Za-z0-9_]*)
@@ -43,30 +42,20 @@ class Index:
 
 @dataclass(frozen=True)
 class ByKey:
-    """Take the only element of a list whose key is ``wanted``.
+    """Take the only element of a list that has a key."""
 
-    Attributes:
-        wanted: text, or a number where the field is one.
-        field: which field is the key (``title``, ``header.frame_id``); ``None``: not given.
-    """
-
-    wanted: str | int
+    key: str | int  # text, or a number where the field is one
+    # which field is the key (`title`, `header.frame_id`); `None`: not given
     field: str | None = None
 
 
 @dataclass(frozen=True)
-class Beside:
-    """Take the element of a list at the position of its name in a parallel list.
+class ByName:
+    """Take the element of a list at the position of its name in a parallel list."""
 
-    Attributes:
-        wanted: the name.
-        values: the field with the numbers.
-        names: the field with the names.
-    """
-
-    wanted: str
-    values: str
-    names: str
+    key: str  # the name
+    values: str  # the field with the numbers
+    names: str  # the field with the names
 
 
 @dataclass(frozen=True)
@@ -80,18 +69,14 @@ class FieldPathError(HintedError):
     """A text is not a field path, or the path leads nowhere in its message."""
 
 
-Step = Attribute | Index | ByKey | Beside | Every
+Step = Attribute | Index | ByKey | ByName | Every
 FieldPath = tuple[Step, ...]
 PlainStep = str | int | list[str | int]
 """A step as ``eddi_runtime.plain_values.follow`` takes it."""
 
 
 def parse_field(text: str, *, lists: bool = False) -> FieldPath:
-    """Parse a field path.
-
-    Args:
-        text: the path.
-        lists: ``[*]`` and ``[2..5]`` are allowed in it.
+    """Parse a field path; ``lists``: ``[*]`` and ``[2..5]`` are allowed in it.
 
     Raises:
         FieldPathError: the text is not a field path; the message has column and expectation.
@@ -144,10 +129,10 @@ def path_text(path: Sequence[Step]) -> str:
             text += f"[{step.position}]"
         elif isinstance(step, Every):
             text += "[*]" if step.part is None else f"[{step.part[0]}..{step.part[1]}]"
-        elif isinstance(step, Beside):
-            text += f".{step.values}[{key_text(step.wanted)}]"
+        elif isinstance(step, ByName):
+            text += f".{step.values}[{key_text(step.key)}]"
         else:
-            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.wanted)}]"
+            text += f"[{f'{step.field}=' if step.field else ''}{key_text(step.key)}]"
     return text.removeprefix(".")
 
 
@@ -157,7 +142,7 @@ def pattern(path: FieldPath) -> list[str]:
     for step in path:
         if isinstance(step, Attribute):
             steps.append(f".{step.name}")
-        elif isinstance(step, Beside):
+        elif isinstance(step, ByName):
             steps += [f".{step.values}", "[]"]
         else:
             steps.append("[]")
@@ -174,14 +159,12 @@ def expression(variable: str, path: FieldPath) -> str:
             text = f"{text}[{step.position}]"
         elif isinstance(step, Every):
             raise TypeError("a list is not a single value")
-        elif isinstance(step, Beside):
-            text = (
-                f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.wanted)})"
-            )
+        elif isinstance(step, ByName):
+            text = f"by_name({text}.{step.values}, {text}.{step.names}, {python_literal(step.key)})"
         elif step.field in (None, "id"):
-            text = f"by_id({text}, {python_literal(step.wanted)})"
+            text = f"by_id({text}, {python_literal(step.key)})"
         else:
-            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.wanted)})"
+            text = f"by_key({text}, {python_literal(step.field)}, {python_literal(step.key)})"
     return text
 
 
@@ -193,9 +176,9 @@ def plain_step(step: Step) -> PlainStep:
         return step.position
     if isinstance(step, Every):
         return ["*", *(step.part or ())]
-    if isinstance(step, Beside):
-        return [step.values, step.names, step.wanted]
-    return [step.field or "id", step.wanted]
+    if isinstance(step, ByName):
+        return [step.values, step.names, step.key]
+    return [step.field or "id", step.key]
 
 
 KEYS = (
@@ -211,24 +194,15 @@ FieldsOf = Callable[[str], Fields | None]
 
 @dataclass(frozen=True)
 class ResolvedPath:
-    """A path with its keys, and what is at its end.
+    """A path with its keys, and what is at its end."""
 
-    Attributes:
-        path: each key names its field, as far as the messages are known.
-        type: the Python type, or the message type; ``None`` where a type on the way is not known.
-    """
-
-    path: FieldPath
+    path: FieldPath  # each key names its field, as far as the messages are known
+    # the Python type, or the message type; `None` where a type on the way is not known
     type: str | None
 
 
 def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
     """Return the path with its keys, and the type at its end.
-
-    Args:
-        path: into the message.
-        message: type of the message.
-        fields_of: message type -> its fields, ``None`` when they are not known.
 
     Raises:
         FieldPathError: the path leads nowhere; the message reports where it ends, with the fields.
@@ -249,24 +223,11 @@ def resolve(path: FieldPath, message: str, fields_of: FieldsOf) -> ResolvedPath:
         if isinstance(step, ByKey):
             keyed = _keyed(step, inner, parent, taken[-1], fields_of)
             # The list of numbers and the name in it are one step.
-            taken[len(taken) - isinstance(keyed, Beside) :] = [keyed]
+            taken[len(taken) - isinstance(keyed, ByName) :] = [keyed]
         else:
             taken.append(step)
         of = inner
     return ResolvedPath(tuple(taken), python_type(of))
-
-
-def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
-    """Return the documentation of the field at the end of a path that has its keys."""
-    names: list[str] = []
-    for step in path:
-        if isinstance(step, Attribute):
-            names.append(step.name)
-        elif isinstance(step, Beside):
-            names.append(f"{step.values}[]")
-        else:
-            names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
-    return documented(message, names, fields_of)
 
 
 def _fields_at(of: str, name: str, fields_of: FieldsOf) -> Fields | None:
@@ -294,7 +255,7 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         known = fields_of(parent) or {}
         names = [name for name in NAME_LISTS if (known.get(name) or "").startswith("string[")]
         if step.field is None and len(names) == 1 and names[0] != before.name:
-            return Beside(str(step.wanted), before.name, names[0])
+            return ByName(str(step.key), before.name, names[0])
         message = f"{parent} has no list of names ({', '.join(NAME_LISTS)}) for {before.name!r}"
         raise FieldPathError(message, f"one element is [0]; its fields: {', '.join(known)}")
     fields = fields_of(inner)
@@ -304,19 +265,19 @@ def _keyed(step: ByKey, inner: str, parent: str, before: Step, fields_of: Fields
         for key in KEYS:
             if _type_of(key, inner, fields_of) == "string":
                 return replace(step, field=key)
-        message = f"the elements are {inner}, which have no name that [{step.wanted}] could be"
-        hint = f'name the field, [field="{step.wanted}"], of: {", ".join(fields)}'
+        message = f"the elements are {inner}, which have no name that [{step.key}] could be"
+        hint = f'name the field, [field="{step.key}"], of: {", ".join(fields)}'
         raise FieldPathError(message, hint)
     of = _type_of(step.field, inner, fields_of)  # of the field that a person names as the key
     if of is None:
         raise _no_field(inner, step.field, fields)
     if of == "string":
-        return replace(step, wanted=str(step.wanted))
+        return replace(step, key=str(step.key))
     what = f"{step.field!r} of {inner} is a {of}"
     if not of.startswith(_INTEGERS) or of.endswith("]"):
         raise FieldPathError(f"{what}: a key is a text or a whole number")
-    if isinstance(step.wanted, str):
-        raise FieldPathError(f"{what}, {step.wanted!r} is not a whole number")
+    if isinstance(step.key, str):
+        raise FieldPathError(f"{what}, {step.key!r} is not a whole number")
     return step
 
 

@@ -6,12 +6,12 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.common.files import Source, near_file, next_to, read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config import values
-from eddi_scaffold.config.schema import INPUT_TYPES, Config
-from eddi_scaffold.kinds import DeclaredInput, JsonValue, Options
+from eddi_scaffold.config.schema import Config
 from eddi_scaffold.yaml_text.spans import inside_scalar
 
 _EVENT_FILES, _TYPES = "event_files", "MessageTypes"
@@ -22,20 +22,15 @@ MODEL_KEYS = ("model", "config", "file")
 
 @dataclass(frozen=True)
 class ConfigFile:
-    """A configuration with the place of each of its parts.
-
-    Attributes:
-        places: path such as ``("EDDIInputs", 0, "id")`` -> place of the value.
-        remembered: it comes from the answers of a package, not from its file.
-        text: of the file.
-        event_files: name of each ``expression_file`` as it is written there -> its text.
-    """
+    """A configuration with the place of each of its parts."""
 
     config: Config
     name: str
+    # path such as `("EDDIInputs", 0, "id")` -> place of the value
     places: Mapping[values.Path, Place]
-    remembered: bool = False
-    text: str = ""
+    remembered: bool = False  # it comes from the answers of a package, not from its file
+    text: str = ""  # of the file
+    # name of each `expression_file` as it is written there -> its text
     event_files: Mapping[str, str] = field(default_factory=dict)
 
     def as_json(self) -> str:
@@ -85,7 +80,7 @@ def from_json(text: str, name: str) -> ConfigFile:
     return ConfigFile(config, name, {}, remembered=True, event_files=files)
 
 
-def _sorted(value: JsonValue, key: str = "") -> JsonValue:
+def _sorted(value: Any, key: str = "") -> Any:
     """Return maps with sorted keys; the order of the fields of a message is a part of its type."""
     if isinstance(value, list):
         return [_sorted(item) for item in value]
@@ -103,12 +98,7 @@ def about_file(problem: Problem, name: str, place: Place) -> Problem:
 
 
 def existing_file(of: str, name: str, place: Place) -> Path:
-    """Return where a file is that another one names.
-
-    Args:
-        of: the file that names it.
-        name: as written there.
-        place: of the name.
+    """Return where a file is that another one names at a place.
 
     Raises:
         EddiError: there is no such file (F001), or it is not below the folder of the other (F009).
@@ -150,32 +140,3 @@ def named_model_path(file: ConfigFile) -> Path | None:
     """
     named = named_model(file)
     return None if named is None else existing_file(file.name, *named)
-
-
-def options_of(file: ConfigFile | None) -> Options:
-    """Return the options of a configuration for the kind of its model."""
-    if file is None:
-        return Options()
-    config, section = file.config, file.config.Model
-    extra = {**(section.model_extra or {}), "parameters": section.parameters}
-    types = {source.id: source.type for source in config.SimulatorOutputs}
-    inputs = tuple(
-        DeclaredInput(
-            id=entry.id,
-            type=INPUT_TYPES[entry.type] if entry.type is not None else None,
-            unit=entry.unit,
-            default=entry.default,
-            place=file.place("EDDIInputs", index),
-            messages=tuple(types[name] for name in entry.requires),
-        )
-        for index, entry in enumerate(config.EDDIInputs)
-    )
-    return Options(
-        id=section.id,
-        values={key: value for key, value in extra.items() if value is not None},
-        inputs=inputs,
-        frequency=section.frequency,
-        parts=tuple(output.event for output in config.EDDIOutputs),
-        place=lambda *path: file.place("Model", *path),
-        read=file.read,
-    )

@@ -23,12 +23,11 @@ from pydantic import (
 
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import HintedError, did_you_mean
-from eddi_scaffold.config.message_types import PRIMITIVES
-from eddi_scaffold.kinds import InputType
+from eddi_scaffold.config.field_types import PRIMITIVES
 from eddi_scaffold.yaml_text.writer import dump_plain
 
 _MESSAGE_TYPE = re.compile(r"([a-z][a-z0-9_]*)(?:\.|/msg/|/)([A-Za-z][A-Za-z0-9_]*)")
-INPUT_TYPES: dict[str, InputType] = {
+_INPUT_TYPES = {
     "bool": "bool", "boolean": "bool", "float": "float", "double": "float", "float32": "float",
     "float64": "float", "number": "float", "int": "int", "integer": "int", "int32": "int",
     "int64": "int", "str": "str", "string": "str", "text": "str", "state": "state",
@@ -120,9 +119,9 @@ def _field_type(text: str) -> str:
 
 
 def _input_type(text: str) -> str:
-    if text.lower() not in INPUT_TYPES:
+    if text.lower() not in _INPUT_TYPES:
         raise ValueError("the type of an input is bool, float, int, str, state, float[] or bool[]")
-    return INPUT_TYPES[text.lower()]
+    return _INPUT_TYPES[text.lower()]
 
 
 def _named(value: object) -> object:
@@ -180,14 +179,6 @@ USUAL_FREQUENCY = 10.0
 class ModelSection(Section):
     """Which model runs, and how.
 
-    Attributes:
-        frequency: steps per second, in Hz.
-        mode: one step per period, or at once when a message comes (and per period).
-        startup_grace: seconds from the start in which an input may wait for its first message
-            before the diagnostics call that an error; verdicts do not depend on it.
-        lifecycle: on ROS 2, others say when the node monitors.
-        parameters: D7.2's list of maps; names the file of a kind that has one.
-
     Further keys belong to the kind, which checks them.
     """
 
@@ -195,11 +186,14 @@ class ModelSection(Section):
 
     id: Name
     type: StrictStr
-    frequency: Annotated[float, _frequency] = USUAL_FREQUENCY
+    frequency: Annotated[float, _frequency] = USUAL_FREQUENCY  # steps per second, in Hz
+    # one step per period, or at once when a message comes (and per period)
     mode: Literal["rate", "on_change"] = "rate"
+    # seconds from the start in which an input may wait for its first message before the diagnostics
+    # call that an error; verdicts do not depend on it
     startup_grace: Annotated[float, _wait] = 10.0
-    lifecycle: StrictBool = False
-    parameters: Any = None
+    lifecycle: StrictBool = False  # on ROS 2, others say when the node monitors
+    parameters: Any = None  # D7.2's list of maps; names the file of a kind that has one
 
 
 class Entry(Section):
@@ -217,31 +211,22 @@ class InputQos(Section):
 
 
 class OutputQos(InputQos):
-    """How a topic is published on ROS 2.
+    """How a topic is published on ROS 2."""
 
-    Attributes:
-        deadline: seconds between two messages that are promised.
-        lifespan: seconds after which a message is not delivered any more.
-    """
-
+    # seconds between two messages that are promised
     deadline: Annotated[float, _promise] | None = None
+    # seconds after which a message is not delivered any more
     lifespan: Annotated[float, _promise] | None = None
 
 
 class PeersSection(Section):
-    """Whose word a message must be, among the robots of ``Fleet``.
+    """Whose word a message must be, among the robots of ``Fleet``."""
 
-    Attributes:
-        robots: names in the order in which they count, or ``any`` for any other robot.
-        model: name of the ConSert that must have given it.
-        digest: SHA-256 of that ConSert's data.
-        guarantee: id of the guarantee that is wanted.
-    """
-
+    # names in the order in which they count, or `any` for any other robot
     robots: Annotated[tuple[Line, ...], Field(min_length=1)] | Literal["any"] = "any"
-    model: Name
-    digest: Annotated[StrictStr, _digest]
-    guarantee: Name
+    model: Name  # name of the ConSert that must have given it
+    digest: Annotated[StrictStr, _digest]  # SHA-256 of that ConSert's data
+    guarantee: Name  # id of the guarantee that is wanted
 
 
 MONITOR_AGE = 1.0
@@ -249,19 +234,14 @@ MONITOR_AGE = 1.0
 
 
 class SimulatorOutput(Entry):
-    """One topic of the robot that the monitor listens to.
-
-    Attributes:
-        max_age: default of the inputs that require it, in seconds; ``limit`` is what counts.
-        qos: quality of service, on ROS 2.
-        peers: for the word of another robot: whose it must be.
-    """
+    """One topic of the robot that the monitor listens to."""
 
     type: MessageType
     topic: Topic
+    # default of the inputs that require it, in seconds; `limit` is what counts
     max_age: MaxAge = None
-    qos: InputQos = InputQos()
-    peers: PeersSection | None = None
+    qos: InputQos = InputQos()  # quality of service, on ROS 2
+    peers: PeersSection | None = None  # for the word of another robot: whose it must be
 
     @property
     def limit(self) -> float | str | None:
@@ -271,36 +251,24 @@ class SimulatorOutput(Entry):
 
 
 class InputEntry(Entry):
-    """One input of the monitor.
-
-    Attributes:
-        requires: ids of the simulator outputs it is made of.
-        default: value before the first message.
-        unit: unit of the value, when it is not the model's.
-        field: path into the message (``data``, ``guarantees[G0].active``).
-        expression: a condition or value over the messages (docs/reference/events.md), in place of
-            ``field``.
-        expression_file: file of events, relative to the configuration, that has it in place of
-            ``expression``.
-        event: which event of that file it is; the only one needs no name.
-        states: for an input that is a state: state -> condition.
-        polarity: what an UNKNOWN condition gives: nothing (``EVIDENCE``) or true (``HAZARD``).
-        max_age: seconds after which the value is unknown, or ``none`` for never.
-        renamed_from: former id; its hand-written body moves along.
-    """
+    """One input of the monitor."""
 
     type: Annotated[StrictStr, AfterValidator(_input_type)] | None = None
-    requires: list[Name] = []
-    default: Default = None
-    unit: StrictStr | None = None
-    field: StrictStr | None = None
+    requires: list[Name] = []  # ids of the simulator outputs it is made of
+    default: Default = None  # value before the first message
+    unit: StrictStr | None = None  # unit of the value, when it is not the model's
+    field: StrictStr | None = None  # path into the message (`data`, `guarantees[G0].active`)
+    # a condition or value over the messages (docs/reference/events.md), in place of `field`
     expression: StrictStr | None = None
+    # file of events, relative to the configuration, that has it in place of `expression`
     expression_file: FileName | None = None
-    event: Name | None = None
+    event: Name | None = None  # which event of that file it is; the only one needs no name
+    # for an input that is a state: state -> condition
     states: dict[StrictStr, StrictStr] | None = None
+    # what an UNKNOWN condition gives: nothing (`EVIDENCE`) or true (`HAZARD`)
     polarity: Literal["EVIDENCE", "HAZARD"] = "EVIDENCE"
-    max_age: MaxAge = None
-    renamed_from: Name | None = None
+    max_age: MaxAge = None  # seconds after which the value is unknown, or `none` for never
+    renamed_from: Name | None = None  # former id; its hand-written body moves along
     allow_unsafe_default: StrictBool = False
 
     @property
@@ -310,19 +278,15 @@ class InputEntry(Entry):
 
 
 class OutputEntry(Entry):
-    """One topic on which the result is published.
-
-    Attributes:
-        field: path into the result (``guarantees[G0].active``): its value alone is published, as a
-            message of ``std_msgs``; without it the whole result.
-        event: of a kind that gives several messages in a step: the id of the one that goes here.
-        qos: quality of service, on ROS 2.
-    """
+    """One topic on which the result is published."""
 
     topic: Topic
+    # path into the result (`guarantees[G0].active`): its value alone is published, as a message of
+    # `std_msgs`; without it the whole result
     field: StrictStr | None = None
+    # of a kind that gives several messages in a step: the id of the one that goes here
     event: Name | None = None
-    qos: OutputQos = OutputQos()
+    qos: OutputQos = OutputQos()  # quality of service, on ROS 2
 
 
 class PackageSection(Section):
@@ -339,47 +303,33 @@ PEERS_TOPIC, PEERS_LEASE = "/eddi/peers", 1.0
 
 
 class FleetSection(Section):
-    """The robots among which this one is.
+    """The robots among which this one is."""
 
-    Attributes:
-        robot: its name; the parameter ``robot`` of the node wins.
-        topic: on which each robot tells its guarantees to all.
-        lease: seconds after which a word counts as unknown.
-        closed: all robots whose words count were checked together: no demand comes back to its
-            own guarantee.
-    """
-
-    robot: Line
-    topic: Topic = PEERS_TOPIC
-    lease: Lease = PEERS_LEASE
+    robot: Line  # its name; the parameter `robot` of the node wins
+    topic: Topic = PEERS_TOPIC  # on which each robot tells its guarantees to all
+    lease: Lease = PEERS_LEASE  # seconds after which a word counts as unknown
+    # all robots whose words count were checked together: no demand comes back to its own guarantee
     closed: StrictBool = False
 
 
 class ConnectSection(Section):
-    """What ``connect`` reads beside the rest.
+    """What ``connect`` reads beside the rest."""
 
-    Attributes:
-        synonyms: groups of words that mean the same in the names of this robot.
-    """
-
+    # groups of words that mean the same in the names of this robot
     synonyms: list[list[StrictStr]] = []
 
 
 class Config(Section):
-    """The whole file, checked for form; whether it fits the model is checked with the model.
-
-    Attributes:
-        declarations: VAR, CONST and ENUM for the expressions of inputs.
-        MessageTypes: message type -> field -> type, as in its ``.msg`` file: for types that
-            eddi-scaffold does not know.
-    """
+    """The whole file, checked for form; whether it fits the model is checked with the model."""
 
     Model: ModelSection
     SimulatorOutputs: list[SimulatorOutput] = []
-    declarations: list[StrictStr] = []
+    declarations: list[StrictStr] = []  # VAR, CONST and ENUM for the expressions of inputs
     EDDIInputs: list[InputEntry] = []
     EDDIOutputs: list[OutputEntry] = []
     Fleet: FleetSection | None = None
     Package: PackageSection = PackageSection()
+    # message type -> field -> type, as in its `.msg` file: for types that eddi-scaffold does not
+    # know
     MessageTypes: dict[MessageType, dict[StrictStr, FieldType]] = {}
     connect: ConnectSection = Field(ConnectSection(), exclude=True)  # no package depends on it

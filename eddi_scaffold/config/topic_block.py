@@ -26,23 +26,14 @@ _NOTHING = re.compile(rb"(?:\xef\xbb\xbf)?(?:[ \t]*(?:#[^\n]*)?\r?\n)*[ \t]*(?:#
 
 @dataclass(frozen=True)
 class OldEntry(TopicEntry):
-    """One entry of the block, with its type as written.
+    """One entry of the block, with its type as written."""
 
-    Attributes:
-        text: as written, without the dash, to the end of its last line.
-        column: blanks in front of it, which its further lines have as well.
-        more: the keys other than id, type and topic, as written.
-        above: the comments in front of it.
-        inside: the comments in its text.
-        comment_lines: the lines of all of them.
-    """
-
-    text: str = ""
-    column: int = 0
-    more: tuple[str, ...] = ()
-    above: tuple[str, ...] = ()
-    inside: tuple[str, ...] = ()
-    comment_lines: tuple[int, ...] = ()
+    text: str = ""  # as written, without the dash, to the end of its last line
+    column: int = 0  # blanks in front of it, which its further lines have as well
+    more: tuple[str, ...] = ()  # the keys other than id, type and topic, as written
+    above: tuple[str, ...] = ()  # the comments in front of it
+    inside: tuple[str, ...] = ()  # the comments in its text
+    comment_lines: tuple[int, ...] = ()  # the lines of all of them
 
     def lines(self) -> list[str]:
         """Return its lines as they are, two blanks in."""
@@ -54,39 +45,24 @@ class OldEntry(TopicEntry):
 
 @dataclass(frozen=True)
 class DroppedTopic:
-    """Why an entry of the old block is not among the new ones.
+    """Why an entry of the old block is not among the new ones."""
 
-    Attributes:
-        why: what is reported about it.
-        stays: it is kept, whether an input requires it or not.
-    """
-
-    why: str = "is not published by the system"
-    stays: bool = False
+    why: str = "is not published by the system"  # what is reported about it
+    stays: bool = False  # it is kept, whether an input requires it or not
 
 
 @dataclass(frozen=True)
 class ConfigText:
-    """A configuration as text, with the places that matter here.
+    """A configuration as text, with the places that matter here."""
 
-    Attributes:
-        name: of the file.
-        text: without byte order mark.
-        root: its content, empty where it says nothing.
-        start: offset of the block; where it would be put when there is none.
-        end: offset behind the line in which it ends; equal to ``start`` when there is none.
-        old: its entries.
-        head: the comment behind the name of the block.
-        comments: lines of the block that hold a comment, where it is a list in brackets.
-    """
-
-    name: str
-    text: str
-    root: Map = field(default=Map(()))
-    start: int = 0
-    end: int = 0
-    old: tuple[OldEntry, ...] = ()
-    head: str = ""
+    name: str  # of the file
+    text: str  # without byte order mark
+    root: Map = field(default=Map(()))  # its content, empty where it says nothing
+    start: int = 0  # offset of the block; where it would be put when there is none
+    end: int = 0  # offset behind the line in which it ends; equal to `start` when there is none
+    old: tuple[OldEntry, ...] = ()  # its entries
+    head: str = ""  # the comment behind the name of the block
+    # lines of the block that hold a comment, where it is a list in brackets
     comments: tuple[int, ...] = ()
 
     def inputs(self) -> Iterator[Map]:

@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import (
     HintedError,
     Place,
@@ -15,7 +16,6 @@ from eddi_scaffold.common.problems import (
     most_similar,
     problem,
 )
-from eddi_scaffold.kinds import TODO
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
 
 KEY = -1

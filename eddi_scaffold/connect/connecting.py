@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.common.identifiers import free_name, full_topic, package_name
+from eddi_scaffold.common.identifiers import TODO, free_name, full_topic, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,
@@ -17,7 +17,7 @@ from eddi_scaffold.common.problems import (
     shortened_list,
     with_excerpts,
 )
-from eddi_scaffold.config.message_types import Fields, declared, known_messages
+from eddi_scaffold.config.field_types import Fields, declared
 from eddi_scaffold.config.topic_block import (
     ConfigText,
     extended,
@@ -44,7 +44,6 @@ from eddi_scaffold.connect.surroundings import (
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import (
-    TODO,
     DeclaredInput,
     JsonValue,
     Kind,
@@ -55,6 +54,7 @@ from eddi_scaffold.kinds import (
     kinds,
 )
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.mros.topics import slug
 from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 

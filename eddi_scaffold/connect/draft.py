@@ -13,12 +13,12 @@ from itertools import pairwise
 from statistics import median
 
 from eddi_scaffold.common.escaping import one_line
-from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.identifiers import TODO, attribute
 from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.connect.matching import Decision
 from eddi_scaffold.connect.scoring import Candidate
 from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.kinds import TODO, JsonValue
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.yaml_text.nodes import dump_plain, quoted
 
 MARK = "# connect:"

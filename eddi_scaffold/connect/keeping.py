@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 from itertools import chain, repeat
 
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.topic_block import ConfigText
 from eddi_scaffold.connect.draft import MARK, EntryDraft, is_own, option_lines
 from eddi_scaffold.connect.topics import RobotTopic
-from eddi_scaffold.kinds import TODO, JsonValue
+from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, Scalar, dump_plain, items_of, read_map
 from eddi_scaffold.yaml_text.spans import Span, TextEditor, comment_texts, spans
 

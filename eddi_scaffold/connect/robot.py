@@ -10,10 +10,10 @@ from pathlib import Path
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
-from eddi_scaffold.config.message_types import declared
-from eddi_scaffold.config.reading import RobotAdditions, read_config
+from eddi_scaffold.config.field_types import declared
 from eddi_scaffold.connect.rossystem import Robot, read_robot
 from eddi_scaffold.kinds import JsonValue
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
 from eddi_scaffold.monitors.loading import is_config
 from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of

@@ -9,8 +9,7 @@ from pathlib import Path
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name, key_text
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
-from eddi_scaffold.config.message_types import MessageFields
-from eddi_scaffold.config.reading import RobotAdditions, read_configs
+from eddi_scaffold.config.field_types import MessageFields
 from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.connect.draft import Age, deadline_age
 from eddi_scaffold.connect.matching import Fulfilment
@@ -21,6 +20,7 @@ from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import Model, ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.directory import load_models
 

@@ -10,11 +10,10 @@ from itertools import islice
 from typing import Literal
 
 from eddi_scaffold.common import units
-from eddi_scaffold.common.identifiers import attribute, is_identifier
-from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.config.message_types.documented import documented
+from eddi_scaffold.common.identifiers import TODO, attribute, is_identifier
+from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.connect.needs import InputNeed, words
-from eddi_scaffold.kinds import TODO
+from eddi_scaffold.monitors.message_types.documented import documented
 from eddi_scaffold.mros.topics import TopicEntry
 
 FieldsOf = Callable[[str], Fields | None]

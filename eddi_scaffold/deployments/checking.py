@@ -11,15 +11,14 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem, shortened_list
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model_path
-from eddi_scaffold.config.reading import RobotAdditions, read_config
-from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.deployments.fleet_checks import check_fleet
 from eddi_scaffold.deployments.joining import join, packages_of
-from eddi_scaffold.deployments.topics import absent_publishers, deployment
+from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import members_of
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
 from eddi_scaffold.monitors.input_binding import UnwrittenInput
 from eddi_scaffold.monitors.loading import (
     checked_models,
@@ -28,6 +27,7 @@ from eddi_scaffold.monitors.loading import (
     read_models,
     without_model,
 )
+from eddi_scaffold.monitors.topic_types import check_types
 from eddi_scaffold.platforms import DEFAULT, Platform, chosen
 
 _OF_WHAT_LACKS = ("D006", "G001", "X037")
@@ -36,13 +36,9 @@ _OF_WHAT_LACKS = ("D006", "G001", "X037")
 
 @dataclass(frozen=True)
 class ByHand(UnwrittenInput):
-    """An input that only hand-written code can make of its messages (K050).
+    """An input that only hand-written code can make of its messages (K050)."""
 
-    Attributes:
-        of: the input and its monitor, for people.
-    """
-
-    of: str = ""
+    of: str = ""  # the input and its monitor, for people
 
 
 def check_files(
@@ -179,7 +175,7 @@ def _together(
     problems += packages_of(monitors, platform, None)[1]
     joined = {monitor.config.name for monitor in monitors if monitor.config}
     if joined >= {config.name for config in configs}:
-        problems += absent_publishers(deployment(members_of(monitors)))
+        problems += absent_publishers(Deployment(members_of(monitors)))
     return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 

@@ -10,17 +10,13 @@ from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot
-from eddi_scaffold.deployments.topics import Member
+from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
 from eddi_scaffold.kinds import ReadResult
 
 
 def picture_of_fleet(source: Source, read: Callable[[Path], ReadResult]) -> str:
     """Return the SVG of a deployment file.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
 
     Raises:
         EddiError: it, or what it names, cannot be used.
@@ -90,11 +86,11 @@ def _between(fleet: Fleet) -> Iterator[DiagramEdge]:
 
 def _within(fleet: Fleet, robot: FleetRobot) -> Iterator[DiagramEdge]:
     """Yield a line for each monitor of a robot that another one of it relies on, by topics."""
-    wired = {_id(own): Member(own.bound).participant for own in fleet.monitors_of(robot)}
-    publishers = {topic: id_ for id_, monitor in wired.items() for topic, _ in monitor.published}
+    monitors = {_id(own): wired(own.bound) for own in fleet.monitors_of(robot)}
+    publishers = {topic: id_ for id_, monitor in monitors.items() for topic, _ in monitor.published}
     ends = {
         (publishers[topic], id_): None
-        for id_, monitor in wired.items()
+        for id_, monitor in monitors.items()
         for reads in monitor.topics_read.values()
         for topic, _ in reads
         if topic in publishers

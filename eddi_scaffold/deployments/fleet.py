@@ -31,19 +31,12 @@ from eddi_scaffold.monitors.robots import MESSAGE, fleet_message
 
 @dataclass(frozen=True)
 class Fleet:
-    """Robots that meet.
+    """Robots that meet."""
 
-    Attributes:
-        file: the deployment file.
-        robots: in its order.
-        monitors: the monitors of all robots, as they are without the others.
-        bindings: the demands that other robots fulfil.
-    """
-
-    file: FleetFile
-    robots: tuple[FleetRobot, ...]
-    monitors: tuple[RobotMonitor, ...]
-    bindings: tuple[DemandBinding, ...]
+    file: FleetFile  # the deployment file
+    robots: tuple[FleetRobot, ...]  # in its order
+    monitors: tuple[RobotMonitor, ...]  # the monitors of all robots, as they are without the others
+    bindings: tuple[DemandBinding, ...]  # the demands that other robots fulfil
 
     def monitors_of(self, robot: FleetRobot) -> list[RobotMonitor]:
         """Return the monitors of one robot."""
@@ -68,12 +61,7 @@ class Fleet:
 def read_whole_fleet(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[Fleet | None, list[Problem]]:
-    """Read a deployment file and all that it names; ``None`` where something is missing.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
-    """
+    """Read a deployment file and all that it names; ``None`` where something is missing."""
     file, problems = read_fleet(source)
     if file is None:
         return None, problems
@@ -127,14 +115,7 @@ def digests_of(fleet: Fleet) -> Digests:
 def among_others(
     fleet: Fleet, monitor: RobotMonitor, digests: Digests, *, closed: bool = False
 ) -> ConfigFile:
-    """Return the configuration of a monitor on its robot, one of a fleet.
-
-    Args:
-        fleet: of the deployment file.
-        monitor: the monitor on its robot.
-        digests: of the models of the others.
-        closed: see ``is_closed``.
-    """
+    """Return the configuration of a monitor on its robot, one of a fleet."""
     shared, config = fleet.file.form.Fleet, monitor.config
     if monitor.robot.graph is None or fleet_message(monitor.bound.kind) is None:
         return config

@@ -18,7 +18,8 @@ from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, GuaranteeSource, with_demand_inputs
 from eddi_scaffold.deployments.station import check_station, is_closed
-from eddi_scaffold.deployments.topics import Deployment, Member, absent_publishers, deployment
+from eddi_scaffold.deployments.support import WiredMonitor, wired
+from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import check_hidden, check_wiring
 from eddi_scaffold.kinds import ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -58,12 +59,7 @@ _OWN_PERIODS = 2
 def check_fleet(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Problem], frozenset[Path]]:
-    """Return all that is wrong with a deployment file and what it names, and these files.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models, with all problems in it; raises EddiError.
-    """
+    """Return all that is wrong with a deployment file and what it names, and these files."""
     fleet, problems = read_whole_fleet(source, read)
     if fleet is None:
         return problems, frozenset()
@@ -73,21 +69,16 @@ def check_fleet(
 
 
 def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
-    """Return what is wrong with robots that could be read: each by itself, then together.
-
-    Args:
-        fleet: the robots.
-        reported: when they were read.
-    """
+    """Return what is wrong with robots that could be read: each by itself, then together."""
     open_ = unanswered(reported, [model for robot in fleet.robots for model, _ in robot.pairs])
     problems = [*open_, *check_station(fleet), *_check_names(fleet), *_check_ages(fleet)]
     config_of = partial(among_others, fleet, digests={}, closed=is_closed(fleet))
     groups: dict[object, list[FleetRobot]] = {}  # of robots that hear each other
-    running: dict[FleetRobot, list[Member]] = {}
+    running: dict[FleetRobot, list[WiredMonitor]] = {}
     for robot in fleet.robots:
         groups.setdefault(robot.graph or robot.name, []).append(robot)
         monitors, of_robot = fleet.bound_monitors(robot, config_of)
-        running[robot] = _members(robot, monitors)
+        running[robot] = _wired(robot, monitors)
         problems += [_with_binding(problem, robot) for problem in of_robot]
         problems += packages_of(monitors, robot.platform, None)[1]
     if has_errors(problems):
@@ -97,27 +88,22 @@ def problems_of(fleet: Fleet, reported: Iterable[Problem]) -> list[Problem]:
         members = [
             member
             for robot in robots
-            for member in _members(robot, fleet.bound_monitors(robot, by_topic)[0])
+            for member in _wired(robot, fleet.bound_monitors(robot, by_topic)[0])
         ]
-        together = deployment(members)
+        together = Deployment(members)
         problems += [*check_wiring(members), *absent_publishers(together), *_check_shared(together)]
         members = [member for robot in robots for member in running[robot]]
-        problems += check_hidden([member.participant for member in members])
-        problems += check_ages(deployment(members))  # statements have ages of their own: D015
+        problems += check_hidden(members)
+        problems += check_ages(Deployment(members))  # statements have ages of their own: D015
     return problems
 
 
-def _members(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[Member]:
-    return [Member(monitor, robot.form.prefix) for monitor in monitors]
+def _wired(robot: FleetRobot, monitors: Iterable[BoundMonitor]) -> list[WiredMonitor]:
+    return [wired(monitor, robot.form.prefix) for monitor in monitors]
 
 
 def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
-    """Return the warning that nothing provides an input, and what a deployment file can do.
-
-    Args:
-        problem: of a configuration, which other robots may share.
-        robot: in which it was found.
-    """
+    """Return the warning that nothing provides an input, and what a deployment file can do."""
     if problem.code != "K014":
         return problem
     hint = f"{problem.hint}, or bind the demand of {robot.name} in the deployment file"
@@ -126,11 +112,9 @@ def _with_binding(problem: Problem, robot: FleetRobot) -> Problem:
 
 def _check_shared(together: Deployment) -> Iterator[Problem]:
     """Report topics of sensors that several robots read (D014)."""
-    first: dict[str, Member] = {}
+    first: dict[str, WiredMonitor] = {}
     for member in together.members:
-        used = {
-            requirement.id for binding in member.monitor.inputs for requirement in binding.requires
-        }
+        used = {name for input_ in member.facts.inputs for name in input_.requires}
         for index, source in enumerate(member.config.config.SimulatorOutputs):
             if source.id not in used or member.topic(source.topic) in together.publishers:
                 continue

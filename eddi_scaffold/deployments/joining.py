@@ -14,7 +14,7 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import Accepted, acceptances
-from eddi_scaffold.deployments.topics import deployment
+from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
@@ -31,12 +31,7 @@ def join(
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join each configuration with its model; without configurations, every model by itself.
 
-    Args:
-        models: those that are given.
-        configs: those that are given.
-        read: reads the file that a configuration names, where none of the models is for it;
-            raises EddiError.
-        marks: the default guarantees that are marked.
+    The file that a configuration names is read where none of the models is for it.
 
     Returns:
         The monitors without errors, and all problems.
@@ -57,7 +52,7 @@ def join(
     monitors, reported = join_pairs(pairs, marks)
     members = members_of(monitors)
     problems += [*reported, *_check_packages(monitors), *check_wiring(members)]
-    return monitors, [*problems, *check_ages(deployment(members))]
+    return monitors, [*problems, *check_ages(Deployment(members))]
 
 
 def join_pairs(
@@ -65,10 +60,6 @@ def join_pairs(
     marks: Sequence[str] = (),
 ) -> tuple[list[BoundMonitor], list[Problem]]:
     """Join models with their configurations, but do not look at the wiring between them.
-
-    Args:
-        pairs: the models and configurations of one robot.
-        marks: the default guarantees that are marked.
 
     Returns:
         The monitors without errors, and all problems.
@@ -86,10 +77,6 @@ def unanswered(problems: Iterable[Problem], configured: Iterable[Model]) -> list
     """Return problems without what a configuration answers.
 
     That a VAR has no TIMEOUT (W003): its input has a `max_age`, or it is told that it has none.
-
-    Args:
-        problems: of reading models.
-        configured: the models that have configurations.
     """
     places = {(model.place.file, model.place.path) for model in configured}
 
@@ -156,11 +143,6 @@ def accepted_of(
     """Return what configurations accept, with the claims that rest on it, or the errors.
 
     Between them are the models as they are configured; those that no configuration is about stay.
-
-    Args:
-        models: those of the file that is shown; a configuration may name another one.
-        configs: the configurations.
-        marks: the default guarantees that are marked.
     """
     if not configs:
         return [], list(models), []
@@ -168,7 +150,7 @@ def accepted_of(
     errors = [problem for problem in problems if problem.level == "error"]
     if errors:
         return [], list(models), errors
-    accepted = acceptances([member.participant for member in members_of(monitors)])
+    accepted = acceptances(members_of(monitors))
     configured = {_identity(monitor.model): monitor.model for monitor in monitors}
     return accepted, [configured.get(_identity(model), model) for model in models], []
 

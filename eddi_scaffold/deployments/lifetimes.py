@@ -22,19 +22,12 @@ from eddi_scaffold.kinds import JsonValue
 
 @dataclass(frozen=True)
 class ClaimLifetime:
-    """When a claim goes away at the latest after a source fell silent.
+    """When a claim goes away at the latest after a source fell silent."""
 
-    Attributes:
-        claim: monitor and output.
-        source: full name of a topic that no participant publishes.
-        seconds: while all monitors live; infinite where an input has no age limit.
-        any_seconds: whatever dies on the way, at any times.
-    """
-
-    claim: str
-    source: str
-    seconds: float
-    any_seconds: float
+    claim: str  # monitor and output
+    source: str  # full name of a topic that no participant publishes
+    seconds: float  # while all monitors live; infinite where an input has no age limit
+    any_seconds: float  # whatever dies on the way, at any times
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return a row of ``trace --json``; no bound is null."""

@@ -12,7 +12,8 @@ from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.conditions.uses import uses
 from eddi_scaffold.config.field_paths import Attribute, FieldPath, Index, parse_field, pattern
 from eddi_scaffold.config.schema import SimulatorOutput
-from eddi_scaffold.deployments.topics import Deployment, Member
+from eddi_scaffold.deployments.support import WiredMonitor
+from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
@@ -25,24 +26,15 @@ Field = tuple[SimulatorOutput, FieldPath]
 
 @dataclass(frozen=True)
 class FieldReading:
-    """One use of one field.
+    """One use of one field."""
 
-    Attributes:
-        input: id.
-        text: the field, as a person writes it.
-        place: its place in the configuration.
-        source: the message.
-        path: into the message.
-        holds: which values bring a claim of the monitor nearer.
-        companions: further fields, with tests that hold as well when the claim is made this way.
-    """
-
-    input: str
-    text: str
-    place: Place
-    source: SimulatorOutput
-    path: FieldPath
-    holds: Holds
+    input: str  # id
+    text: str  # the field, as a person writes it
+    place: Place  # its place in the configuration
+    source: SimulatorOutput  # the message
+    path: FieldPath  # into the message
+    holds: Holds  # which values bring a claim of the monitor nearer
+    # further fields, with tests that hold as well when the claim is made this way
     companions: tuple[tuple[Field, Holds], ...] = ()
 
 
@@ -55,7 +47,8 @@ class Readings:
             silence does.
     """
 
-    def __init__(self, monitor: BoundMonitor) -> None:
+    def __init__(self, monitor: BoundMonitor | None) -> None:
+        assert monitor is not None
         assert monitor.config is not None
         self._config, form = monitor.config, monitor.config.config
         self._by_id = {binding.model.id: binding for binding in monitor.inputs}
@@ -92,7 +85,7 @@ class Readings:
             program = part["program"]
             (output,) = program.results
             for result in results:
-                for name, uses_of_name in uses(program, output.operation, wanted=result).items():
+                for name, uses_of_name in uses(program, output.operation, side=result).items():
                     yield from self._named(binding, name, uses_of_name)
 
     def _named(
@@ -112,14 +105,14 @@ class Readings:
         for use in used:
             companions = tuple(
                 ((self._sources[head_of(other)], path_behind(other)), holds)
-                for other, holds in use.beside
+                for other, holds in use.companions
                 if head_of(other) in self._sources
             )
             yield FieldReading(id_, name, place, source, path, use.holds, companions)
 
     def _companions(self, use: Use) -> Iterator[tuple[Field, Holds]]:
         """Yield the fields of the other inputs that a use of one input names."""
-        for id_, holds in use.beside:
+        for id_, holds in use.companions:
             other = self._by_id.get(id_)
             if other is None or other.computed is not None or len(other.requires) != 1:
                 continue
@@ -146,7 +139,7 @@ class Readings:
 def check_meanings(deployment: Deployment) -> Iterator[Problem]:
     """Report what gains from silence: D001, D002, D007."""
     for member in deployment.members:
-        readings, config = Readings(member.monitor), member.config
+        readings, config = Readings(member.bound), member.config
         ids = [entry.id for entry in config.config.EDDIInputs]
         for input_ in readings.inverted:
             place = config.place("EDDIInputs", ids.index(input_), "polarity")
@@ -158,7 +151,9 @@ def check_meanings(deployment: Deployment) -> Iterator[Problem]:
         yield from problems.values()
 
 
-def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Iterator[Problem]:
+def _judge(
+    deployment: Deployment, member: WiredMonitor, reading: FieldReading
+) -> Iterator[Problem]:
     field = _message_field(deployment, member, (reading.source, reading.path))
     if field is None:
         return
@@ -181,26 +176,19 @@ def _judge(deployment: Deployment, member: Member, reading: FieldReading) -> Ite
                     return True
         return False
 
-    if not any(map(is_ensured, meaning.given)):
+    if not any(map(is_ensured, meaning.valid_where)):
         hint = f"read {meaning.instead.format(field=name)}" if meaning.instead else None
         yield problem("D001.gains", reading.place, hint=hint, refused=meaning.refused, **names)
 
 
 @dataclass(frozen=True)
 class _MessageField:
-    """A field of a message of ours that is read.
+    """A field of a message of ours that is read."""
 
-    Attributes:
-        publisher: the monitor, or the topic where it is not at hand.
-        message: that the field is in.
-        path: into that message.
-        meanings: what its fields mean.
-    """
-
-    publisher: object
-    message: str
-    path: FieldPath
-    meanings: Meanings
+    publisher: object  # the monitor, or the topic where it is not at hand
+    message: str  # that the field is in
+    path: FieldPath  # into that message
+    meanings: Meanings  # what its fields mean
 
     @property
     def meaning(self) -> Meaning:
@@ -215,14 +203,16 @@ class _MessageField:
         return own == (publisher, validity.message, f".{validity.field}")
 
 
-def _message_field(deployment: Deployment, member: Member, field: Field) -> _MessageField | None:
+def _message_field(
+    deployment: Deployment, member: WiredMonitor, field: Field
+) -> _MessageField | None:
     """Return which field of a monitor's message is read, ``None`` for other messages."""
     source, path = field
     kind, message = kind_of_message(source.type), source.type.partition("/")[2]
     if kind is None:
         return None
     if (publisher := deployment.publisher(member, source)) is not None:
-        monitor = publisher.member.participant
+        monitor = publisher.member
         meanings = monitor.meanings(publisher.publication.output.event)
         return _MessageField(monitor.name, message, path, meanings)
     other = deployment.other(member, source)

@@ -21,17 +21,11 @@ _COMPOSE = "`eddi-scaffold compose` shows which guarantees would"
 
 @dataclass(frozen=True, eq=False)
 class RobotMonitor:
-    """A monitor on its robot.
+    """A monitor on its robot."""
 
-    Attributes:
-        robot: where it runs.
-        index: of the monitor among those of the robot.
-        bound: its model and configuration, as they are without other robots.
-    """
-
-    robot: FleetRobot
-    index: int
-    bound: BoundMonitor
+    robot: FleetRobot  # where it runs
+    index: int  # of the monitor among those of the robot
+    bound: BoundMonitor  # its model and configuration, as they are without other robots
 
     @property
     def config(self) -> ConfigFile:
@@ -81,21 +75,13 @@ class Fulfilment:
 
 @dataclass(frozen=True)
 class DemandBinding:
-    """A demand, and what may fulfil it.
+    """A demand, and what may fulfil it."""
 
-    Attributes:
-        user: whose demand it is.
-        demand: its id.
-        fulfilments: of the robots of the deployment file.
-        of_any: whether it may be any robot; else those of the fulfilments.
-        place: in the deployment file.
-    """
-
-    user: RobotMonitor
-    demand: str
-    fulfilments: tuple[Fulfilment, ...]
-    of_any: bool
-    place: Place
+    user: RobotMonitor  # whose demand it is
+    demand: str  # its id
+    fulfilments: tuple[Fulfilment, ...]  # of the robots of the deployment file
+    of_any: bool  # whether it may be any robot; else those of the fulfilments
+    place: Place  # in the deployment file
 
 
 def demand_bindings(

@@ -11,9 +11,9 @@ from eddi_scaffold.common.identifiers import attribute, free_name, key_text, pac
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config.deployment_file import ROBOTS, FleetFile, Robot, StationSection
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import Model, ReadResult
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import candidates, model_for
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 
@@ -22,21 +22,13 @@ Pair = tuple[Model, ConfigFile]
 
 @dataclass(frozen=True, eq=False)
 class FleetRobot:
-    """One robot.
+    """One robot."""
 
-    Attributes:
-        form: its entry in the deployment file.
-        number: of that entry.
-        platform: where its monitors run.
-        graph: where it hears others; ``None`` where its platform has no such place.
-        pairs: model and configuration of each of its monitors.
-    """
-
-    form: Robot
-    number: int
-    platform: Platform
-    graph: MeetingPlace | None
-    pairs: tuple[Pair, ...]
+    form: Robot  # its entry in the deployment file
+    number: int  # of that entry
+    platform: Platform  # where its monitors run
+    graph: MeetingPlace | None  # where it hears others; `None` where its platform has no such place
+    pairs: tuple[Pair, ...]  # model and configuration of each of its monitors
 
     @property
     def name(self) -> str:
@@ -47,12 +39,7 @@ class FleetRobot:
 def read_robots(
     file: FleetFile, read: Callable[[Path], ReadResult]
 ) -> tuple[list[FleetRobot], list[Problem]]:
-    """Return the robots of a deployment file that can be used as they are, and all problems.
-
-    Args:
-        file: the deployment file.
-        read: reads a file of models; raises EddiError.
-    """
+    """Return the robots of a deployment file that can be used as they are, and all problems."""
     reader = _Reader(file, read)
     all_robots = [reader.robot(number) for number in range(len(file.form.Robots))]
     robots = [robot for robot in all_robots if robot is not None]
@@ -155,15 +142,10 @@ def _check_namespaces(file: FleetFile, robots: Sequence[FleetRobot]) -> Iterator
 
 @dataclass(frozen=True)
 class GuaranteeSource:
-    """One guarantee as one topic brings it.
+    """One guarantee as one topic brings it."""
 
-    Attributes:
-        output: the topic; its id is only a wish.
-        guarantee: id in the message.
-    """
-
-    output: SimulatorOutput
-    guarantee: str
+    output: SimulatorOutput  # the topic; its id is only a wish
+    guarantee: str  # id in the message
 
 
 def with_demand_inputs(
@@ -175,12 +157,7 @@ def with_demand_inputs(
 ) -> ConfigFile:
     """Return a configuration whose demand is fulfilled while one of some guarantees is active.
 
-    Args:
-        config: of the monitor; what it says itself of where the demand comes from is replaced.
-        demand: id of the input.
-        sources: the guarantees.
-        max_age: of the input where the configuration has none.
-        place: where the deployment file says so.
+    What it says itself of where the demand comes from is replaced; its age limit stays.
     """
     form, places = config.config, dict(config.places)
     outputs = list(form.SimulatorOutputs)

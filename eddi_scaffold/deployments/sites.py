@@ -19,15 +19,10 @@ from eddi_scaffold.platforms import Platform
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """The workspace or folder of one robot.
+    """The workspace or folder of one robot."""
 
-    Attributes:
-        robot: its name is that of the folder.
-        monitors: with the configurations that they have on it.
-    """
-
-    robot: FleetRobot
-    monitors: tuple[BoundMonitor, ...]
+    robot: FleetRobot  # its name is that of the folder
+    monitors: tuple[BoundMonitor, ...]  # with the configurations that they have on it
 
     @property
     def name(self) -> str:
@@ -40,11 +35,7 @@ class Site:
         return self.robot.platform
 
     def next_steps(self, place: Path) -> Sequence[str]:
-        """Return shell commands that build the workspace and start the monitors.
-
-        Args:
-            place: the workspace, or folder.
-        """
+        """Return shell commands that build the workspace and start the monitors."""
         packages = [monitor.package for monitor in self.monitors]
         meeting, robot = self.platform.meeting, self.robot
         if meeting is None or robot.graph is None:
@@ -56,10 +47,6 @@ def sites_of(
     source: Source, read: Callable[[Path], ReadResult]
 ) -> tuple[list[Site], list[Problem]]:
     """Return what is to be generated, and the warnings.
-
-    Args:
-        source: the deployment file.
-        read: reads a file of models; raises EddiError.
 
     Raises:
         EddiError: it, or what it names, has errors.

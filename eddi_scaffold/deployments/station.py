@@ -9,12 +9,12 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import EddiError, Problem, problem
 from eddi_scaffold.config.deployment_file import Robot
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.fleet import Fleet
 from eddi_scaffold.deployments.offers import DemandBinding, Fulfilment, RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot, Pair, graph_of
-from eddi_scaffold.deployments.topics import Member
+from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.monitors.binding import monitor_of
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 from eddi_scaffold.yaml_text.nodes import dump_plain
@@ -32,13 +32,13 @@ def with_station(fleet: Fleet) -> Fleet:
     """
     name = fleet.file.form.Station.name
     platform, graph = _place(fleet)
-    heard: dict[str, Fulfilment] = {}  # by a name that tells whose they are
+    offered: dict[str, Fulfilment] = {}  # by a name that tells whose they are
     for fulfilment in _heard(fleet):
         whose = f"{fulfilment.provider.robot.name}_{attribute(fulfilment.guarantee)}"
-        heard[free_name(whose, heard)] = fulfilment
-    if platform is None or not heard:
+        offered[free_name(whose, offered)] = fulfilment
+    if platform is None or not offered:
         return fleet
-    model, config = _pair(name, heard)
+    model, config = _pair(name, offered)
     entry = Robot.model_construct(name=name, platform=platform.name, monitors=[])
     robot = FleetRobot(entry, len(fleet.robots), platform, graph, ((model, config),))
     bound, problems = monitor_of(model, config)
@@ -47,7 +47,7 @@ def with_station(fleet: Fleet) -> Fleet:
     monitor, place = RobotMonitor(robot, 0, bound), fleet.file.place(STATION)
     bindings = [
         DemandBinding(monitor, f"{_DEMAND}{id_}", (fulfilment,), of_any=False, place=place)
-        for id_, fulfilment in heard.items()
+        for id_, fulfilment in offered.items()
     ]
     return replace(
         fleet,
@@ -99,7 +99,7 @@ def _heard(fleet: Fleet) -> list[Fulfilment]:
     ]
 
 
-def _pair(name: str, heard: Mapping[str, Fulfilment]) -> Pair:
+def _pair(name: str, offered: Mapping[str, Fulfilment]) -> Pair:
     dimensions = [{"Binary": {"type": "Active"}}]
     model = {
         "guarantees": [
@@ -108,16 +108,16 @@ def _pair(name: str, heard: Mapping[str, Fulfilment]) -> Pair:
                 "description": f"{fulfilment.provider.name} guarantees {fulfilment.guarantee}",
                 "dimensions": dimensions,
             }
-            for id_, fulfilment in heard.items()
+            for id_, fulfilment in offered.items()
         ],
-        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in heard],
+        "demands": [{"id": f"{_DEMAND}{id_}", "dimensions": dimensions} for id_ in offered],
         "evidence": [],
         "gates": [],
-        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in heard],
+        "tree_propagations": [{"from": f"{_DEMAND}{id_}", "to": id_} for id_ in offered],
         "required_services": [],
         "provided_services": [],
     }
-    frequency = max(fulfilment.provider.frequency for fulfilment in heard.values())
+    frequency = max(fulfilment.provider.frequency for fulfilment in offered.values())
     config = {
         "Model": {"id": name, "type": "ConSert", "frequency": frequency},
         "EDDIOutputs": [{"id": "station", "topic": "guarantees"}],
@@ -138,15 +138,14 @@ def is_closed(fleet: Fleet) -> bool:
     of_any = [binding.fulfilments for binding in fleet.bindings if binding.of_any]
     if not of_any:
         return True
-    wired = {
-        monitor: Member(monitor.bound, monitor.robot.form.prefix).participant
-        for monitor in fleet.monitors
+    monitors = {
+        monitor: wired(monitor.bound, monitor.robot.form.prefix) for monitor in fleet.monitors
     }
-    published = {topic for monitor in wired.values() for topic, _ in monitor.published}
+    published = {topic for monitor in monitors.values() for topic, _ in monitor.published}
     bound_demands = {(binding.user, binding.demand) for binding in fleet.bindings}
 
     def rests_on_others(fulfilment: Fulfilment) -> bool:
-        provider, monitor = fulfilment.provider, wired[fulfilment.provider]
+        provider, monitor = fulfilment.provider, monitors[fulfilment.provider]
         return any(
             (provider, input_) in bound_demands
             or any(topic in published for topic, _ in monitor.topics_read.get(input_, ()))

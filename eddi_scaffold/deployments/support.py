@@ -23,33 +23,27 @@ from eddi_scaffold.config.field_paths import ByKey, FieldPath, parse_field
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
+from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expression_names import head_of, path_behind
 from eddi_scaffold.monitors.facts import MonitorFacts, from_json
+from eddi_scaffold.monitors.publications import Publication, publications
 
 
 @dataclass(frozen=True)
 class WiredMonitor:
-    """A monitor, as far as rings are concerned.
+    """A monitor, as far as rings are concerned."""
 
-    Attributes:
-        name: for people.
-        package: its package, which private topics are below.
-        namespace: of its robot, empty for none.
-        kind: its kind.
-        config: its configuration, given or remembered.
-        facts: what its package remembers of it.
-        model_file: of its model, for places.
-        alone: topic with one value of its message -> that field, for people.
-    """
-
-    name: str
-    package: str
-    namespace: str
-    kind: Kind
-    config: ConfigFile
-    facts: MonitorFacts
-    model_file: str = ""
+    name: str  # for people
+    package: str  # its package, which private topics are below
+    namespace: str  # of its robot, empty for none
+    kind: Kind  # its kind
+    config: ConfigFile  # its configuration, given or remembered
+    facts: MonitorFacts  # what its package remembers of it
+    model_file: str = ""  # of its model, for places
+    # topic with one value of its message -> that field, for people
     alone: Mapping[str, str] = field(default_factory=dict)
+    bound: BoundMonitor | None = None  # where its model is at hand
+    publications: Sequence[Publication] = ()  # what its node publishes, likewise
 
     @property
     def frequency(self) -> float:
@@ -125,10 +119,28 @@ class PublishedTopic:
 
     def claims(self, path: FieldPath) -> Sequence[str]:
         """Return the claims that a field carries: the named one, else all of the monitor."""
-        keys = [str(step.wanted) for step in (self.path or path) if isinstance(step, ByKey)]
+        keys = [str(step.key) for step in (self.path or path) if isinstance(step, ByKey)]
         part = next(iter(keys), self.part)
         names = [part] if part in self.of.claims else list(self.of.claims)
         return [self.of.claim(str(name)) for name in names]
+
+
+def wired(monitor: BoundMonitor, namespace: str = "") -> WiredMonitor:
+    """Return a monitor that has a configuration, as one of a robot with a namespace."""
+    config = monitor.config
+    assert config is not None
+    own = publications(monitor, config)[0]
+    alone = {
+        # the topic of a threshold has no field of its own in the configuration
+        entry.output.topic: f"`{entry.output.field or f'evidence[{entry.output.id}].active'}`"
+        f" of {entry.message}"
+        for entry in own
+        if entry.path
+    }
+    id_, file = config.config.Model.id, monitor.model.source.name
+    name = f"{namespace}/{id_}" if namespace else id_
+    names = name, monitor.package, namespace
+    return WiredMonitor(*names, monitor.kind, config, monitor.facts, file, alone, monitor, own)
 
 
 def facts_of_package(package: str, answers: Mapping[str, Any]) -> WiredMonitor | None:
@@ -193,21 +205,13 @@ def supports(participants: Sequence[WiredMonitor]) -> Mapping[str, tuple[str, ..
 
 @dataclass(frozen=True)
 class Accepted:
-    """One acceptance in a deployment.
+    """One acceptance in a deployment."""
 
-    Attributes:
-        monitor: name of the participant.
-        what: the acceptance.
-        topics: what its input is read from.
-        claims: those that rest on it, of any participant.
-        place: its place.
-    """
-
-    monitor: str
-    what: Acceptance
-    topics: tuple[str, ...]
-    claims: tuple[str, ...]
-    place: Place
+    monitor: str  # name of the participant
+    what: Acceptance  # the acceptance
+    topics: tuple[str, ...]  # what its input is read from
+    claims: tuple[str, ...]  # those that rest on it, of any participant
+    place: Place  # its place
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return a row of ``trace --json``."""

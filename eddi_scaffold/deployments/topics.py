@@ -5,124 +5,58 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
-from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
-from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import (
     MESSAGE_PACKAGE,
     Publication,
-    publications,
     read_respelt,
 )
 
 
-@dataclass(frozen=True)
-class Member:
-    """A monitor of a deployment that is at hand with its model.
-
-    Attributes:
-        monitor: it has a configuration.
-        namespace: of its robot, such as ``/robot1``; empty for none.
-    """
-
-    monitor: BoundMonitor
-    namespace: str = ""
-
-    @cached_property
-    def participant(self) -> WiredMonitor:
-        """The same, as far as a package remembers it."""
-        monitor = self.monitor
-        alone = {
-            # the topic of a threshold has no field of its own in the configuration
-            entry.output.topic: f"`{entry.output.field or f'evidence[{entry.output.id}].active'}`"
-            f" of {entry.message}"
-            for entry in self.publications
-            if entry.path
-        }
-        return WiredMonitor(
-            self.name,
-            monitor.package,
-            self.namespace,
-            monitor.kind,
-            self.config,
-            monitor.facts,
-            monitor.model.source.name,
-            alone,
-        )
-
-    @cached_property
-    def publications(self) -> Sequence[Publication]:
-        """What its node publishes."""
-        return publications(self.monitor, self.config)[0]
-
-    @property
-    def config(self) -> ConfigFile:
-        """Its configuration."""
-        assert self.monitor.config is not None
-        return self.monitor.config
-
-    @property
-    def name(self) -> str:
-        """Its id, with the namespace where it has one: for people."""
-        id_ = self.config.config.Model.id
-        return f"{self.namespace}/{id_}" if self.namespace else id_
-
-    def topic(self, name: str) -> str:
-        """Return the full name of a topic, as ROS resolves it for this monitor's node."""
-        return self.participant.topic(name)
-
-
-@dataclass(frozen=True)
-class Publisher:
+class Publisher(NamedTuple):
     """A topic that a member publishes."""
 
-    member: Member
+    member: WiredMonitor
     publication: Publication
 
 
 @dataclass(frozen=True)
 class Deployment:
-    """Monitors that run together.
+    """Monitors that run together."""
 
-    Attributes:
-        members: those that are at hand.
-        publishers: full name of a topic -> the members that publish it.
-        others: those that run with them.
-    """
+    members: Sequence[WiredMonitor]  # those that are at hand
+    others: Sequence[WiredMonitor] = ()  # those that run with them
 
-    members: tuple[Member, ...]
-    publishers: Mapping[str, Sequence[Publisher]]
-    others: tuple[WiredMonitor, ...] = ()
+    @cached_property
+    def publishers(self) -> Mapping[str, Sequence[Publisher]]:
+        """Full name of a topic -> the members that publish it."""
+        publishers: dict[str, list[Publisher]] = {}
+        for member in self.members:
+            for publication in member.publications:
+                topic = member.topic(publication.output.topic)
+                publishers.setdefault(topic, []).append(Publisher(member, publication))
+        return publishers
 
     @property
     def participants(self) -> Sequence[WiredMonitor]:
         """All monitors, as far as a package remembers them."""
-        return [*(member.participant for member in self.members), *self.others]
+        return [*self.members, *self.others]
 
-    def publisher(self, member: Member, source: SimulatorOutput) -> Publisher | None:
+    def publisher(self, member: WiredMonitor, source: SimulatorOutput) -> Publisher | None:
         """Return who publishes what a member listens to, ``None`` when no other member does."""
         publishers = self.publishers.get(member.topic(source.topic), ())
         return next((of for of in publishers if of.publication.type == source.type), None)
 
-    def other(self, member: Member, source: SimulatorOutput) -> PublishedTopic | None:
+    def other(self, member: WiredMonitor, source: SimulatorOutput) -> PublishedTopic | None:
         """Return who of the others publishes what a member listens to."""
         topic = member.topic(source.topic)
         items = (item for other in self.others for at, item in other.published if at == topic)
         return next(items, None)
-
-
-def deployment(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> Deployment:
-    """Return the members with what each of them publishes where."""
-    publishers: dict[str, list[Publisher]] = {}
-    for member in members:
-        for publication in member.publications:
-            topic = member.topic(publication.output.topic)
-            publishers.setdefault(topic, []).append(Publisher(member, publication))
-    return Deployment(tuple(members), publishers, tuple(others))
 
 
 def check_topics(deployment: Deployment) -> Iterator[Problem]:
@@ -134,8 +68,8 @@ def check_topics(deployment: Deployment) -> Iterator[Problem]:
             if other.member is not results[0].member:
                 yield _shared(topic, results[0], other)
         if results:
-            first[topic] = results[0].member.participant, results[0].publication.place
-    new = {member.monitor.package for member in deployment.members}
+            first[topic] = results[0].member, results[0].publication.place
+    new = {member.package for member in deployment.members}
     for monitor in deployment.others:
         config = monitor.config
         for index, output in enumerate(config.config.EDDIOutputs):
@@ -193,7 +127,7 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
     respelt = {
         name
         for member in deployment.members
-        for name in member.monitor.kind.respelt(member.config.config.Model.model_extra or {})
+        for name in member.kind.respelt(member.config.config.Model.model_extra or {})
     }
     for member in deployment.members:
         for index, source in enumerate(member.config.config.SimulatorOutputs):
@@ -203,7 +137,7 @@ def check_spellings(deployment: Deployment) -> Iterator[Problem]:
                 yield read_respelt(name, place)
 
 
-def shared_by_robots(members: Sequence[Member]) -> str | None:
+def shared_by_robots(members: Sequence[WiredMonitor]) -> str | None:
     """Report which topics of monitors two robots on one master would share; ``None`` for none."""
     topics = {
         publication.output.topic
@@ -221,7 +155,7 @@ def absent_publishers(deployment: Deployment) -> Iterator[Problem]:
     for member in deployment.members:
         config = member.config
         required = {name for entry in config.config.EDDIInputs for name in entry.requires}
-        required |= {source.id for input_ in member.monitor.inputs for source in input_.requires}
+        required |= {name for input_ in member.facts.inputs for name in input_.requires}
         for index, source in enumerate(config.config.SimulatorOutputs):
             if source.id not in required or kind_of_message(source.type) is None or source.peers:
                 continue

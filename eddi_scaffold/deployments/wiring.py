@@ -15,15 +15,19 @@ from eddi_scaffold.common.problems import Problem, problem
 from eddi_scaffold.config.field_paths import ByKey
 from eddi_scaffold.config.schema import InputQos, OutputEntry
 from eddi_scaffold.deployments.meanings import Readings, check_meanings
-from eddi_scaffold.deployments.support import WiredMonitor, check_acceptances, check_rings, supports
+from eddi_scaffold.deployments.support import (
+    WiredMonitor,
+    check_acceptances,
+    check_rings,
+    supports,
+    wired,
+)
 from eddi_scaffold.deployments.topics import (
     Deployment,
-    Member,
     check_alone,
     check_spellings,
     check_topics,
     check_types,
-    deployment,
 )
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import STATUS
@@ -32,29 +36,27 @@ from eddi_scaffold.monitors.publications import STATUS
 def check_composition(deployment: Deployment) -> Iterator[Problem]:
     """Report demands that are wired to a guarantee which does not fulfil them (D004)."""
     for member in deployment.members:
-        user = member.monitor
+        user = member.bound
+        assert user is not None
         seen: set[tuple[str, str]] = set()
         for reading in Readings(user).fields:
             publisher = deployment.publisher(member, reading.source)
             if publisher is None:
                 continue
             path = publisher.publication.path or reading.path
-            output = next((str(step.wanted) for step in path if isinstance(step, ByKey)), None)
+            output = next((str(step.key) for step in path if isinstance(step, ByKey)), None)
             if output is None or (reading.input, output) in seen:
                 continue
             seen.add((reading.input, output))
-            provider = publisher.member.monitor.model
-            reason = provider.why_not_fulfilled(output, user.model, reading.input)
+            provider = publisher.member.bound
+            assert provider is not None
+            reason = provider.model.why_not_fulfilled(output, user.model, reading.input)
             if reason is not None:
                 yield problem("D004.unfulfilled", reading.place, input=reading.input, reason=reason)
 
 
 def check_hidden(participants: Sequence[WiredMonitor]) -> Iterator[Problem]:
-    """Report what is told to other robots and rests by topics on a statement of a robot (D003).
-
-    Args:
-        participants: the monitors that read each other's topics.
-    """
+    """Report what is told to other robots and rests by topics on a statement of a robot (D003)."""
     relying = {claim: monitor for monitor in participants for claim in monitor.claims_on_statements}
     graph = supports(participants) if relying else {}
     for monitor in participants if relying else ():
@@ -110,14 +112,11 @@ def _lacking(asked: InputQos, offered: InputQos) -> Iterator[tuple[str, str]]:
             yield name, quality
 
 
-def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ()) -> list[Problem]:
-    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016).
-
-    Args:
-        members: the monitors that are at hand.
-        others: those that run with them.
-    """
-    together = deployment(members, others)
+def check_wiring(
+    members: Sequence[WiredMonitor], others: Sequence[WiredMonitor] = ()
+) -> list[Problem]:
+    """Check what monitors read of each other (D001 to D009 but D006 and D008, D016)."""
+    together = Deployment(members, others)
     rings = list(check_rings(together.participants))
     return [
         *check_meanings(together),
@@ -129,10 +128,10 @@ def check_wiring(members: Sequence[Member], others: Sequence[WiredMonitor] = ())
         *check_qualities(together.participants),
         *rings,
         *([] if rings else check_hidden(together.participants)),
-        *([] if rings else check_acceptances([member.participant for member in members])),
+        *([] if rings else check_acceptances(members)),
     ]
 
 
-def members_of(monitors: Sequence[BoundMonitor]) -> list[Member]:
+def members_of(monitors: Sequence[BoundMonitor]) -> list[WiredMonitor]:
     """Return the monitors that are wired at all: those with a configuration."""
-    return [Member(monitor) for monitor in monitors if monitor.config is not None]
+    return [wired(monitor) for monitor in monitors if monitor.config is not None]

@@ -49,20 +49,13 @@ class LegendEntry:
 
 @dataclass(frozen=True)
 class Diagram:
-    """A picture of a model.
+    """A picture of a model."""
 
-    Attributes:
-        title: one line above it.
-        nodes: in the order of the model, which decides where nothing else does.
-        edges: cycles are drawn as well; an edge to an unknown node is left out.
-        direction: where edges lead.
-        legend: what the shapes mean, in the order of the picture.
-        description: what is to be seen, for who cannot see it.
-    """
-
-    title: str
+    title: str  # one line above it
+    # in the order of the model, which decides where nothing else does
     nodes: tuple[DiagramNode, ...]
+    # cycles are drawn as well; an edge to an unknown node is left out
     edges: tuple[DiagramEdge, ...] = ()
-    direction: Direction = "down"
-    legend: tuple[LegendEntry, ...] = ()
-    description: str = ""
+    direction: Direction = "down"  # where edges lead
+    legend: tuple[LegendEntry, ...] = ()  # what the shapes mean, in the order of the picture
+    description: str = ""  # what is to be seen, for who cannot see it

@@ -111,17 +111,13 @@ def laid_out(diagram: Diagram) -> Layout:
 
 @dataclass(frozen=True)
 class Layers:
-    """Nodes and bends by layer.
+    """Nodes and bends by layer."""
 
-    Attributes:
-        rows: numbers of nodes; bends have numbers behind those of the nodes.
-        chains: for each edge the numbers on its way, in the direction of the layers.
-        turned: whether the edge leads against the layers, because it closes a cycle.
-    """
-
+    # numbers of nodes; bends have numbers behind those of the nodes
     rows: tuple[tuple[int, ...], ...]
+    # for each edge the numbers on its way, in the direction of the layers
     chains: tuple[tuple[int, ...], ...]
-    turned: tuple[bool, ...]
+    turned: tuple[bool, ...]  # whether the edge leads against the layers, because it closes a cycle
 
     def links(self) -> list[Edge]:
         """Return the pieces of all edges between neighbouring layers, each once."""
@@ -129,13 +125,7 @@ class Layers:
 
 
 def layered(count: int, edges: Sequence[Edge]) -> Layers:
-    """Assign layers.
-
-    Args:
-        count: number of nodes, which are called 0, 1, ...
-        edges: from, to; a loop at one node, and an edge across very many layers, has an empty
-            chain.
-    """
+    """Assign layers; a loop, and an edge across very many layers, has an empty chain."""
     turned = _turned(count, edges)
     forward = [(b, a) if back else (a, b) for (a, b), back in zip(edges, turned, strict=True)]
     depth = _depths(count, [edge for edge in forward if edge[0] != edge[1]])
@@ -262,14 +252,7 @@ def _sort(row: list[int], fixed: Sequence[int], neighbours: Mapping[int, Sequenc
 def placed(
     rows: Rows, widths: Mapping[int, float], links: Sequence[Edge], gap: float
 ) -> dict[int, float]:
-    """Return the middle of every node and bend along its row; the leftmost edge is at 0.
-
-    Args:
-        rows: in their order.
-        widths: of nodes and bends.
-        links: pieces of edges between neighbouring rows.
-        gap: between two neighbours of a row.
-    """
+    """Return the middle of every node and bend along its row; the leftmost edge is at 0."""
     neighbours: dict[int, list[int]] = {node: [] for row in rows for node in row}
     for start, end in links:
         neighbours[start].append(end)

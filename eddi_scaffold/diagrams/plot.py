@@ -110,12 +110,7 @@ _MAX_COLUMNS = 2000
 
 
 def plot(title: str, tracks: Sequence[Track]) -> str:
-    """Return the SVG of some tracks over their common time.
-
-    Args:
-        title: one line above.
-        tracks: from top to bottom; a heading is shown where the group changes.
-    """
+    """Return the SVG of some tracks over their common time."""
     span = shown_time(tracks)
     body: list[str] = []
     y = _TOP

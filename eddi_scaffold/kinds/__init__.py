@@ -37,8 +37,6 @@ JsonValue: TypeAlias = (
 """What ``json`` reads and writes."""
 JsonObject: TypeAlias = Mapping[str, JsonValue]
 """What is written as an object."""
-TODO = "TODO"
-"""In a configuration, without quotes: what a person has still to decide."""
 
 
 @dataclass(frozen=True)

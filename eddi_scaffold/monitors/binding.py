@@ -17,20 +17,17 @@ from eddi_scaffold.common.problems import (
     has_errors,
     problem,
 )
-from eddi_scaffold.config.file import ConfigFile, options_of
-from eddi_scaffold.config.message_types import (
-    EITHER_TIMES,
-    MessageFields,
-    declared,
-    known_messages,
-)
+from eddi_scaffold.config.field_types import EITHER_TIMES, MessageFields, declared
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry
-from eddi_scaffold.config.topic_types import check_types
 from eddi_scaffold.kinds import EditableMethod, Kind, Model, kinds
 from eddi_scaffold.monitors import input_rules
 from eddi_scaffold.monitors.compiling import CompiledModule, compile_monitor
 from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.input_binding import InputBinder, InputBinding
+from eddi_scaffold.monitors.message_types import known_messages
+from eddi_scaffold.monitors.options import options_of
+from eddi_scaffold.monitors.topic_types import check_types
 
 
 @dataclass(frozen=True)

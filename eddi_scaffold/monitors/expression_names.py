@@ -11,15 +11,14 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
 from eddi_scaffold.conditions.tokens import Locate
 from eddi_scaffold.config.field_paths import (
-    Beside,
     ByKey,
+    ByName,
     Every,
     FieldPath,
     FieldPathError,
     FieldsOf,
     PlainStep,
     ResolvedPath,
-    documented_at,
     parse_field,
     plain_step,
     resolve,
@@ -27,6 +26,7 @@ from eddi_scaffold.config.field_paths import (
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.input_rules import check
+from eddi_scaffold.monitors.message_types.documented import documented_at
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
@@ -119,7 +119,7 @@ class ExpressionNames:
         paths: dict[str, dict[str, list[PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
-            if any(isinstance(step, ByKey | Beside | Every) for step in path):
+            if any(isinstance(step, ByKey | ByName | Every) for step in path):
                 of = self._sources[head_of(name)].id
                 paths.setdefault(of, {})[name] = [plain_step(step) for step in path]
         return paths

@@ -11,21 +11,22 @@ from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute, package_name
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 from eddi_scaffold.config import field_paths
-from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import (
+from eddi_scaffold.config.field_types import (
     Fields,
     MessageFields,
     element,
     is_primitive,
     python_type,
 )
-from eddi_scaffold.config.message_types.installed import installed_message
+from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, ModelInput
 from eddi_scaffold.monitors.compiling import names_read
 from eddi_scaffold.monitors.expression_names import KeyPaths
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, ExpressionBinder
 from eddi_scaffold.monitors.input_rules import taken
+from eddi_scaffold.monitors.message_types.documented import documented_at
+from eddi_scaffold.monitors.message_types.installed import installed_message
 from eddi_scaffold.program.input_expressions import BoundInput
 
 _PYTHON_TYPES: Mapping[str, type | tuple[type, ...]] = {
@@ -313,7 +314,7 @@ class InputBinder:
             fields = {"field": self.entry.field, "message": message, "type": resolved.type}
             fields |= {"input": self.item.id, "expected": self.item.type}
             self._report("K038.type", "field", **fields)
-        documented = field_paths.documented_at(path, message, self._fields_of)
+        documented = documented_at(path, message, self._fields_of)
         if documented is not None:
             self._check_unit(documented.units, f"{self.entry.field} of {message}")
         return taken(argument, path, message)

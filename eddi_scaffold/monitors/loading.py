@@ -22,7 +22,6 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.eddi_xml.extensions import check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.observers import Observed
@@ -37,6 +36,7 @@ from eddi_scaffold.eddi_xml.survey import (
     unused_design,
 )
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.yaml_text.nodes import read_map
 
 YAML_SUFFIXES = (".yml", ".yaml")

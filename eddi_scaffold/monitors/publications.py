@@ -19,9 +19,9 @@ from eddi_scaffold.config.field_paths import (
     resolve,
 )
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.config.schema import OutputEntry
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.message_types import known_messages
 
 MESSAGE_PACKAGE = "eddi_messages"
 STATUS = "status"

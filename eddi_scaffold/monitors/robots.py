@@ -85,7 +85,7 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
         place = config.place("EDDIInputs", index, key)
         for path, guarantee in dict.fromkeys(reads):
             if path[:1] == (Attribute("guarantees"),) and not (
-                len(path) > 1 and isinstance(path[1], ByKey) and path[1].wanted == guarantee
+                len(path) > 1 and isinstance(path[1], ByKey) and path[1].key == guarantee
             ):
                 yield problem("K081.other_guarantee", place, guarantee=guarantee, input=entry.id)
 

@@ -12,15 +12,15 @@ from typing import Any
 from eddi_scaffold import __version__
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
+from eddi_scaffold.config.field_types import MessageFields
 from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.message_types import MessageFields
-from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.deployments.joining import join, packages_of, unanswered
 from eddi_scaffold.deployments.lifetimes import check_ages
 from eddi_scaffold.deployments.support import WiredMonitor, facts_of_package
-from eddi_scaffold.deployments.topics import absent_publishers, deployment
+from eddi_scaffold.deployments.topics import Deployment, absent_publishers
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.monitors.loading import checked_models, select_models
 from eddi_scaffold.packages.handwritten import without_written_inputs
 from eddi_scaffold.packages.rendering import read_answers
@@ -98,7 +98,7 @@ def monitors_of(
     if root is not None:
         made = {*(package_name(config.config.Model.id) for config in configs), *former.values()}
         others = _others(existing(root, made), made)
-        problems += absent_publishers(deployment(members_of(monitors), others))
+        problems += absent_publishers(Deployment(members_of(monitors), others))
     return monitors, problems
 
 
@@ -210,7 +210,7 @@ def wiring_with(
     """Check the wiring of new monitors with packages that are there and stay."""
     others = _others(present, {monitor.package for monitor in monitors})
     members = members_of(monitors)
-    return [*check_wiring(members, others), *check_ages(deployment(members, others))]
+    return [*check_wiring(members, others), *check_ages(Deployment(members, others))]
 
 
 def _others(present: Mapping[str, Mapping[str, Any]], new: Container[str]) -> list[WiredMonitor]:

@@ -15,11 +15,11 @@ from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile, from_json, named_model_path
-from eddi_scaffold.config.reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.deployments.joining import unanswered
 from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
 from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.packages.assembly import stored, support, wiring_with, with_choices
 from eddi_scaffold.packages.generation import write_packages

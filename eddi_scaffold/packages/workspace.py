@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
-from eddi_scaffold.common.files import stays
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
@@ -148,7 +147,7 @@ def root_below(place: Path, name: str) -> Path:
         EddiError: a link in it leads out of it (F009).
     """
     root = place / name
-    if not stays(place, root):
+    if not root.resolve().is_relative_to(place.resolve()):
         raise EddiError(problem("F009.link", Place(str(root)), folder=place))
     return root
 

@@ -43,44 +43,30 @@ def built_in(place: Path, command: str) -> str:
 
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
     """Return what is to be otherwise than it was; None is as it was."""
-    given = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
-    return {name: value for name, value in given.items() if value is not None}
+    answers = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
+    return {name: value for name, value in answers.items() if value is not None}
 
 
 def runtime_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> str:
-    """Return where the runtime library of a workspace is: beside the monitors if one needs it.
-
-    Args:
-        monitors: package -> its answers.
-    """
+    """Return where the runtime library of a workspace is: beside the monitors if one needs it."""
     where = [monitor.get(RUNTIME, VENDORED) for monitor in monitors.values()]
     return VENDORED if VENDORED in where else INSTALLED
 
 
 @dataclass(frozen=True)
 class Templates:
-    """The folders of ``copier_templates`` that belong to one platform.
+    """The folders of ``copier_templates`` that belong to one platform."""
 
-    Attributes:
-        monitor: of the package of one monitor.
-        support: of the packages that all monitors share.
-    """
-
-    monitor: str
-    support: tuple[str, ...] = ()
+    monitor: str  # of the package of one monitor
+    support: tuple[str, ...] = ()  # of the packages that all monitors share
 
 
 @dataclass(frozen=True)
 class Workspace:
-    """A folder that a build tool knows, with packages from several sources.
+    """A folder that a build tool knows, with packages from several sources."""
 
-    Attributes:
-        title: what people call it.
-        root: folder of all our packages in it, POSIX form; its first part is that of the sources.
-    """
-
-    title: str
-    root: str
+    title: str  # what people call it
+    root: str  # folder of all our packages in it, POSIX form; its first part is that of the sources
 
     @property
     def sources(self) -> str:
@@ -90,84 +76,59 @@ class Workspace:
 
 @dataclass(frozen=True)
 class MeetingPlace:
-    """A place where robots hear each other.
+    """A place where robots hear each other."""
 
-    Attributes:
-        key: what names it in a deployment file: ``master`` or ``domain``.
-        name: of the place; empty for the default one.
-        partition: of DDS, inside the domain; empty for that of ROS 2.
-    """
-
-    key: str
-    name: str
-    partition: str = ""
+    key: str  # what names it in a deployment file: `master` or `domain`
+    name: str  # of the place; empty for the default one
+    partition: str = ""  # of DDS, inside the domain; empty for that of ROS 2
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Where the nodes of several robots find each other.
+    """Where the nodes of several robots find each other."""
 
-    Attributes:
-        key: of a robot in a deployment file, which names that place: ``master`` or ``domain``.
-        default: what is meant where none is named.
-        next_steps: that place, workspace or folder of a robot, its namespace (empty for none) and
-            its monitor packages -> shell commands that build these, and start them there.
-        has_partitions: a robot may also have a ``partition``.
-    """
-
-    key: str
-    default: str
+    key: str  # of a robot in a deployment file, which names that place: `master` or `domain`
+    default: str  # what is meant where none is named
+    # that place, workspace or folder of a robot, its namespace (empty for none) and its monitor
+    # packages -> shell commands that build these, and start them there
     next_steps: Callable[[MeetingPlace, Path, str, Sequence[str]], Sequence[str]]
-    has_partitions: bool = False
+    has_partitions: bool = False  # a robot may also have a `partition`
 
 
 @dataclass(frozen=True)
 class PackageAnswers:
-    """One package to be rendered, or one that nothing needs any more.
+    """One package to be rendered, or one that nothing needs any more."""
 
-    Attributes:
-        folder: where it goes, relative to the destination of the platform, POSIX form.
-        answers: all answers of its template, in the order in which they are written; none for
-            a package that leaves.
-        files: path in the package -> bulk data that Copier does not render.
-        saved: bodies that are waiting for their regions.
-        adopted: name -> lines of an adopted module that have no place in the package.
-    """
-
-    folder: str
+    folder: str  # where it goes, relative to the destination of the platform, POSIX form
+    # all answers of its template, in the order in which they are written; none for a package that
+    # leaves
     answers: Mapping[str, JsonValue]
+    # path in the package -> bulk data that Copier does not render
     files: Mapping[str, bytes] = field(default_factory=dict)
-    saved: Sequence[Body] = ()
+    saved: Sequence[Body] = ()  # bodies that are waiting for their regions
+    # name -> lines of an adopted module that have no place in the package
     adopted: Mapping[str, bytes] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Platform:
-    """The functions that make a platform.
+    """The functions that make a platform."""
 
-    Attributes:
-        name: as in ``--platform``, the name of its folder.
-        templates: what its packages are rendered from.
-        workspace: where its packages are built together; ``None``: each goes to any folder.
-        needs_config: a monitor cannot be generated without a configuration.
-        monitor: answers of the package of one monitor, and problems.
-        support: answers of the packages that all monitors share; gets every monitor package of the
-            workspace with its answers.
-        taken_names: folder of all packages, or ``None`` -> names that would break the platform ->
-            why.
-        next_steps: workspace or folder, and monitor packages -> shell commands that build and
-            start them.
-        meeting: of the robots that it is for; ``None`` where they cannot hear each other.
-    """
-
-    name: str
-    templates: Templates
+    name: str  # as in `--platform`, the name of its folder
+    templates: Templates  # what its packages are rendered from
+    # where its packages are built together; `None`: each goes to any folder
     workspace: Workspace | None
-    needs_config: bool
+    needs_config: bool  # a monitor cannot be generated without a configuration
+    # answers of the package of one monitor, and problems
     monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
+    # answers of the packages that all monitors share; gets every monitor package of the workspace
+    # with its answers
     support: Callable[[Mapping[str, Mapping[str, JsonValue]]], list[PackageAnswers]]
+    # folder of all packages, or `None` -> names that would break the platform -> why
     taken_names: Callable[[Path | None], Mapping[str, str]]
+    # workspace or folder, and monitor packages -> shell commands that build and start them
     next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
+    # of the robots that it is for; `None` where they cannot hear each other
     meeting: Meeting | None = None
 
     @property
@@ -182,7 +143,8 @@ class Platform:
 
 def names() -> tuple[str, ...]:
     """Return the names of all platforms, sorted, without loading one."""
-    return tuple(sorted(module.name for module in pkgutil.iter_modules(__path__)))
+    modules = {module.name for module in pkgutil.iter_modules(__path__)}
+    return tuple(sorted(modules - {"ros_packages"}))  # those have no platform of their own
 
 
 @cache

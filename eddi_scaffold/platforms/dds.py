@@ -12,7 +12,7 @@ from shlex import quote
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
-from eddi_scaffold.config.message_types import Fields, MessageFields, element, is_primitive
+from eddi_scaffold.config.field_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
@@ -26,8 +26,8 @@ from eddi_scaffold.platforms import (
     Platform,
     Templates,
 )
+from eddi_scaffold.platforms.ros_packages import types_of
 from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
-from eddi_scaffold.ros_packages.messages import types_of
 
 _IDS = {
     "int8": 2, "uint8": 3, "char": 3, "int16": 4, "uint16": 5, "int32": 6, "uint32": 7, "int64": 8,
@@ -40,12 +40,7 @@ _Description = dict[str, object]
 
 
 def type_hash(name: str, known: MessageFields) -> str:
-    """Return the hash of a message type.
-
-    Args:
-        name: ``package/Name``.
-        known: the fields of it and of all that it is made of.
-    """
+    """Return the hash of a message type."""
     parts = sorted(_parts(name, known) - {name})
     document = {
         "type_description": _described(name, known[name]),
@@ -55,12 +50,8 @@ def type_hash(name: str, known: MessageFields) -> str:
 
 
 def _parts(name: str, known: MessageFields) -> set[str]:
-    inner = {_item(of) for of in known[name].values()} - _IDS.keys()
-    return {name}.union(*(_parts(one, known) for one in inner))
-
-
-def _item(of: str) -> str:
-    return of.partition("[")[0]
+    inner = {of.partition("[")[0] for of in known[name].values()} - _IDS.keys()
+    return {name}.union(*(_parts(part, known) for part in inner))
 
 
 def _described(name: str, fields: Fields) -> _Description:
@@ -88,22 +79,17 @@ def _full(name: str) -> str:
 def definitions_of(
     node: MonitorNode, known: MessageFields
 ) -> tuple[list[JsonValue], list[Problem]]:
-    """Return the types of a node, each after those that it is made of, and those that lack (K048).
-
-    Args:
-        node: of the monitor.
-        known: type -> its fields.
-    """
+    """Return the types of a node, each after those that it is made of; report others (K048)."""
     problems: list[Problem] = []
-    found: dict[str, Fields] = {}
+    types: dict[str, Fields] = {}
     places = {
         entry.type: node.config.place("SimulatorOutputs", index, "type")
         for index, entry in enumerate(node.config.config.SimulatorOutputs)
     }
-    for type_ in _wanted(node):
+    for type_ in _types_of_topics(node):
         for name in with_parts(type_, known):
             if name in known:
-                found.setdefault(name, known[name])
+                types.setdefault(name, known[name])
                 continue
             place = places.get(type_, Place())
             if name == type_:
@@ -112,20 +98,24 @@ def definitions_of(
                 problems.append(problem("K048.part", place, part=name, type=type_))
     written = [
         {"name": name, "fields": ", ".join(f"{of} {field}" for field, of in fields.items())}
-        for name, fields in found.items()
+        for name, fields in types.items()
     ]
     return [*written], problems
 
 
 def hashes_of(node: MonitorNode, known: MessageFields) -> list[JsonValue]:
     """Return the types of the node's topics with their hashes; the unknown are refused anyway."""
-    whole = [one for one in sorted(_wanted(node)) if known.keys() >= set(with_parts(one, known))]
-    return [{"name": one, "hash": type_hash(one, known)} for one in whole]
+    known_types = [
+        type_
+        for type_ in sorted(_types_of_topics(node))
+        if known.keys() >= set(with_parts(type_, known))
+    ]
+    return [{"name": type_, "hash": type_hash(type_, known)} for type_ in known_types]
 
 
-def _wanted(node: MonitorNode) -> dict[str, None]:
+def _types_of_topics(node: MonitorNode) -> dict[str, None]:
     """Return the types of the node's topics, each once."""
-    types = [one.type for one in node.heard] + [one.type for one in node.publications]
+    types = [topic.type for topic in node.heard] + [topic.type for topic in node.publications]
     return dict.fromkeys([*types, *node.between_robots.values()])
 
 
@@ -184,9 +174,9 @@ def _steps_of_robot(
     at: MeetingPlace, place: Path, namespace: str, monitors: Sequence[str]
 ) -> Sequence[str]:
     packages = " ".join(quote(str(place / name)) for name in monitors)
-    given = [f"-r __ns:={namespace}"] if namespace else []
-    given += [f"-p partition:={at.partition}"] if at.partition else []
-    below = " ".join([" --ros-args", *given]) if given else ""
+    arguments = [f"-r __ns:={namespace}"] if namespace else []
+    arguments += [f"-p partition:={at.partition}"] if at.partition else []
+    below = " ".join([" --ros-args", *arguments]) if arguments else ""
     return [
         f"pip install {packages}",
         *(f"ROS_DOMAIN_ID={at.name} {name}{below}" for name in monitors),

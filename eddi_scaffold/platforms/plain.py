@@ -12,7 +12,6 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
 
@@ -25,18 +24,16 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(needs) or "no other packages"
-    answers["sample_inputs"] = [_sample(binding) for binding in monitor.inputs]
+    samples = {  # as the example in the README sets them; None is unknown
+        binding.attribute: binding.model.sample if binding.factor is None else None
+        for binding in monitor.inputs
+    }
+    answers["sample_inputs"] = [f"{of}={python_literal(value)}" for of, value in samples.items()]
     files = dict(monitor.compiled.tables)
     answers["package_data"] = ["model.json", *sorted(files)]
     answers[RUNTIME] = VENDORED
     answers["parts"] = list(runtime_parts_of(monitor.compiled.text))
     return PackageAnswers(monitor.package, answers, files), []
-
-
-def _sample(binding: InputBinding) -> str:
-    """Return an input with a value as the README's example sets it; None is unknown."""
-    value = binding.model.sample if binding.factor is None else None
-    return f"{binding.attribute}={python_literal(value)}"
 
 
 def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:

@@ -50,24 +50,19 @@ class Builder:
         self._operations.append(operation)
         return len(self._operations) - 1
 
-    def append(self, program: Program, given: Mapping[int, int] | None = None) -> list[int]:
-        """Add the operations of a program; return the new number of each.
-
-        Args:
-            program: what is added.
-            given: what it reads -> the operation here that gives that.
-        """
-        given = given or {}
+    def append(self, program: Program, computed: Mapping[int, int] | None = None) -> list[int]:
+        """Add the operations of a program, but reads that are ``given``; return the new numbers."""
+        computed = computed or {}
         numbers = {
             k: self._reads.setdefault(read, len(self._reads))
             for k, read in enumerate(program.reads)
-            if k not in given
+            if k not in computed
         }
         places: list[int] = []
         for operation in program.operations:
             op, value = operation.op, operation.value
-            if op == "variable" and value in given:
-                places.append(given[value])
+            if op == "variable" and value in computed:
+                places.append(computed[value])
                 continue
             value = numbers[value] if op in ("variable", "age") else value
             args = tuple(places[k] for k in operation.args)

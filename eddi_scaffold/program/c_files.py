@@ -48,7 +48,7 @@ def c_files(model: StandaloneMonitor) -> dict[str, str]:
 
 def functions(body: str) -> str:
     """Return the static functions that a text calls, and those that they call."""
-    wanted, parts = set(_CALLED.findall(body)), []
+    needed, parts = set(_CALLED.findall(body)), []
     _, *texts = files(__package__).joinpath("functions.c").read_text("utf-8").split("\n\n")
     folds = [text for text in texts if "FOLD_" in text]
     named: dict[str, str] = {}
@@ -60,8 +60,8 @@ def functions(body: str) -> str:
                 function = fold.replace("FOLD_", name.removesuffix("gather"))
                 named[_NAME.findall(function)[0]] = function
     for name, function in reversed(named.items()):
-        if name in wanted:
-            wanted.update(_CALLED.findall(function))
+        if name in needed:
+            needed.update(_CALLED.findall(function))
             parts.append(function.rstrip("\n"))
     return "".join(f"{function}\n\n" for function in reversed(parts))
 

@@ -63,12 +63,7 @@ def expression_lines(inputs: Sequence[BoundInput]) -> list[str]:
 
 
 def class_of(name: str, document: Mapping[str, Any]) -> list[str]:
-    """Return the lines of one class.
-
-    Args:
-        name: of the class.
-        document: what ``eddi_scaffold.conditions.inputs`` made.
-    """
+    """Return the lines of one class."""
     type_, parts = document["type"], document["parts"]
     program = joined([part["program"] for part in parts])
     sampling, sources = Sampling(program), Names(document)
@@ -136,29 +131,25 @@ def inlined(program: Program, inputs: Sequence[BoundInput]) -> Program:
     """Return a program that computes the inputs which an expression gives.
 
     Texts, rounded numbers and reductions of lists stay inputs.
-
-    Args:
-        program: what reads the inputs.
-        inputs: what it reads, in order.
     """
     if all(spec.expression is None for spec in inputs):
         return program
     builder = Builder()
-    given: dict[int, int] = {}
+    computed: dict[int, int] = {}
     period = program.period
     for k, (read, spec) in enumerate(zip(program.reads, inputs, strict=True)):
         expression = _program(spec, read)
         if expression is None or spec.expression is None:
             continue
         period = expression.period
-        given[k] = truth = builder.append(expression)[expression.results[0].operation]
+        computed[k] = truth = builder.append(expression)[expression.results[0].operation]
         if spec.expression.get("polarity") == "HAZARD":
             about = expression.operations[-1].about
             known = Operation("known_bool", (truth,), BOOL, about=f"KNOWN({about})")
             unknown = Operation("not", (builder.add(known),), BOOL, about="HAZARD: UNKNOWN is true")
             either = (truth, builder.add(unknown))
-            given[k] = builder.add(Operation("or", either, BOOL, about=about))
-    places = builder.append(program, given)
+            computed[k] = builder.add(Operation("or", either, BOOL, about=about))
+    places = builder.append(program, computed)
     results = [result._replace(operation=places[result.operation]) for result in program.results]
     return builder.program(period, results)
 

@@ -49,107 +49,62 @@ STARTS = {"rise": 1, "fall": 1, "edge": 1, "latch": 0, "hysteresis": 1, "elapsed
 
 
 class Interval(NamedTuple):
-    """A range of numbers; the start lies inside.
+    """A range of numbers; the start lies inside."""
 
-    Attributes:
-        start: smallest double inside.
-        end: the other end.
-        closed: the end lies inside as well.
-    """
-
-    start: float
-    end: float
-    closed: bool
+    start: float  # smallest double inside
+    end: float  # the other end
+    closed: bool  # the end lies inside as well
 
 
 class Read(NamedTuple):
-    """A value that is read once in each step.
+    """A value that is read once in each step."""
 
-    Attributes:
-        name: as in the model (``motor.temps[1]``).
-        type: ``number``, ``bool``, ``enum`` or ``text``.
-        range: least and greatest value; None for no limits.
-        timeout: nanoseconds after which a sample is UNKNOWN; None for never.
-        infinite: infinity is a value.
-        literals: texts of an ENUM.
-        stamped: the time of its sample is asked for (``age`` or a timeout).
-        text: it comes as a text that represents a number in decimal.
-        reduction: how it is made of the lists of a message; None: it comes as it is.
-        about: what it should be, for people.
-        defined: the definition of the message says that infinity is a measurement.
-    """
-
-    name: str
-    type: str
-    range: tuple[float, float] | None = None
-    timeout: int | None = None
-    infinite: bool = False
-    literals: tuple[str, ...] = ()
-    stamped: bool = False
-    text: bool = False
+    name: str  # as in the model (`motor.temps[1]`)
+    type: str  # `number`, `bool`, `enum` or `text`
+    range: tuple[float, float] | None = None  # least and greatest value; None for no limits
+    timeout: int | None = None  # nanoseconds after which a sample is UNKNOWN; None for never
+    infinite: bool = False  # infinity is a value
+    literals: tuple[str, ...] = ()  # texts of an ENUM
+    stamped: bool = False  # the time of its sample is asked for (`age` or a timeout)
+    text: bool = False  # it comes as a text that represents a number in decimal
+    # how it is made of the lists of a message; None: it comes as it is
     reduction: Reduction | None = None
-    about: str = ""
-    defined: bool = False
+    about: str = ""  # what it should be, for people
+    defined: bool = False  # the definition of the message says that infinity is a measurement
 
 
 class Operation(NamedTuple):
-    """What is done once in a step; its number is its place in the program.
+    """What is done once in a step; its number is its place in the program."""
 
-    Attributes:
-        op: see above.
-        args: numbers of the operations whose values it works on.
-        type: of its value.
-        value: a constant, the number of what is read or of a literal, what is covered, or steps.
-        about: the element of the model that it comes from: its place and words.
-        window: nanoseconds.
-        capacity: samples that the buffer holds.
-        coverage: share of known samples that is enough; None: all.
-        infinite: the value can be infinite.
-        at: line and column in the text of the condition.
-    """
-
-    op: str
-    args: tuple[int, ...]
-    type: str
+    op: str  # see above
+    args: tuple[int, ...]  # numbers of the operations whose values it works on
+    type: str  # of its value
+    # a constant, the number of what is read or of a literal, what is covered, or steps
     value: Any = None
-    about: str = ""
-    window: int = 0
-    capacity: int = 0
-    coverage: float | None = None
-    infinite: bool = False
-    at: tuple[int, int] = (0, 0)
+    about: str = ""  # the element of the model that it comes from: its place and words
+    window: int = 0  # nanoseconds
+    capacity: int = 0  # samples that the buffer holds
+    coverage: float | None = None  # share of known samples that is enough; None: all
+    infinite: bool = False  # the value can be infinite
+    at: tuple[int, int] = (0, 0)  # line and column in the text of the condition
 
 
 class Result(NamedTuple):
-    """A result of a step.
+    """A result of a step."""
 
-    Attributes:
-        id: of the event or the guarantee.
-        operation: number of the one whose value it is.
-        hazard: UNKNOWN counts as active.
-        about: the element of the model that it comes from.
-    """
-
-    id: str
-    operation: int
-    hazard: bool = False
-    about: str = ""
+    id: str  # of the event or the guarantee
+    operation: int  # number of the one whose value it is
+    hazard: bool = False  # UNKNOWN counts as active
+    about: str = ""  # the element of the model that it comes from
 
 
 class Program(NamedTuple):
-    """A checked program.
+    """A checked program."""
 
-    Attributes:
-        period: nanoseconds between two steps, 0 when there is no rate.
-        reads: what is read.
-        operations: in the order of evaluation.
-        results: what is given.
-    """
-
-    period: int
-    reads: tuple[Read, ...]
-    operations: tuple[Operation, ...]
-    results: tuple[Result, ...]
+    period: int  # nanoseconds between two steps, 0 when there is no rate
+    reads: tuple[Read, ...]  # what is read
+    operations: tuple[Operation, ...]  # in the order of evaluation
+    results: tuple[Result, ...]  # what is given
 
 
 def reads_of_results(program: Program) -> list[list[int]]:
@@ -179,19 +134,12 @@ def must_be_finite(program: Program) -> frozenset[int]:
 
 @dataclass(frozen=True)
 class HostInput:
-    """One value that a host gives in each step.
+    """One value that a host gives in each step."""
 
-    Attributes:
-        name: as in the text (``scan.ranges[*]``).
-        type: ``number``, ``bool``, ``enum`` or ``text``.
-        list: it is a list of these.
-        literals: texts of an ENUM.
-    """
-
-    name: str
-    type: str
-    list: bool = False
-    literals: tuple[str, ...] = ()
+    name: str  # as in the text (`scan.ranges[*]`)
+    type: str  # `number`, `bool`, `enum` or `text`
+    list: bool = False  # it is a list of these
+    literals: tuple[str, ...] = ()  # texts of an ENUM
 
 
 class Sampling:
@@ -203,7 +151,7 @@ class Sampling:
     """
 
     def __init__(self, program: Program) -> None:
-        given: dict[str, HostInput] = {}
+        by_name: dict[str, HostInput] = {}
         names: list[list[str]] = []
         for read in program.reads:
             inputs = [
@@ -214,7 +162,7 @@ class Sampling:
                 inputs = [HostInput(part.name, part.type, part.is_list) for part in parts]
             names.append([input_.name for input_ in inputs])
             for input_ in inputs:
-                given.setdefault(input_.name, input_)
-        self.inputs = tuple(given.values())
-        numbers = {name: k for k, name in enumerate(given)}
+                by_name.setdefault(input_.name, input_)
+        self.inputs = tuple(by_name.values())
+        numbers = {name: k for k, name in enumerate(by_name)}
         self.uses = [[numbers[name] for name in used] for used in names]

@@ -34,67 +34,39 @@ OPERATIONS = (
 
 @dataclass(frozen=True)
 class Part:
-    """A list or a number of the message.
+    """A list or a number of the message."""
 
-    Attributes:
-        name: as in the text.
-        type: ``number``, ``bool`` or ``text``.
-        is_list: a list of these.
-        range: least and greatest value; None for no limits.
-        infinite: infinity is a value.
-    """
-
-    name: str
-    type: str
-    is_list: bool
-    range: tuple[float, float] | None
-    infinite: bool
+    name: str  # as in the text
+    type: str  # `number`, `bool` or `text`
+    is_list: bool  # a list of these
+    range: tuple[float, float] | None  # least and greatest value; None for no limits
+    infinite: bool  # infinity is a value
 
 
 @dataclass(frozen=True)
 class Element:
-    """An operation on elements, or on numbers of the message.
+    """An operation on elements, or on numbers of the message."""
 
-    Attributes:
-        op: ``input``, ``constant``, or one of ``OPERATIONS``.
-        args: numbers of the nodes it works on.
-        value: number of the input, or the constant.
-        is_list: it has a value for each element.
-    """
-
-    op: str
-    args: tuple[int, ...]
-    value: Any
-    is_list: bool
+    op: str  # `input`, `constant`, or one of `OPERATIONS`
+    args: tuple[int, ...]  # numbers of the nodes it works on
+    value: Any  # number of the input, or the constant
+    is_list: bool  # it has a value for each element
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """One value of the lists of a message.
+    """One value of the lists of a message."""
 
-    Attributes:
-        op: ``list_min`` and others of numbers, or one of ``TRUTHS``.
-        inputs: what it reads, lists first or last as they come.
-        nodes: what is computed, each argument before its use.
-        value: number of the node that is reduced.
-        limits: input, and the nodes of its limits.
-        coverage: share of known elements that is enough; None: all.
-        length: least and most elements; None: any.
-        sector: angles from and to; None: all.
-        angles: numbers of the inputs with the angles of the scan.
-        messages: a list of messages can be empty.
-    """
-
-    op: str
-    inputs: tuple[Part, ...]
-    nodes: tuple[Element, ...]
-    value: int
-    limits: tuple[tuple[int, int, int], ...]
-    coverage: float | None
-    length: tuple[int, int] | None
-    sector: tuple[float, float] | None
-    angles: tuple[int, ...]
-    messages: bool
+    op: str  # `list_min` and others of numbers, or one of `TRUTHS`
+    inputs: tuple[Part, ...]  # what it reads, lists first or last as they come
+    nodes: tuple[Element, ...]  # what is computed, each argument before its use
+    value: int  # number of the node that is reduced
+    limits: tuple[tuple[int, int, int], ...]  # input, and the nodes of its limits
+    coverage: float | None  # share of known elements that is enough; None: all
+    length: tuple[int, int] | None  # least and most elements; None: any
+    sector: tuple[float, float] | None  # angles from and to; None: all
+    angles: tuple[int, ...]  # numbers of the inputs with the angles of the scan
+    messages: bool  # a list of messages can be empty
 
 
 ON_VALUES = {
@@ -141,14 +113,7 @@ _CONVERSIONS = {"number": "number_of", "bool": "truth_of", "text": "number_in"}
 
 
 def reduction_lines(number_: int, name: str, reduction: Reduction, prefix: str) -> list[str]:
-    """Return the method of a reduction.
-
-    Args:
-        number_: of the variable.
-        name: of the variable: the reduction as in the text.
-        reduction: what it is.
-        prefix: of what it calls.
-    """
+    """Return the method of a reduction."""
     arguments = "".join(f", x{k}" for k in range(len(reduction.inputs)))
     head = [f"    def reduce_{number_}(self{arguments}):", f"        # {comment(name)}"]
     return [*head, *_Columns(reduction, prefix).lines()]

@@ -33,46 +33,29 @@ _CONSTANTS = {"INF": 'float("inf")', "NAN": 'float("nan")'}
 
 @dataclass(frozen=True)
 class Declaration:
-    """What each compiled monitor begins with, whatever its kind.
+    """What each compiled monitor begins with, whatever its kind."""
 
-    Attributes:
-        model_id: id of the model, as the runtime reports it.
-        digest: of all that decides what the monitor computes; robots compare it.
-        inputs: in the order of the configuration.
-    """
-
-    model_id: str
-    digest: str
-    inputs: tuple[BoundInput, ...]
+    model_id: str  # id of the model, as the runtime reports it
+    digest: str  # of all that decides what the monitor computes; robots compare it
+    inputs: tuple[BoundInput, ...]  # in the order of the configuration
 
 
 @dataclass(frozen=True)
 class CompiledMonitor:
-    """A compiled model, not yet a module: who writes that knows where the runtime is.
+    """A compiled model, not yet a module: who writes that knows where the runtime is."""
 
-    Attributes:
-        format: of the part of the runtime that its kind has.
-        modules: of that part, those which only some monitors import.
-        lines: the class ``Monitor``, behind those of its computed inputs where it has any.
-        tables: name -> content of the files that must lie next to the module.
-        program: its step as a program; None for a kind whose step calls functions of the runtime.
-    """
-
-    format: int
+    format: int  # of the part of the runtime that its kind has
+    # the class `Monitor`, behind those of its computed inputs where it has any
     lines: Sequence[str]
-    modules: Sequence[str] = ()
+    modules: Sequence[str] = ()  # of that part, those which only some monitors import
+    # name -> content of the files that must lie next to the module
     tables: Mapping[str, bytes] = field(default_factory=dict)
+    # its step as a program; None for a kind whose step calls functions of the runtime
     program: Program | None = None
 
 
 def head_lines(base: str, declaration: Declaration, paths: Mapping[str, str]) -> list[str]:
-    """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs.
-
-    Args:
-        base: class of the runtime that it inherits from.
-        declaration: of the monitor.
-        paths: input id -> fragment path of its element in the EDDI.
-    """
+    """Return the first lines of the class ``Monitor``: whose monitor it is, and its inputs."""
     classes = expression_classes(declaration.inputs)
     rows = (
         Item(_spec(input_, classes.get(input_.id)), above=comment(paths.get(input_.id, "")))
@@ -98,12 +81,6 @@ def module_text(kind: str, compiled: CompiledMonitor, model_id: str, origin: str
 
     The runtime is imported as a distribution; templates write other imports where it is a part of
     the package.
-
-    Args:
-        kind: name of the kind, as of its part of the runtime.
-        compiled: the monitor.
-        model_id: for people, as are the next.
-        origin: file and element of the model.
     """
     body = "\n".join(compiled.lines)
     offered = {"expressions": expressions.MODULES, kind: compiled.modules}

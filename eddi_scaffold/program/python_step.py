@@ -154,11 +154,7 @@ class Printer:
         return lines
 
     def evaluation(self, *, raw: bool) -> list[str]:
-        """Return the lines of a step from given values on, to the return of those of the results.
-
-        Args:
-            raw: the values are those of a robot, else what the program computes with.
-        """
+        """Return the lines of a step from given values, or a robot's raw ones, to its return."""
         lines = self._begin()
         for k, read in enumerate(self._program.reads):
             lines += [*(self._converted(k, read) if raw else []), *self._bound(k, read)]
@@ -223,10 +219,10 @@ class Printer:
         # AND is decided by a false sample, OR by a true one.
         last = {"time": 0, "once": 2}.get(operation.op, operation.capacity)
         numbers = map(str, (window, window - self._program.period, last))
-        made = call(self._called(CLASSES[operation.op]), numbers)
+        new = call(self._called(CLASSES[operation.op]), numbers)
         if operation.coverage is None:
-            return made
-        return call(self._called("window.Covered"), [made, number(operation.coverage)])
+            return new
+        return call(self._called("window.Covered"), [new, number(operation.coverage)])
 
     def _called(self, name: str) -> str:
         """Return what is called in the runtime, or its copy."""
@@ -330,14 +326,7 @@ class Printer:
 
 
 def _judgement(operation: Operation, place: int, value: str, target: str) -> list[str]:
-    """Return the lines that judge a raw value: common ones here, all others by the runtime.
-
-    Args:
-        operation: what judges it.
-        place: number of what is read.
-        value: name of the raw value.
-        target: name of the truth value.
-    """
+    """Return the lines that judge a raw value: common ones here, all others by the runtime."""
     judged = f"1 if {value} is None else self.judge({place}, {value})"
     general = f"{target} = {judged}"
     if operation.op in ("is_true", "is_false"):
@@ -366,10 +355,6 @@ def class_lines(program: Program, names: Sequence[str]) -> list[str]:
 
     ``evaluate`` takes the time in nanoseconds, then for each read its value, and its time stamp
     where it is stamped; it returns the values of the results. What it calls is beside it.
-
-    Args:
-        program: what to evaluate.
-        names: an identifier for each read.
     """
     printer = Printer(program, names, copied=True)
     arguments = "self, t"

@@ -20,33 +20,20 @@ _SHORT = WIDTH - 25
 
 
 class Group(NamedTuple):
-    """A bracket with elements: on one line if that fits, else with one element in a line.
+    """A bracket with elements: on one line if that fits, else with one element in a line."""
 
-    Attributes:
-        opening: text up to the bracket, ``Input(``.
-        items: the elements.
-        closing: the other bracket.
-    """
-
-    opening: str
-    items: tuple[Item, ...]
-    closing: str = ")"
+    opening: str  # text up to the bracket, `Input(`
+    items: tuple[Item, ...]  # the elements
+    closing: str = ")"  # the other bracket
 
 
 class Item(NamedTuple):
-    """An element of a bracket.
+    """An element of a bracket."""
 
-    Attributes:
-        part: what it is.
-        prefix: text before it, ``unit=`` or ``"a": ``.
-        above: comment in a line of its own above it, empty for none.
-        behind: comment behind it in the same line, empty for none.
-    """
-
-    part: Part
-    prefix: str = ""
-    above: str = ""
-    behind: str = ""
+    part: Part  # what it is
+    prefix: str = ""  # text before it, `unit=` or `"a": `
+    above: str = ""  # comment in a line of its own above it, empty for none
+    behind: str = ""  # comment behind it in the same line, empty for none
 
 
 Part = str | Group
@@ -121,12 +108,7 @@ def is_identifier(text: str) -> bool:
 
 
 def variables(ids: Sequence[str], reserved: Collection[str]) -> list[str]:
-    """Return a variable for each id: the id itself where that can be, else ``v<number>``.
-
-    Args:
-        ids: no two are equal.
-        reserved: names with another meaning in the text.
-    """
+    """Return a variable for each id: the id itself where that can be, else ``v<number>``."""
     taken = {id_ for id_ in ids if is_identifier(id_)} | set(reserved)
     names = []
     for k, id_ in enumerate(ids):

@@ -42,13 +42,7 @@ def _no_data(name: str) -> bytes:
 
 
 def module_of(text: str, model_id: str, data: Callable[[str], bytes] = _no_data) -> ModuleType:
-    """Return the module of a compiled text; tracebacks and debuggers show its lines.
-
-    Args:
-        text: of ``compiled.py``.
-        model_id: id of its model.
-        data: name -> bytes of a bulk file beside it.
-    """
+    """Return the module of a compiled text; tracebacks and debuggers show its lines."""
     name = f"<{model_id}>/compiled.py".replace("\0", "?")  # which no name of a file may hold
     linecache.cache[name] = (len(text), None, text.splitlines(keepends=True), name)
     module = ModuleType(_NAME)

@@ -71,11 +71,7 @@ HOST = "transports/ros1/host"
 
 
 def runtime_parts_of(text: str) -> tuple[str, ...]:
-    """Return the parts of the runtime that a compiled monitor needs, sorted.
-
-    Args:
-        text: of ``compiled.py``.
-    """
+    """Return the parts of the runtime that a ``compiled.py`` needs, sorted."""
     head, _, _ = text.partition("\neddi_runtime.needs(")  # the rest may be megabytes of numbers
     imported: list[str] = []
     for node in ast.parse(head).body:

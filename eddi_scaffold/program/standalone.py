@@ -27,40 +27,24 @@ _C_INTEGER = re.compile(r"u?int(_least|_fast)?[0-9]+")
 
 @dataclass(frozen=True)
 class HostArgument:
-    """One value that the host gives.
+    """One value that the host gives."""
 
-    Attributes:
-        input: its name and type.
-        name: an identifier.
-        description: one line on it.
-        stamped: the time of its sample is asked for.
-    """
-
-    input: HostInput
-    name: str
-    description: str
-    stamped: bool
+    input: HostInput  # its name and type
+    name: str  # an identifier
+    description: str  # one line on it
+    stamped: bool  # the time of its sample is asked for
 
 
 @dataclass(frozen=True)
 class StandaloneMonitor:
-    """One monitor to print.
+    """One monitor to print."""
 
-    Attributes:
-        name: what files and functions begin with.
-        kind: of its model, ``event`` or ``consert``.
-        program: what it does.
-        source: lines of the text, for comments.
-        units: value of the host -> its unit.
-        enums: name of the ENUM of each variable, empty for none.
-    """
-
-    name: str
-    kind: str
-    program: Program
-    source: tuple[str, ...]
-    units: Mapping[str, str] = field(default_factory=dict)
-    enums: tuple[str, ...] = ()
+    name: str  # what files and functions begin with
+    kind: str  # of its model, `event` or `consert`
+    program: Program  # what it does
+    source: tuple[str, ...]  # lines of the text, for comments
+    units: Mapping[str, str] = field(default_factory=dict)  # value of the host -> its unit
+    enums: tuple[str, ...] = ()  # name of the ENUM of each variable, empty for none
 
     @cached_property
     def variables(self) -> list[str]:
@@ -89,9 +73,9 @@ class StandaloneMonitor:
         return any(variable.reduction is not None for variable in self.program.reads)
 
     @cached_property
-    def given(self) -> list[HostArgument]:
+    def arguments(self) -> list[HostArgument]:
         """What the host gives: variables as they are, and the parts of reductions."""
-        return [*self._given()]
+        return [*self._arguments()]
 
     def describe(self, number: int) -> str:
         """Return one line on a variable: type, unit, range, timeout."""
@@ -109,7 +93,7 @@ class StandaloneMonitor:
             parts.append(f"UNKNOWN after {variable.timeout / 1e9:g} s without a new sample")
         return c_comment(", ".join(parts))
 
-    def _given(self) -> Iterator[HostArgument]:
+    def _arguments(self) -> Iterator[HostArgument]:
         reads = self.program.reads
         numbers = {read.name: k for k, read in enumerate(reads) if read.reduction is None}
         taken = [*self.variables]
@@ -135,16 +119,7 @@ def named(
     units: Mapping[str, str] | None = None,
     enums: Mapping[str, str] | None = None,
 ) -> StandaloneMonitor:
-    """Return what is printed of a program.
-
-    Args:
-        program: what it does.
-        name: of the monitor; any text.
-        source: lines on what it was made of.
-        kind: of its model, ``event`` or ``consert``.
-        units: value of the host -> its unit.
-        enums: what is read -> name of its ENUM.
-    """
+    """Return what is printed of a program."""
     names_of_enums = tuple((enums or {}).get(read.name, "") for read in program.reads)
     lines = tuple(map(c_comment, source))
     return StandaloneMonitor(module_name(name), kind, program, lines, units or {}, names_of_enums)

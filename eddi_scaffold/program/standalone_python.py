@@ -113,7 +113,7 @@ def _title(number: int, name: str) -> str:
 
 def _variables(model: StandaloneMonitor) -> str:
     methods = []
-    for argument in model.given:
+    for argument in model.arguments:
         name, kind = argument.input.name, argument.input.type
         returns = "Sequence" if argument.input.list else _TYPES[kind]
         methods += ["", f"    def read_{argument.name}(self) -> {returns}:"]
@@ -220,7 +220,7 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
     lines: list[str] = []
     calls: list[str] = []
     values = []
-    for argument in model.given:
+    for argument in model.arguments:
         name, value = argument.name, f"self.read_{argument.name}()"
         if argument.stamped:
             take = "as_samples" if argument.input.list else "as_sample"
@@ -237,7 +237,8 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
             # Lists as they are, numbers without NumVal.
             parts = "".join(
                 f"as_number({values[use]}), "
-                if not model.given[use].input.list and model.given[use].input.type == "number"
+                if not model.arguments[use].input.list
+                and model.arguments[use].input.type == "number"
                 else f"{values[use]}, "
                 for use in uses
             )
@@ -245,7 +246,7 @@ def _arguments(model: StandaloneMonitor) -> tuple[list[str], list[str]]:
             lines += [f"        value_{name}, _ = {called}"]
             value = f"value_{name}"
         calls += [_conversion(read, value)]
-        calls += [f"stamp_{model.given[uses[0]].name}"] if read.stamped else []
+        calls += [f"stamp_{model.arguments[uses[0]].name}"] if read.stamped else []
     return lines, calls
 
 

@@ -17,8 +17,9 @@ from eddi_runtime.monitor import Tree
 from eddi_runtime.plain_values import follow
 
 from eddi_scaffold.config.field_paths import PlainStep, plain_step
-from eddi_scaffold.config.message_types import element, is_primitive, known_messages
+from eddi_scaffold.config.field_types import element, is_primitive
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.publications import publications
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from eddi_runtime.transports.dds.messages import message_classes
 from eddi_runtime.transports.dds.node import ros_type
 
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.config.message_types import known_messages, ros2_fields, ros2_messages
+from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.platforms.dds import with_parts
 from eddi_scaffold.watch.messages import (
     DIAGNOSTICS,

@@ -224,7 +224,7 @@ class FleetState:
             return []
         was_silent = stream.silent
         stream.receive(message)
-        if reading.whole and reading == stream.reading:
+        if reading.is_complete and reading == stream.reading:
             return []
         stream.reading = reading
         monitor.model = plain(reading.model) or monitor.model
@@ -298,7 +298,7 @@ class FleetState:
         is_back: bool = False,
     ) -> Iterator[Change]:
         """Take a reading; every verdict of a monitor that is back after silence is a change."""
-        verdicts: dict[str, VerdictView] = {} if reading.whole else stream.verdicts
+        verdicts: dict[str, VerdictView] = {} if reading.is_complete else stream.verdicts
         for verdict in reading.verdicts:
             id_ = plain(verdict.id)
             before = stream.verdicts.get(id_)
@@ -314,7 +314,7 @@ class FleetState:
             verdicts[id_] = view
             if not stays or is_back:
                 yield monitor.change(view, None if before is None else before.state, t)
-        if reading.whole:
+        if reading.is_complete:
             self._verdicts -= len(stream.verdicts.keys() - verdicts.keys())
             stream.verdicts = verdicts
 
@@ -328,7 +328,7 @@ class FleetState:
             monitor.model = monitor.model or plain(kept.model)
             reason = f"its last message is of unknown age, {reason}"
             verdicts = tuple(replace(v, state="unknown", reasons=()) for v in kept.verdicts)
-            reading = replace(kept, verdicts=verdicts, whole=False)
+            reading = replace(kept, verdicts=verdicts, is_complete=False)
             for change in self._changes_by(monitor, stream, reading, now):
                 yield replace(change, reasons=(reason,))
         for id_, before in stream.verdicts.items():

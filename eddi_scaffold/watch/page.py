@@ -7,18 +7,11 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 from eddi_scaffold.common.claims import State
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.common.files import read_source
-from eddi_scaffold.config.deployment_file import is_fleet
-from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
-from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.loading import checked_models, is_config
-from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.watch.fleet import MonitorView, RobotView, Snapshot, VerdictView
 from eddi_scaffold.watch.following import Clock
 
@@ -189,34 +182,6 @@ def _row_html(row: Row) -> str:
 
 Pictures = Mapping[tuple[str, str], Diagram]
 """Title of the kind, name of the model -> its picture."""
-
-
-def pictures_of(paths: Iterable[Path]) -> Pictures:
-    """Return the pictures of the models in some files.
-
-    Args:
-        paths: models, configurations that name theirs, or deployment files.
-
-    Raises:
-        EddiError: a file cannot be read, or has errors.
-    """
-    pictures = {}
-    for model in (model for path in paths for model in _models(path)):
-        picture = model.diagram()
-        if picture is not None:
-            pictures[kinds()[model.kind].title, model.name] = picture
-    return pictures
-
-
-def _models(path: Path) -> Sequence[Model]:
-    source = read_source(path)
-    if is_fleet(source):
-        sites, _ = sites_of(source, checked_models)
-        return [monitor.model for site in sites for monitor in site.monitors]
-    if is_config(source):
-        monitors, _ = monitors_of(None, [path])
-        return [monitor.model for monitor in monitors]
-    return checked_models(path, ()).models
 
 
 TONES: dict[State, Tone] = {"active": "output", "not active": "refused", "unknown": "warning"}

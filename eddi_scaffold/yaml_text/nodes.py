@@ -44,15 +44,10 @@ _SPECIAL = re.compile(r"(?P<sign>[-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
 
 @dataclass(frozen=True)
 class Scalar:
-    """A text in a document.
+    """A text in a document."""
 
-    Attributes:
-        text: content without quotes and escapes.
-        plain: written without quotes, so that its form may determine its type.
-    """
-
-    text: str
-    plain: bool
+    text: str  # content without quotes and escapes
+    plain: bool  # written without quotes, so that its form may determine its type
     place: Place = field(default=Place(), compare=False)
 
 
@@ -66,13 +61,9 @@ class Items:
 
 @dataclass(frozen=True)
 class Map:
-    """A map; of a repeated key the first entry is kept.
+    """A map; of a repeated key the first entry is kept."""
 
-    Attributes:
-        entries: key and value in the order of the file.
-    """
-
-    entries: tuple[tuple[Scalar, Node], ...]
+    entries: tuple[tuple[Scalar, Node], ...]  # key and value in the order of the file
     place: Place = field(default=Place(), compare=False)
 
     def get(self, key: str) -> Node | None:
@@ -163,11 +154,7 @@ def as_integer(node: Node) -> int | None:
 
 
 def read_document(source: Source, code: str) -> tuple[Node | None, list[Problem]]:
-    """Read the one document of a YAML file.
-
-    Args:
-        source: the file, UTF-8.
-        code: code of all problems of this step (``C001`` for a ConSert).
+    """Read the one document of a YAML file; ``code`` is that of all problems.
 
     Returns:
         The root node and the problems; the node is ``None`` where the document cannot be

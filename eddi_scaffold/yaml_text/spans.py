@@ -22,27 +22,17 @@ _COMMENT = re.compile(r"(?:^|(?<=\s))#")
 
 @dataclass
 class Span:
-    """One node and its text.
+    """One node and its text."""
 
-    Attributes:
-        start: offset of its first character.
-        end: offset behind its last scalar or closing bracket; ``start`` for an empty one.
-        text: of a scalar, else ``None``.
-        is_map: a mapping, whose children are keys and values in turn.
-        is_flow: written with brackets or braces.
-        anchors: names that are given inside -> line.
-        aliases: names that are used inside -> line.
-    """
-
-    start: int
-    end: int
+    start: int  # offset of its first character
+    end: int  # offset behind its last scalar or closing bracket; `start` for an empty one
     line: int
-    text: str | None = None
-    is_map: bool = False
-    is_flow: bool = False
+    text: str | None = None  # of a scalar, else `None`
+    is_map: bool = False  # a mapping, whose children are keys and values in turn
+    is_flow: bool = False  # written with brackets or braces
     children: list[Span] = field(default_factory=list)
-    anchors: dict[str, int] = field(default_factory=dict)
-    aliases: dict[str, int] = field(default_factory=dict)
+    anchors: dict[str, int] = field(default_factory=dict)  # names that are given inside -> line
+    aliases: dict[str, int] = field(default_factory=dict)  # names that are used inside -> line
     scalars: list[tuple[int, int]] = field(default_factory=list)
 
     def entries(self) -> Iterator[tuple[Span, Span]]:
@@ -56,10 +46,6 @@ class Span:
 
 def spans(text: str, name: str) -> Span | None:
     """Return the root of a text that was read without a problem.
-
-    Args:
-        text: of the file.
-        name: of the file, for messages.
 
     Returns:
         ``None`` for a text that holds no document.
@@ -121,26 +107,26 @@ def _root(text: str) -> Span | None:
 
 def comments(text: str, span: Span, start: int, end: int) -> list[int]:
     """Return the lines between two offsets that hold a comment (counted from 1)."""
-    found = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
-    return list(dict.fromkeys(found))
+    lines = (text.count("\n", 0, at) + 1 for at in _comment_starts(text, span, start, end))
+    return list(dict.fromkeys(lines))
 
 
 def comment_texts(text: str, span: Span, start: int, end: int) -> list[str]:
     """Return the comments between two offsets, each to the end of its line."""
-    found: list[str] = []
+    texts: list[str] = []
     done = start
     for at in _comment_starts(text, span, start, end):
         if at >= done:  # not a "#" inside of a comment
-            found.append(text[at:].partition("\n")[0].rstrip())
-            done = at + len(found[-1])
-    return found
+            texts.append(text[at:].partition("\n")[0].rstrip())
+            done = at + len(texts[-1])
+    return texts
 
 
 def _comment_starts(text: str, span: Span, start: int, end: int) -> Iterator[int]:
     inside = sorted(span.scalars)
-    for found in _COMMENT.finditer(text, start, end):
-        if not any(first <= found.start() < last for first, last in inside):
-            yield found.start()
+    for match in _COMMENT.finditer(text, start, end):
+        if not any(first <= match.start() < last for first, last in inside):
+            yield match.start()
 
 
 class TextEditor:
@@ -188,10 +174,7 @@ _BLOCK = re.compile(r"(?P<style>[|>])[-+]?(?P<indent>[1-9])?")
 def inside_scalar(text: str, start: Place) -> Callable[[int], Place]:
     """Return offset in a scalar's value -> place in the file.
 
-    Args:
-        text: of the file.
-        start: where the scalar begins; quotes, escapes, folded and literal blocks are followed
-            (YAML 1.2, chapters 7 and 8).
+    Quotes, escapes, folded and literal blocks are followed (YAML 1.2, chapters 7 and 8).
     """
     if start.line is None or start.col is None or not text:
         return lambda _: start

@@ -31,12 +31,8 @@ def quoted(text: str) -> str:
     """Return a text as a YAML scalar that readers of YAML 1.1 and 1.2 both take as this text."""
     if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
         return text
-    return '"' + _ESCAPED.sub(_escape, text) + '"'
-
-
-def _escape(match: re.Match[str]) -> str:
-    char = match.group()
-    return _SHORT.get(char) or f"\\u{ord(char):04x}"
+    escaped = _ESCAPED.sub(lambda at: _SHORT.get(at[0]) or f"\\u{ord(at[0]):04x}", text)
+    return f'"{escaped}"'
 
 
 def dump_plain(data: Any) -> str:

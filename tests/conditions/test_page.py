@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import io
-import json
 import re
 import socket
 import subprocess
@@ -117,16 +116,6 @@ def test_a_signal_is_drawn(port: int) -> None:
     assert "t,temp,warning\n0," in text
     _, _, text = send(port, "/check", text="x > 5", signal="t,y\n0,1\n")
     assert "no input has the id &#x27;y&#x27; [I003]" in text
-
-
-def test_json(port: int) -> None:
-    body = json.dumps({"text": D72, "rate": 10, "target": "c"})
-    _, headers, text = ask(port, "POST", "/generate", body, Content_Type="application/json")
-    found = json.loads(text)
-    assert headers["Content-Type"] == "application/json"
-    assert (found["ok"], len(found["files"])) == (True, 3)
-    for wrong in ("[]", "{", "[" * 9000):
-        assert ask(port, "POST", "/check", wrong, Content_Type="application/json")[0] == 400
 
 
 def test_what_was_typed_is_never_markup(port: int) -> None:

@@ -21,9 +21,10 @@ def found(text: str, *, wanted: bool = True) -> dict[str, list[tuple[list[object
     (result,) = analysis.program.results
     return {
         name: [
-            ([x for x in VALUES[name] if use.holds(x)], [n for n, _ in use.beside]) for use in all_
+            ([x for x in VALUES[name] if use.holds(x)], [n for n, _ in use.companions])
+            for use in all_
         ]
-        for name, all_ in uses(analysis.program, result.operation, wanted=wanted).items()
+        for name, all_ in uses(analysis.program, result.operation, side=wanted).items()
     }
 
 

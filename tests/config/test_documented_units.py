@@ -7,8 +7,9 @@ import csv
 import pytest
 
 from eddi_scaffold.common import units
-from eddi_scaffold.config.message_types import Fields, common_messages, element
-from eddi_scaffold.config.message_types.documented import _rows, documented
+from eddi_scaffold.config.field_types import Fields, element
+from eddi_scaffold.monitors.message_types import common_messages
+from eddi_scaffold.monitors.message_types.documented import _rows, documented
 from tests.data_files import data_file
 
 KNOWN = common_messages()

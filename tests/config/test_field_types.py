@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from eddi_scaffold.config.field_paths import FieldPathError, expression, parse_field, resolve
-from eddi_scaffold.config.message_types import declared, known_messages
+from eddi_scaffold.config.field_types import declared
+from eddi_scaffold.monitors.message_types import known_messages
 
 KNOWN = {
     **known_messages(),

@@ -8,10 +8,11 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place
-from eddi_scaffold.config.file import ConfigFile, from_json, options_of
-from eddi_scaffold.config.reading import read_config
+from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
+from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.options import options_of
 from eddi_scaffold.yaml_text.writer import dump_plain
 from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_reported

@@ -9,10 +9,10 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.config.message_types import common_messages, installed
-from eddi_scaffold.config.message_types.installed import installed_types
-from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.config.topic_types import check_types
+from eddi_scaffold.monitors.config_reading import read_config
+from eddi_scaffold.monitors.message_types import common_messages, installed
+from eddi_scaffold.monitors.message_types.installed import installed_types
+from eddi_scaffold.monitors.topic_types import check_types
 
 MANIFEST = (
     "<package><name>acme</name><version>1.0.0</version><description>d</description></package>"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.monitors.message_types import known_messages
 
 ROBOT = {
     "odom": ("nav_msgs/Odometry", "/odom"),

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 import yaml
 
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
 from eddi_scaffold.connect.needs import InputNeed
 from eddi_scaffold.connect.topics import RobotTopic
+from eddi_scaffold.monitors.message_types import known_messages
 from tests.data_files import data_file
 
 _DATA: Mapping[str, Any] = yaml.safe_load(data_file("connect/pairs.yml").read_text("utf-8"))

@@ -6,7 +6,8 @@ from functools import cache
 from typing import Any
 
 from eddi_scaffold.config.field_paths import Attribute, ByKey, FieldPath, Index, Step, parse_field
-from eddi_scaffold.config.message_types import element, known_messages
+from eddi_scaffold.config.field_types import element
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.recordings.messages import Message, blank
 
 
@@ -33,7 +34,7 @@ def _element(value: Any, step: Step) -> Any:
         return value[step.position]
     assert isinstance(step, ByKey)
     key = step.field or "id"
-    return [one for one in value if getattr(one, key) == step.wanted][0]  # noqa: RUF015 - a LookupError
+    return [one for one in value if getattr(one, key) == step.key][0]  # noqa: RUF015 - a LookupError
 
 
 def written(message: Message, path: FieldPath, value: Any) -> Message:
@@ -67,7 +68,7 @@ def _number(items: list[Any], kind: str, step: Step) -> int:
         return step.position
     assert isinstance(step, ByKey)
     key = step.field or "id"
-    found = [number for number, one in enumerate(items) if getattr(one, key) == step.wanted]
+    found = [number for number, one in enumerate(items) if getattr(one, key) == step.key]
     if not found:
-        items.append(Message(**{**vars(blank(kind)), key: step.wanted}))
+        items.append(Message(**{**vars(blank(kind)), key: step.key}))
     return found[0] if found else len(items) - 1

@@ -14,7 +14,7 @@ import pytest
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.checking import check_files
-from eddi_scaffold.deployments.topics import Member
+from eddi_scaffold.deployments.support import wired
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.data_files import ORACLES
@@ -73,7 +73,7 @@ def _of_robots(case: Case) -> list[Problem]:
     """Return what the wiring of robots in namespaces shows beside their files."""
     rows = [row for row in case.content["monitors"] if row.get("namespace")]
     members = [
-        Member(monitors_of(None, [case.folder / row["config"]])[0][0], row["namespace"])
+        wired(monitors_of(None, [case.folder / row["config"]])[0][0], row["namespace"])
         for row in rows
     ]
     return check_wiring(members)

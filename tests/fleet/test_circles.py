@@ -6,10 +6,10 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import has_errors
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.joining import join, packages_of
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.platforms import chosen
 from tests.fleet.circles import Robots

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import pytest
 from hypothesis import settings
 
-from eddi_scaffold.config.message_types import fields_of
+from eddi_scaffold.config.field_types import fields_of
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
 from tests.ros1.world import RUNTIME

@@ -13,12 +13,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.conditions.analysis import analyse
 from eddi_scaffold.conditions.report import as_json, as_text
 from eddi_scaffold.conditions.standalone import generate
-from eddi_scaffold.config.message_types import known_messages
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.topic_block import read_block, rewritten
 from eddi_scaffold.connect.draft import entry
 from eddi_scaffold.connect.keeping import Draft, topics_of, with_draft
@@ -30,11 +29,12 @@ from eddi_scaffold.deployments.drawing import picture_of_fleet
 from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams import drawn
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds import TODO
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.exports import written_into
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import checked_models, read_models
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.survey import survey_of
 from eddi_scaffold.mros import MrosSyntaxError, read_ros_models, read_rossystem
 from eddi_scaffold.mros.show import model_json, model_tree, system_json, system_tree

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import monitor_of
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "consert-yaml.md"

@@ -12,8 +12,8 @@ from eddi_runtime.history import EDDIInputBase
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.config.file import from_json
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.yaml_text.nodes import Map, Scalar, read_document
 from eddi_scaffold.yaml_text.spans import inside_scalar

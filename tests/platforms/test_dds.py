@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.config.message_types import known_messages, ros2_messages
+from eddi_scaffold.monitors.message_types import known_messages, ros2_messages
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
 from eddi_scaffold.platforms.dds import type_hash

@@ -15,7 +15,7 @@ import yaml
 
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.ros_packages import packages as package_names
+from eddi_scaffold.platforms import ros_packages as package_names
 from tests.cli.command import EXAMPLE, ROOT, run
 from tests.kinds.examples import EXAMPLES
 

@@ -8,8 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.config.message_types import known_messages
 from eddi_scaffold.kinds import kinds
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms import chosen  # noqa: F401 - loads what commands load
 from eddi_scaffold.recordings.bags import read_bag

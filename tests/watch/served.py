@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 
+from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.watch.fleet import FleetState
 from eddi_scaffold.watch.following import seconds
 from eddi_scaffold.watch.messages import DIAGNOSTICS, DIAGNOSTICS_TOPIC, Message
-from eddi_scaffold.watch.page import pictures_of, view_of
+from eddi_scaffold.watch.page import view_of
 from eddi_scaffold.watch.page_server import Feed, open_server
 from tests.watch.recorded import ROBOT, warehouse
 

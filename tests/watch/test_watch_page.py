@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
+from eddi_scaffold.cli.watch import pictures_of
 from eddi_scaffold.diagrams import Diagram, DiagramNode
 from eddi_scaffold.watch.messages import Message
-from eddi_scaffold.watch.page import pictures_of, verdict_graph
+from eddi_scaffold.watch.page import verdict_graph
 from tests.watch.recorded import ROBOT
 from tests.watch.served import Fleet, diagnostics, serving
 

@@ -43,23 +43,15 @@ class Case(NamedTuple):
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One code.
+    """One code."""
 
-    Attributes:
-        code: the letter of its area, and three digits.
-        title: a few words.
-        why: why it matters.
-        fix: what helps.
-        cases: name -> what is printed; the name is empty where there is one case only.
-        absorbed: codes of before that mean this one.
-    """
-
-    code: str
-    title: str
-    why: str
-    fix: str
+    code: str  # the letter of its area, and three digits
+    title: str  # a few words
+    why: str  # why it matters
+    fix: str  # what helps
+    # name -> what is printed; the name is empty where there is one case only
     cases: dict[str, Case]
-    absorbed: tuple[str, ...]
+    absorbed: tuple[str, ...]  # codes of before that mean this one
 
     @property
     def levels(self) -> list[Level]:

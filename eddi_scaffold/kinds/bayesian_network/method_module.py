@@ -9,9 +9,9 @@ from itertools import pairwise
 
 from eddi_scaffold.common.escaping import parse_shallow, python_comment, python_literal
 from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, plural, problem
 from eddi_scaffold.kinds import (
-    TODO,
     EditableMethod,
     EditableModule,
     InputType,

@@ -40,7 +40,7 @@ def _status(event: Any) -> StatusReading:
     if event.verdict == _FALSE:
         reasons = ("the condition is FALSE",)
     verdict = Verdict(event.id, state_of(active=event.active, known=not unknown), reasons)
-    return StatusReading((verdict,), accepted=tuple(event.accepted), whole=False)
+    return StatusReading((verdict,), accepted=tuple(event.accepted), is_complete=False)
 
 
 def _recognises(source: Source) -> bool:

@@ -146,6 +146,6 @@ def uses_of(program: Program) -> Mapping[str, tuple[Use, ...]]:
     """
     uses_of_variable: dict[str, tuple[Use, ...]] = {}
     for result in program.results:
-        for name, more in uses(program, result.operation, wanted=not result.hazard).items():
+        for name, more in uses(program, result.operation, side=not result.hazard).items():
             uses_of_variable[name] = (*uses_of_variable.get(name, ()), *more)
     return uses_of_variable

@@ -65,7 +65,7 @@ bool active
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
 _NUMBER = Meaning(
-    given=(ValidityField("ReliabilityOutput", "valid", value=True),),
+    valid_where=(ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",
     instead=f"{_THRESHOLD}, or `valid AND ...`",
     known=(("valid", True),),

@@ -9,13 +9,13 @@ from typing import ClassVar
 
 from eddi_scaffold.common.claims import Claim, Element, Meanings
 from eddi_scaffold.common.files import Source, next_to, read_source
+from eddi_scaffold.common.identifiers import TODO
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import read_document, recognises
 from eddi_scaffold.kinds import (
-    TODO,
     JsonValue,
     Model,
     ModelDraft,

@@ -171,7 +171,7 @@ def _meanings(message: str) -> dict[str, Meaning]:
             (True,), refused="an omission is also silence", instead=f"NOT of it, or {in_scope}"
         ),
         "odd_violation": Meaning(
-            given=(ValidityField(message, "omission", value=False),),
+            valid_where=(ValidityField(message, "omission", value=False),),
             refused="`odd_violation` has no meaning while there is no verdict",
             instead=f"{in_scope}, or `NOT omission` with it",
             known=verdict,

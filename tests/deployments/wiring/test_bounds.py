@@ -26,7 +26,7 @@ def chain(folder: Path, *ages: str, frequency: float = 2.0) -> list[WiredMonitor
         text = text.replace("type: ConSert,", f"type: ConSert, frequency: {frequency},")
         configs.append(folder / f"m{k}_config.yml")
         configs[-1].write_text(text, "utf-8")
-    return [one.participant for one in members_of(monitors_of(None, configs)[0])]
+    return members_of(monitors_of(None, configs)[0])
 
 
 def test_a_chain_adds_a_period_for_each_monitor(tmp_path: Path) -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.problems import EddiError, Problem
-from eddi_scaffold.deployments.topics import Member, deployment, shared_by_robots
+from eddi_scaffold.deployments.support import WiredMonitor, wired
+from eddi_scaffold.deployments.topics import Deployment, shared_by_robots
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 from tests.cli.command import example
@@ -32,13 +33,13 @@ EDDIOutputs: [{{id: out, topic: {topic}}}]
 
 def member(
     folder: Path, id_: str, topic: str, sources: str, input_: str, namespace: str = ""
-) -> Member:
+) -> WiredMonitor:
     (folder / f"{id_}.yml").write_text(CONSERT.format(), "utf-8")
     config = folder / f"{id_}_config.yml"
     text = CONFIG.format(id=id_, sources=sources, input=input_, topic=topic)
     config.write_text(text, "utf-8")
     (monitor,), _ = monitors_of(None, [config])
-    return Member(monitor, namespace)
+    return wired(monitor, namespace)
 
 
 def codes(problems: list[Problem]) -> list[str]:
@@ -71,7 +72,7 @@ def test_a_relative_topic_stays_with_its_robot(tmp_path: Path) -> None:
     guarantee = "  - {id: b, type: eddi_messages.ConSertOutput, topic: base/out}"
     field = "requires: [b], field: 'guarantees[G].active'"
     user = member(tmp_path, "user", "user/out", guarantee, field, "/r2")
-    together = deployment([*base, user])
+    together = Deployment([*base, user])
     (source,) = user.config.config.SimulatorOutputs
     found = together.publisher(user, source)
     assert found is not None
@@ -86,7 +87,7 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
         "EDDIOutputs: [", "EDDIOutputs: [{id: g, topic: base/g, field: 'guarantees[G].active'}, "
     )
     path.write_text(text, "utf-8")
-    base = Member(monitors_of(None, [path])[0][0])
+    base = wired(monitors_of(None, [path])[0][0])
     source = "  - {id: g, type: std_msgs.Bool, topic: base/g}"
     good = member(tmp_path, "good", "good/out", source, "requires: [g]")
     bad = member(tmp_path, "bad", "bad/out", source, 'expression: "NOT g.data"')
@@ -97,7 +98,7 @@ def test_a_value_alone_is_not_read(tmp_path: Path) -> None:
             "read `guarantees[G].active` of eddi_messages/ConSertOutput, on the topic of the"
             " whole message of base"
         )
-        assert codes(check_wiring([base], [reader.participant])) == ["D001"]
+        assert codes(check_wiring([base], [reader])) == ["D001"]
 
 
 def test_class_names_are_the_ids_that_others_read(tmp_path: Path) -> None:

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.kinds import Model, ReadResult, kinds
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
 
 KIND = kinds()["bayesian_network"]

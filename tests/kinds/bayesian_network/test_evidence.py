@@ -14,7 +14,7 @@ from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.ros1 import monitor_answers
-from eddi_scaffold.ros_packages.messages import messages_of
+from eddi_scaffold.platforms.ros_packages import messages_of
 from tests.data_files import data_file
 from tests.kinds.bayesian_network.networks import running
 from tests.kinds.bayesian_network.test_network import EXAMPLE

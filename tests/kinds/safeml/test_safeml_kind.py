@@ -16,8 +16,8 @@ from eddi_scaffold.kinds.safeml import KIND
 from eddi_scaffold.kinds.safeml.safeml_model import DEFAULT_INPUT, SafeMLModel
 from eddi_scaffold.kinds.safeml.scope import Plan
 from eddi_scaffold.kinds.safeml.show import detectable_shift
+from eddi_scaffold.platforms.ros_packages import messages_of
 from eddi_scaffold.recordings.playing import compiled
-from eddi_scaffold.ros_packages.messages import messages_of
 from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
 
 _CHANCE = random.Random(11)

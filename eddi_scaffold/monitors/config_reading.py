@@ -26,8 +26,8 @@ from eddi_scaffold.common.problems import (
     problem,
 )
 from eddi_scaffold.config import values
+from eddi_scaffold.config.field_types import MessageFields, used
 from eddi_scaffold.config.file import MODEL_KEYS, ConfigFile, about_file
-from eddi_scaffold.config.message_types import MessageFields, used
 from eddi_scaffold.config.schema import Config, Entry, ModelSection
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.kinds import kinds
@@ -46,14 +46,11 @@ _NO_OUTPUTS = (
 
 @dataclass(frozen=True)
 class RobotAdditions:
-    """What models of a robot add to a configuration.
+    """What models of a robot add to a configuration."""
 
-    Attributes:
-        outputs: the entries of ``SimulatorOutputs`` as they are written -> those that count.
-        types: message type -> fields, of the specifications next to the node models.
-    """
-
+    # the entries of `SimulatorOutputs` as they are written -> those that count
     outputs: Callable[[Any], Any] = lambda entries: entries
+    # message type -> fields, of the specifications next to the node models
     types: MessageFields = field(default_factory=dict)
 
 
@@ -100,9 +97,9 @@ def read_config(
     try:
         config = Config.model_validate(data)
     except ValidationError as failed:
-        told = {problem.place for problem in open_values}
+        reported = {problem.place for problem in open_values}
         violations = values.violations(failed, places, source.name, Config)
-        wrong = [violation for violation in violations if violation.place not in told]
+        wrong = [violation for violation in violations if violation.place not in reported]
         known = _of_known_keys(data, failed) if partly else None
         if known is None:
             return None, in_order([*problems, *wrong])

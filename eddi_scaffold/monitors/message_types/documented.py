@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
-from eddi_scaffold.config.message_types import Fields, element
+from eddi_scaffold.config.field_paths import Attribute, ByName, FieldPath, FieldsOf, Index
+from eddi_scaffold.config.field_types import Fields, element
 
 _ROW = re.compile(
     r"(?P<unit>\S+)(?: (?P<low>[^.\s]+)\.\.(?P<high>[^.\s]+))?(?P<inf> inf)?"
@@ -20,20 +21,14 @@ NONE = "none"
 
 @dataclass(frozen=True)
 class Documented:
-    """What is known of a field.
+    """What is known of a field."""
 
-    Attributes:
-        units: one, or those of which the joint decides; none when the field has no unit.
-        range: least and greatest measurement.
-        limits: the same as paths of fields in the message.
-        infinite: infinities are measurements.
-        unless: path of a field and the value by which it marks that there is no measurement.
-    """
-
+    # one, or those of which the joint decides; none when the field has no unit
     units: tuple[str, ...] = ()
-    range: tuple[float, float] | None = None
-    limits: tuple[str, str] | None = None
-    infinite: bool = False
+    range: tuple[float, float] | None = None  # least and greatest measurement
+    limits: tuple[str, str] | None = None  # the same as paths of fields in the message
+    infinite: bool = False  # infinities are measurements
+    # path of a field and the value by which it marks that there is no measurement
     unless: tuple[str, float] | None = None
 
 
@@ -62,12 +57,25 @@ def documented(
     return None
 
 
+def documented_at(path: FieldPath, message: str, fields_of: FieldsOf) -> Documented | None:
+    """Return the documentation of the field at the end of a path that has its keys."""
+    names: list[str] = []
+    for step in path:
+        if isinstance(step, Attribute):
+            names.append(step.name)
+        elif isinstance(step, ByName):
+            names.append(f"{step.values}[]")
+        else:
+            names[-1] += f"[{step.position}]" if isinstance(step, Index) else "[]"
+    return documented(message, names, fields_of)
+
+
 def _row(message: str, path: Sequence[str]) -> Documented | None:
     rows = _rows().get(message, {})
     exact = ".".join(path)
     every = re.sub(r"\[[0-9]+\]", "[]", exact)
     parent, _, _ = every.rpartition(".")
-    return next((rows[one] for one in (exact, every, f"{parent}.*") if one in rows), None)
+    return next((rows[name] for name in (exact, every, f"{parent}.*") if name in rows), None)
 
 
 def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
@@ -86,17 +94,17 @@ def _seen_from(row: Documented, before: Sequence[str]) -> Documented:
 @cache
 def _rows() -> Mapping[str, Mapping[str, Documented]]:
     """Return message type -> path -> its documentation."""
-    found: dict[str, dict[str, Documented]] = {}
+    rows: dict[str, dict[str, Documented]] = {}
     of = ""
     for line in (files(__package__) / "units.txt").read_text("utf-8").splitlines():
         if line.startswith("    "):
             paths, _, text = line.strip().partition(": ")
             documented = _parse_row(text)
-            found[of].update((path, documented) for name in paths.split() for path in _paths(name))
+            rows[of].update((path, documented) for name in paths.split() for path in _paths(name))
         elif line and not line.startswith("#"):
             of = line
-            found[of] = {}
-    return found
+            rows[of] = {}
+    return rows
 
 
 def _paths(name: str) -> Iterator[str]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import rospkg
 
 from eddi_scaffold.common.files import read_regular
-from eddi_scaffold.config.message_types import Fields, fields_of
+from eddi_scaffold.config.field_types import Fields, fields_of
 
 _PARTS = (
     "Action", "ActionFeedback", "ActionGoal", "ActionResult", "Feedback", "Goal", "Result",

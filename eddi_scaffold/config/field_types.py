@@ -1,18 +1,12 @@
-"""Message types of a configuration as tables of fields: names with types as in ``.msg`` files.
+"""Types of the fields of messages, as ``.msg`` files write them.
 
 A type is ``float64``, ``geometry_msgs/Point``, or one of these with ``[]`` or ``[9]`` behind it.
-The common messages travel with eddi-scaffold, so that the same configuration gives the same package
-on a machine with ROS and on one without.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from functools import cache
-from importlib.resources import files
-
-from eddi_scaffold.kinds import kinds
 
 Fields = Mapping[str, str]
 """Field -> type; constants are none."""
@@ -46,12 +40,7 @@ _TYPE = re.compile(r"([A-Za-z][\w/]*)(\[\d*\])?")
 
 
 def fields_of(text: str, package: str = "") -> dict[str, str]:
-    """Read the fields of a ``.msg`` text.
-
-    Args:
-        text: the definition.
-        package: of the message, which names of the same package leave out.
-    """
+    """Read the fields of a ``.msg`` text of a package, whose name types of its own leave out."""
     return {name: _qualified(of, package) for of, name in _FIELD.findall(text)}
 
 
@@ -107,35 +96,6 @@ def packages_of(texts: Iterable[str]) -> list[str]:
     return sorted({of.partition("/")[0] for of in types if "/" in of})
 
 
-@cache
-def common_messages() -> MessageFields:
-    """Return message type -> fields of std_msgs, common_msgs and geometry2 of ROS 1."""
-    lines = (files(__package__) / "common.txt").read_text("utf-8").splitlines()
-    messages: dict[str, Fields] = {}
-    for line in lines:
-        if line and not line.startswith("#"):
-            name, _, text = line.partition(":")
-            pairs = (part.split() for part in text.split(",") if part.strip())
-            messages[name] = {field: of for of, field in pairs}
-    return messages
-
-
-def line_of(name: str, fields: Fields) -> str:
-    """Return the line of the table for one message."""
-    return f"{name}: {', '.join(f'{of} {field}' for field, of in fields.items())}".rstrip()
-
-
-@cache
-def known_messages() -> MessageFields:
-    """Return the fields of the common messages of ROS 1 and of our own ``eddi_messages``."""
-    own = {
-        f"eddi_messages/{name}": fields_of(text, "eddi_messages")
-        for kind in kinds().values()
-        for name, text in kind.all_messages.items()
-    }
-    return {**TIMES, **common_messages(), **own}
-
-
 def used(types: Iterable[str], known: MessageFields) -> dict[str, dict[str, str]]:
     """Return those of the known messages that are needed to follow any path into some types."""
     needed: dict[str, dict[str, str]] = {}
@@ -147,51 +107,3 @@ def used(types: Iterable[str], known: MessageFields) -> dict[str, dict[str, str]
             needed[name] = dict(known[name])
             waiting += known[name].values()
     return dict(sorted(needed.items()))
-
-
-_WORDS = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
-_CHANGED: dict[str, Fields] = {
-    "builtin_interfaces/Time": {"sec": "int32", "nanosec": "uint32"},
-    "builtin_interfaces/Duration": {"sec": "int32", "nanosec": "uint32"},
-    "std_msgs/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
-}
-_LOWER_CASE = ("sensor_msgs/CameraInfo", "stereo_msgs/DisparityImage")
-_OTHER = (
-    "shape_msgs/SolidPrimitive",
-    "visualization_msgs/Marker",
-    "visualization_msgs/MarkerArray",
-)
-"""Not the same in all releases."""
-_GONE = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics", "std_msgs/Duration", "std_msgs/Time")
-
-
-def ros2_messages(known: dict[str, Fields]) -> dict[str, Fields]:
-    """Return the fields of message types in ROS 2; types that it does not have are left out.
-
-    Args:
-        known: type -> fields, as ROS 1 has them.
-    """
-    return {name: _fields(name, of) for name, of in known.items() if not _is_gone(name)} | _CHANGED
-
-
-def ros2_fields(fields: Fields) -> dict[str, str]:
-    """Return fields with the times of ROS 2."""
-    return {name: _renamed(of) for name, of in fields.items()}
-
-
-def _fields(name: str, fields: Fields) -> Fields:
-    lower = name in _LOWER_CASE
-    return {field.lower() if lower else field: of for field, of in ros2_fields(fields).items()}
-
-
-def _renamed(of: str) -> str:
-    item = element(of) or of
-    return _WORDS.get(item, item) + of[len(item) :]
-
-
-def _is_gone(name: str) -> bool:
-    package, _, message = name.partition("/")
-    action = package in ("nav_msgs", "tf2_msgs") and message.startswith(
-        ("GetMap", "LookupTransform")
-    )
-    return action or name in (*_GONE, *_OTHER, *TIMES)

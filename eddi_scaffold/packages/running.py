@@ -20,8 +20,8 @@ from eddi_runtime.plain_values import one_line
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import is_package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.config.field_types import python_type
 from eddi_scaffold.config.file import ConfigFile, from_json
-from eddi_scaffold.config.message_types import known_messages, python_type
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -29,6 +29,7 @@ from eddi_scaffold.monitors.compiling import CompiledModule
 from eddi_scaffold.monitors.facts import MonitorFacts
 from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.monitors.input_binding import InputBinding, fits
+from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.handwritten import written
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, read_answers
 from eddi_scaffold.recordings.messages import Message, blank

@@ -1,0 +1,374 @@
+"""What packages of ROS 1, ROS 2 and DDS have in common: messages, their classes, package names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+import rospkg
+
+from eddi_scaffold import __version__
+from eddi_scaffold.common.identifiers import taken_by_python
+from eddi_scaffold.common.problems import EddiError, Place, Problem
+from eddi_scaffold.config.field_types import (
+    MessageFields,
+    element,
+    fields_of,
+    is_primitive,
+    packages_of,
+)
+from eddi_scaffold.config.file import from_json
+from eddi_scaffold.config.schema import SimulatorOutput
+from eddi_scaffold.kinds import JsonValue, kinds
+from eddi_scaffold.monitors.answers import identity_answers, shared_answers
+from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
+from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
+from eddi_scaffold.monitors.nodes import MonitorNode, node_of
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, read_respelt
+from eddi_scaffold.platforms import VENDORED, Choices, PackageAnswers, runtime_of
+from eddi_scaffold.program.runtime_parts import LIFE_CYCLE, PEERS, runtime_parts_of, with_needed
+from eddi_scaffold.regions.package import LINK, entries
+
+_DIAGNOSTICS = ("/diagnostics", "diagnostic_msgs/DiagnosticArray")
+_ARROWS = {"publishers": "pub", "subscribers": "sub"}
+
+
+def interfaces_of(
+    published: Iterable[Publication],
+    subscribed: Iterable[SimulatorOutput],
+    between_robots: dict[str, str],
+) -> list[JsonValue]:
+    """Return the sections of a node that are not empty: its topics, each once, sorted."""
+    sections = {
+        "publishers": dict(
+            [*((topic.output.topic, topic.type) for topic in published), _DIAGNOSTICS]
+        )
+        | between_robots,
+        "subscribers": {topic.topic: topic.type for topic in subscribed} | between_robots,
+    }
+    return [
+        {
+            "section": section,
+            "topics": [{"topic": name, "type": _named(of)} for name, of in sorted(topics.items())],
+        }
+        for section, topics in sections.items()
+        if topics
+    ]
+
+
+def nodes_of(monitors: Mapping[str, Mapping[str, Any]]) -> list[JsonValue]:
+    """Return the nodes of a workspace, but for those that an earlier release made."""
+    return [
+        {
+            "name": name,
+            "interfaces": [
+                {"direction": _ARROWS[part["section"]], "topic": topic["topic"]}
+                for part in answers["interfaces"]
+                for topic in part["topics"]
+            ],
+        }
+        for name, answers in sorted(monitors.items())
+        if answers.get("interfaces")
+    ]
+
+
+def specs_of(messages: Mapping[str, str]) -> Sequence[JsonValue]:
+    """Return the fields of messages, without comments and constants."""
+    return [
+        {
+            "name": name,
+            "fields": [_field(*field) for field in fields_of(text, MESSAGE_PACKAGE).items()],
+        }
+        for name, text in sorted(messages.items())
+    ]
+
+
+def _field(name: str, type_: str) -> str:
+    item = element(type_) or type_
+    if item == "std_msgs/Header":
+        written = "Header"  # a word of the language, which needs no model of std_msgs
+    else:
+        written = item if is_primitive(item) else f"'{_named(item)}'"
+    return f"{written}{type_.removeprefix(item)} {name}"
+
+
+def _named(type_: str) -> str:
+    """Return a type as in the models: ``std_msgs/msg/Bool``."""
+    return type_.replace("/", "/msg/")
+
+
+RUNTIME = "eddi_runtime"
+ROSDEP_KEY = "python3-eddi-runtime-pip"
+"""The runtime library as a distribution that is installed."""
+LAUNCHER = "eddi_monitor_launcher"
+_MANIFESTS = frozenset(["package.xml", "manifest.xml"])
+
+
+def taken_names(
+    root: Path | None,
+    environment: Iterable[str],
+    ignoring: str,
+    imported: Iterable[str],
+    own: Iterable[str] = (),
+) -> Mapping[str, str]:
+    """Return package names that must not be used, with the reason.
+
+    Packages of the environment and of the workspace count, those below ``root`` do not: they are
+    our own. Without ``root`` no package of ours counts: it may be the one that is meant.
+    """
+    inside = _manifests(root.parent, ignoring) if root is not None else ()
+    ours = root.resolve() if root is not None else None
+    taken: dict[str, str] = {}
+    sourced = "; a terminal in which its workspace is not sourced does not see it"
+    for paths, end in ((inside, ""), (environment, sourced)):
+        for name, place in _packages(paths):
+            if not (place.is_relative_to(ours) if ours is not None else _is_ours(place)):
+                taken.setdefault(name, f"the ROS package {name} is in {place}{end}")
+    taken |= taken_by_python()
+    taken |= dict.fromkeys(imported, "it would hide a module that every ROS node imports")
+    generated = (MESSAGE_PACKAGE, LAUNCHER, RUNTIME, *own)
+    return taken | dict.fromkeys(generated, "eddi-scaffold generates a package of this name itself")
+
+
+def _packages(paths: Iterable[str]) -> Iterator[tuple[str, Path]]:
+    """Yield the packages of ROS paths; a path with a damaged manifest has none."""
+    for path in paths:
+        folder = rospkg.RosPack([path])
+        with suppress(rospkg.InvalidManifest):
+            yield from ((name, Path(folder.get_path(name)).resolve()) for name in folder.list())
+
+
+def _manifests(source: Path, ignoring: str) -> Iterator[str]:
+    """Yield the folders of a workspace that hold a manifest, as rospkg finds them.
+
+    It would follow every link, and one to `/` is the whole machine: here a link leads to one
+    package, or to a repository with packages directly in it.
+    """
+    places = {PurePosixPath(name): kind for name, kind in entries(source, {".git"})}
+    leaves = {path.parent for path in places if path.name in {*_MANIFESTS, ignoring}}
+    for path, kind in sorted(places.items()):
+        inner = path if kind == LINK else path.parent
+        if leaves.isdisjoint(inner.parents):
+            if kind is None and path.name in _MANIFESTS:
+                yield str(source / path.parent)
+            elif kind == LINK:
+                manifests = [
+                    *(source / path).glob("package.xml"),
+                    *(source / path).glob("*/package.xml"),
+                ]
+                yield from (str(manifest.parent) for manifest in manifests if manifest.is_file())
+
+
+def _is_ours(package: Path) -> bool:
+    """Return whether a package was generated, also where it is installed."""
+    try:
+        manifest = (package / "package.xml").read_text("utf-8", "replace")
+    except OSError:  # of the time before catkin, which is older than ours
+        return False
+    return any(
+        f"<exec_depend>{dependency}</exec_depend>" in manifest
+        for dependency in (RUNTIME, ROSDEP_KEY)
+    )
+
+
+_RELEASE = ".".join(__version__.split(".")[:3])
+"""Version of these packages: they come with the generator."""
+_MAINTAINED = ("maintainer_name", "maintainer_email", "license")
+
+
+def package_answers(
+    template: str,
+    name: str,
+    description: str,
+    monitors: Mapping[str, Mapping[str, JsonValue]],
+    /,
+    **more: JsonValue,
+) -> dict[str, JsonValue]:
+    """Return the answers of one such package; who maintains a monitor, maintains it too."""
+    answers = {"template": template, **identity_answers(name, description, None), **more}
+    answers["package_version"], nobody = _RELEASE, answers["maintainer_email"]
+    for package in sorted(monitors, reverse=True):
+        maintainer = {
+            key: monitors[package][key] for key in _MAINTAINED if key in monitors[package]
+        }
+        answers |= maintainer if maintainer.get("maintainer_email") != nobody else {}
+    return answers
+
+
+def runtime_parts(monitors: Mapping[str, Mapping[str, JsonValue]]) -> set[str]:
+    """Return the parts of the runtime that monitors need."""
+    return {part for answers in monitors.values() for part in _parts(answers)}
+
+
+def _parts(answers: Mapping[str, JsonValue]) -> Sequence[str]:
+    needed = runtime_parts_of(str(answers["compiled"]))
+    asked = {"fleet": PEERS, "lifecycle": LIFE_CYCLE}
+    return with_needed([*needed, *(part for name, part in asked.items() if answers.get(name))])
+
+
+_OURS = frozenset({"Input", "Output", "RosNode", "EDDIInput", "EDDIMonitor", "MonitorNode"})
+
+
+def classes_of(node: MonitorNode) -> dict[str, str]:
+    """Return message type -> Python name of its class; whole messages of ours keep their module."""
+    values = [topic.type for topic in node.published if topic.path]
+    classes = _class_names([*(source.type for source in node.heard), *values])
+    return classes | {p.type: _in_module(p.type) for p in node.published if not p.path}
+
+
+def class_of(type_: str, classes: Mapping[str, str]) -> str:
+    """Return the Python name of a message class."""
+    return classes.get(type_, _in_module(type_))
+
+
+def packages_of_classes(classes: Mapping[str, str]) -> list[str]:
+    """Return the packages of message types, sorted, without our own."""
+    return sorted({name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE})
+
+
+def _in_module(type_: str) -> str:
+    return type_.replace("/", ".msg.")
+
+
+def _class_names(types: Iterable[str]) -> dict[str, str]:
+    """Return message type -> Python name; equal names of two packages get the package before."""
+    unique = sorted(set(types))
+    names = [name.partition("/")[2] for name in unique]
+    return {
+        full: name if names.count(name) == 1 and name not in _OURS else full.replace("/", "_")
+        for full, name in zip(unique, names, strict=True)
+    }
+
+
+def imports_of(classes: Mapping[str, str]) -> list[str]:
+    """Return the lines that import these classes."""
+    lines = []
+    for full, name in sorted(classes.items()):
+        package, _, message = full.partition("/")
+        if name.startswith("eddi_messages.msg."):
+            continue
+        alias = "" if name == message else f" as {name}"
+        lines.append(f"from {package}.msg import {message}{alias}")
+    return lines
+
+
+def messages_of(monitors: Mapping[str, Mapping[str, JsonValue]]) -> dict[str, str]:
+    """Return message name -> text.
+
+    Raises:
+        EddiError: a monitor listens to a message that another one wants spelt otherwise (G026).
+    """
+    texts = {name: text for kind in kinds().values() for name, text in kind.all_messages.items()}
+    waiting: list[str] = []
+    read_by: dict[str, str] = {}
+    respelt: dict[str, str] = {}
+    for package, answers in monitors.items():
+        kind = kinds()[str(answers["kind"])]
+        waiting += kind.messages
+        if answers["config_json"]:
+            config = from_json(str(answers["config_json"]), "the configuration of a package").config
+            waiting += kind.between_robots if config.Fleet is not None else ()
+            respelt |= kind.respelt(config.Model.model_extra or {})
+            types = (entry.type.partition("/") for entry in config.SimulatorOutputs)
+            read_by |= {name: package for of, _, name in types if of == MESSAGE_PACKAGE}
+    for name in read_by.keys() & respelt.keys():
+        raise EddiError(read_respelt(name, Place(read_by[name])))
+    texts |= respelt
+    waiting += read_by
+    needed: dict[str, str] = {}
+    while waiting:
+        name = waiting.pop()
+        if name in texts and name not in needed:
+            needed[name] = texts[name]
+            waiting += [
+                line.partition(" ")[0].partition("[")[0] for line in texts[name].split("\n")
+            ]
+    return needed
+
+
+def types_of(monitor: BoundMonitor) -> MessageFields:
+    """Return the message types of ROS 2 that a configuration may name, as the monitor has them."""
+    assert monitor.config is not None, "a node needs a configuration"
+    options = monitor.config.config.Model.model_extra or {}
+    respelt = {
+        f"{MESSAGE_PACKAGE}/{name}": fields_of(text, MESSAGE_PACKAGE)
+        for name, text in monitor.kind.respelt(options).items()
+    }
+    known = known_types(monitor.config, ros2_messages({**known_messages(), **respelt}))
+    return {name: ros2_fields(fields) for name, fields in known.items()}
+
+
+def monitor_package(
+    monitor: BoundMonitor,
+    known: MessageFields,
+    template: str,
+    inside: str,
+    choices: Choices,
+    *,
+    is_ros2: bool = False,
+) -> tuple[PackageAnswers, MonitorNode, list[Problem]]:
+    """Return the package of one monitor, its node, and all that is wrong with what it reads.
+
+    Args:
+        monitor: it has a configuration.
+        known: message type -> fields.
+        template: of the package.
+        inside: folder in it that holds that of the modules, with a slash; empty for none.
+        choices: where the runtime is, and what else a person may choose.
+        is_ros2: topics have a quality of service, nodes may have a life cycle.
+    """
+    monitor, problems = bound_to(monitor, known)
+    node = node_of(monitor)
+    classes, folder = classes_of(node), f"{inside}{monitor.package}/"
+    answers = {**shared_answers(monitor, template, folder), **choices}
+    answers["message_packages"] = [*packages_of_classes(classes)]
+    answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
+    answers["message_imports"] = [*imports_of(classes)]
+    answers |= node.answers(partial(class_of, classes=classes), has_qos=is_ros2)
+    if is_ros2:
+        answers["lifecycle"] = node.config.config.Model.lifecycle
+    answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
+    files = {f"{folder}{name}": of for name, of in monitor.compiled.tables.items()}
+    package = PackageAnswers(monitor.package, answers, files)
+    return package, node, [*problems, *node.problems]
+
+
+def support_packages(
+    monitors: Mapping[str, Mapping[str, JsonValue]],
+    templates: Sequence[str],
+    launcher: Mapping[str, JsonValue] | None = None,
+    parts: Iterable[str] = (),
+) -> list[PackageAnswers]:
+    """Return messages, launcher, and the runtime library where a monitor needs it in the workspace.
+
+    Args:
+        monitors: package -> its answers.
+        templates: of these, in this order.
+        launcher: further answers of the launcher.
+        parts: of the runtime, which are needed as well.
+    """
+
+    def package(place: int, name: str, description: str, **more: JsonValue) -> PackageAnswers:
+        template = templates[place]
+        return PackageAnswers(name, package_answers(template, name, description, monitors, **more))
+
+    texts = messages_of(monitors)
+    title = "Messages of the EDDI runtime monitors"
+    start = "Launch file that starts every EDDI runtime monitor of this workspace"
+    messages = {
+        "messages": [{"name": name, "text": texts[name]} for name in sorted(texts)],
+        "specs": specs_of(texts),
+        "message_packages": packages_of(texts.values()),
+    }
+    nodes = {"monitors": sorted(monitors), **(launcher or {}), "nodes": nodes_of(monitors)}
+    packages = [
+        package(0, MESSAGE_PACKAGE, title, **messages),
+        package(1, LAUNCHER, start, **nodes),
+    ]
+    if runtime_of(monitors) == VENDORED:
+        title, needed = "Runtime library of the EDDI monitors", runtime_parts(monitors) | {*parts}
+        packages.append(package(2, RUNTIME, title, parts=sorted(needed)))
+    return packages
