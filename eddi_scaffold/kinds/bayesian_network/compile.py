@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 
+from eddi_runtime.bayesian_network.readers import Declaration as Declared
+
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
     WIDE,
@@ -139,10 +141,11 @@ def _source_lines(
                 "direct.DirectReader", [literal(node.states)], virtual=str(options.virtual)
             )
         else:
-            arguments = entry.reader_arguments(node.states)
-            texts = {key: literal(value) for key, value in arguments.items()}
-            spec = call("readers.Declaration", [texts.pop("missing")], **texts)
-            remembers = arguments.get("hysteresis", 0.0) > 0.0 or arguments.get("policy") == "hold"
+            usual = Declared(entry.reader.missing)._asdict()
+            arguments = entry.reader._asdict().items()
+            texts = {key: literal(value) for key, value in arguments if value != usual[key]}
+            spec = call("readers.Declaration", [str(entry.reader.missing)], **texts)
+            remembers = entry.reader.hysteresis > 0.0 or entry.reader.policy == "hold"
             reader = call(
                 "memory.Remembering" if remembers else "readers.Discretiser", [spec, place]
             )

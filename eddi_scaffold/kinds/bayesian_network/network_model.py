@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import PurePath
 from typing import Any, ClassVar
 
@@ -29,7 +30,6 @@ from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import (
     NetworkOptions,
-    default_options,
     read_options,
 )
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
@@ -67,9 +67,10 @@ _MEANINGS: Meanings = {
 """Message -> field, with all below it -> its meaning."""
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
 _BEYOND = (
-    ("out_of_range", "clamp", "the nearest value in range"),
-    ("allow_inf", True, "the outermost bin"),
+    ("clamp", "out_of_range", "clamp", "the nearest value in range"),
+    ("allow_inf", "allow_inf", "true", "the outermost bin"),
 )
+"""Field of the runtime's declaration, key and value in a configuration, what is accepted."""
 
 
 @dataclass(frozen=True)
@@ -82,9 +83,6 @@ class NetworkModel(Model):
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        """Read a network by itself, or look at a module of hand-written methods."""
-        if PurePath(source.name).name == method_module.FILE:
-            return ReadResult((), tuple(in_order(method_module.lint(source))))
         suffix = PurePath(source.name).suffix.lower()
         is_text = suffix == ".bif" and not is_xml(source)
         network, problems = read_bif(source) if is_text else _read_xml(source, suffix)
@@ -109,10 +107,12 @@ class NetworkModel(Model):
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
         return _MEANINGS
 
-    @property
+    @cached_property
     def settings(self) -> NetworkOptions:
         """The options, by default those without a configuration."""
-        return default_options(self.data) if self.options is None else self.options
+        settings = self.options or read_options(self.data, None)[0]
+        assert settings is not None, "a checked network needs no configuration"
+        return settings
 
     def check(self) -> Sequence[Problem]:
         """Return what the readers do not see: names that an export must change."""
@@ -211,7 +211,7 @@ class NetworkModel(Model):
         accepted = []
         for entry in self.settings.declarations:
             path = ("Model", "discretisation", entry.node)
-            policy, source = entry.data.get("missing"), input_of[entry.input]
+            policy, source = entry.reader.policy, input_of[entry.input]
             if policy in _POLICIES and (policy != "default" or source.default is not None):
                 lasts, seconds = "while it is unknown", None
                 if policy == "hold" and isinstance(source.max_age, float):
@@ -220,13 +220,11 @@ class NetworkModel(Model):
                 text, key = f"{_POLICIES[policy]} of {entry.node}", f"missing: {policy}"
                 place = (*path, "missing")
                 accepted.append(Acceptance(key, text, lasts, seconds, entry.input, place))
-            for name, value, what in _BEYOND:
-                if entry.data.get(name) == value:
-                    text, key = f"{what} of {entry.node}", f"{name}: {value}".lower()
-                    place = (*path, name)
-                    accepted.append(
-                        Acceptance(key, text, "while it is so", None, entry.input, place)
-                    )
+            for field_, name, value, what in _BEYOND:
+                if getattr(entry.reader, field_):
+                    text, key, place = f"{what} of {entry.node}", f"{name}: {value}", (*path, name)
+                    lasts = "while it is so"
+                    accepted.append(Acceptance(key, text, lasts, None, entry.input, place))
         return accepted
 
     def elements(self) -> Sequence[Element]:
