@@ -48,7 +48,7 @@ def compile_safeml(
     )
     lines += _thresholds(plan)
     hold, backend = settings.on_omission == "hold", settings.array_backend
-    lines += _constants(hold=hold, max_age=options.max_age, single=plan.spec.single)
+    lines += _constants(hold=hold, max_age=options.max_age, single=plan.single)
     if backend != "numpy":
         lines += _constants(array_backend=backend)
     rows, features = reference.rows.shape

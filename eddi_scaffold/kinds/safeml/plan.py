@@ -16,9 +16,7 @@ from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate
 from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Design,
-    DesignSpec,
     Plan,
-    Planned,
     ReferenceSample,
     Rows,
     SafeMLSettings,
@@ -45,15 +43,16 @@ _LISTED = 10
 
 
 @lru_cache(maxsize=8)
-def plan(settings: SafeMLSettings, reference: ReferenceSample, *, single: bool) -> Planned:
+def plan(
+    settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
+) -> tuple[Plan | None, tuple[Problem, ...]]:
     """Find tests and thresholds; ``single``: samples come as float32.
 
     Returns:
         The plan, ``None`` when a problem is an error (L004 to L008), and all problems (to L013).
     """
     planner = _Planner(settings, reference, single=single)
-    plan = planner.plan()
-    return Planned(plan, tuple(planner.problems))
+    return planner.plan(), tuple(planner.problems)
 
 
 class _Planner:
@@ -77,7 +76,7 @@ class _Planner:
             return None
         halves = self.streams or settings.n_components is not None
         _, other = split(self.rows, halves=halves)
-        constant = self._check_features()
+        self._check_features()
         if self.streams and len(other) < (needed := max(2 * m, (m - 1) * settings.stride + 1)):
             self._report("L008", "calibration", needed=2 * needed, rows=len(self.rows))
         elif len(self.rows) < 2 * m:
@@ -86,10 +85,15 @@ class _Planner:
         components = self._components(other)
         if has_errors(self.problems):
             return None
-        residual = components is not None and components < self.rows.shape[1]
-        residual = residual and settings.residual_test
-        spec = DesignSpec(components, settings.standardize, residual, halves, self.single)
-        design = Design(self.rows, spec)
+        leaves_something = components is not None and components < self.rows.shape[1]
+        design = Design(
+            self.rows,
+            components=components,
+            standardize=settings.standardize,
+            residual=leaves_something and settings.residual_test,
+            halves=halves,
+            single=self.single,
+        )
         comparison = Comparison(settings.metric, design.reference, m)
         n, level = comparison.n, settings.significance_level / comparison.tests
         if not can_fire(settings.metric, n, m, level):
@@ -114,8 +118,8 @@ class _Planner:
             self._report("L007.drift", "reference_sample_file")
             return None
         plan = Plan(
-            settings, spec, design, n, level, critical, calibration, threshold, method,
-            autocorrelation(design.series(self.rows)), constant,
+            settings, design, self.single, level, critical, calibration, threshold, method,
+            autocorrelation(design.series(self.rows)),
         )  # fmt: skip
         self._warn(plan)
         return plan
@@ -123,8 +127,8 @@ class _Planner:
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: Any) -> None:
         self.problems.append(problem(case, self.settings.place(key), hint=hint, **fields))
 
-    def _check_features(self) -> tuple[int, ...]:
-        """Return the features that never change; report them, and those that are equal."""
+    def _check_features(self) -> None:
+        """Report the features that never change, and those that are equal."""
         rows, key = self.rows, "reference_sample_file"
         constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
         if constant:
@@ -138,7 +142,6 @@ class _Planner:
         if pairs:
             shown = ", ".join(pairs[:_LISTED])
             self._report("L010.equal", key, pairs=shown, same=_more(pairs))
-        return tuple(constant)
 
     def _components(self, other: Rows) -> int | None:
         settings, requested = self.settings, self.settings.n_components

@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, read_e
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import NAME, Plan, Planned, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.scope import NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -64,7 +64,7 @@ class SafeMLModel(Model):
         return {message: _meanings(message) for message in ("SafeMLOutput", "SafeMLStatus")}
 
     def check(self) -> Sequence[Problem]:
-        return self._plan_unconfigured().problems
+        return self._plan_unconfigured()[1]
 
     def counts(self) -> Mapping[str, int]:
         settings, (rows, features) = self.data.settings, self.data.reference.rows.shape
@@ -102,15 +102,15 @@ class SafeMLModel(Model):
         types = [name for item in inputs[:1] for name in item.messages]
         is_single = any(not name.startswith("std_msgs/Float64") for name in types)
         single = settings.input_dtype == "float32" or (settings.input_dtype == "auto" and is_single)
-        planned = plan(settings, self.data.reference, single=single)
-        problems += planned.problems
-        if planned.plan is None or has_errors(problems):
+        planned, faults = plan(settings, self.data.reference, single=single)
+        problems += faults
+        if planned is None or has_errors(problems):
             return None, problems
         max_age = settings.max_age
         if max_age is None and options.frequency is not None:
             max_age = _PERIODS / options.frequency
         input_id = inputs[0].id if inputs else DEFAULT_INPUT
-        connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
+        connection = SafeMLOptions(planned, input_id, max_age, options.frequency)
         return replace(self, name=options.id or self.name, options=connection), problems
 
     def inputs(self) -> Sequence[ModelInput]:
@@ -142,14 +142,14 @@ class SafeMLModel(Model):
         assert self.options is not None, "it was configured"
         return self.options
 
-    def _plan_unconfigured(self) -> Planned:
+    def _plan_unconfigured(self) -> tuple[Plan | None, Sequence[Problem]]:
         settings = self.data.settings
         single = settings.input_dtype == "float32"
         return plan(settings, self.data.reference, single=single)
 
     def _plan(self) -> Plan | None:
         """Return the configured plan, or that without a configuration; ``None`` on an error."""
-        return self._plan_unconfigured().plan if self.options is None else self.options.plan
+        return self._plan_unconfigured()[0] if self.options is None else self.options.plan
 
     def _inputs(self, name: str) -> Sequence[ModelInput]:
         features = self.data.reference.rows.shape[1]
