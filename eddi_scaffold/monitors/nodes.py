@@ -76,9 +76,7 @@ class MonitorNode:
     ) -> dict[str, JsonValue]:
         """Return the answers that the templates of all nodes ask for.
 
-        Args:
-            class_of: message type -> name of its class in the generated module.
-            has_qos: topics of the transport have a quality of service.
+        ``class_of``: message type -> name of its class in the generated module.
         """
         model = self.config.config.Model
         taken_each = {  # some input takes every message of these topics, not the latest one

@@ -236,13 +236,7 @@ def _by_rounding(texts: Sequence[str]) -> float:
 def unsupported(
     nodes: Iterable[tuple[str, Named]], advice: Mapping[str, str], otherwise: str
 ) -> list[Problem]:
-    """Return one problem for each type of nodes that no monitor can have (B202).
-
-    Args:
-        nodes: the type of each, as the file calls it, and its name.
-        advice: type -> what to do.
-        otherwise: what to do with all other types.
-    """
+    """Return one problem for each type of nodes that no monitor can have (B202)."""
     names: dict[str, list[Named]] = {}
     for type_, node in nodes:
         names.setdefault(type_, []).append(node)

@@ -94,15 +94,10 @@ def find_tree(
     trials: int = 8,
     narrow: Collection[int] = (),
 ) -> Tree:
-    """Return the cheapest tree of a fixed number of trials.
+    """Return the tree of the smallest cost of a fixed number of trials.
 
-    Args:
-        shape: the network.
-        part: one of its components.
-        cost: of a tree; smaller is better.
-        trials: 50 trials find trees with 20 % fewer operations than 8, in six times the time;
-            large parts get fewer.
-        narrow: inputs that mostly have no axis.
+    50 trials find trees with 20 % fewer operations than 8, in six times the time; large parts get
+    fewer. Inputs that are ``narrow`` mostly have no axis.
     """
     leaves = _leaves(shape, part, mask_of(narrow))
     cards = tuple(1 if node in narrow else card for node, card in enumerate(shape.cards))
@@ -239,13 +234,7 @@ def smallest_table(node: int, neighbours: Mapping[int, int], cards: Sequence[int
 
 
 def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> tuple[int, ...]:
-    """Return the nodes of some tables in a good order; ties go to the lower number.
-
-    Args:
-        masks: the nodes of each table.
-        cards: number of states of each node.
-        rule: the node with the smallest value is next.
-    """
+    """Return the nodes of some tables by the value of a rule; ties go to the lower number."""
     neighbours: dict[int, int] = {}
     for mask in masks:
         for node in bits(mask):

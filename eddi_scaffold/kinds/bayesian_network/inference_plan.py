@@ -165,15 +165,7 @@ def foreseen(
     tables: bool = True,
     trials: int = _TRIALS,
 ) -> Program:
-    """Return the inference for nodes that are known beforehand.
-
-    Args:
-        network: the network.
-        outputs: numbers of the nodes whose posterior is asked for.
-        observable: numbers of the nodes that may be observed.
-        tables: use joint tables where they are small; False is for tests.
-        trials: of the search for a good order.
-    """
+    """Return the inference for nodes that are known beforehand, by number."""
     shape, parts, when_observed = network.shape, [], []
     asked_for, observed = _set(outputs), _set(observable)
     for plan in _plans(shape, asked_for, observed, trials):

@@ -63,13 +63,7 @@ def _text(element: Element | None) -> str:
 
 
 def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
-    """Read the network of a parsed XDSL file, whose root must be ``smile``.
-
-    Args:
-        root: document element.
-        file: name of the file, for places.
-        stem: name of a network that has none.
-    """
+    """Read the network of a parsed XDSL file, whose root must be ``smile``."""
     reader = _XdslReader(root, file)
     if feature_of(root) != "smile":
         reader.report("B201.root", root, root=feature_of(root))

@@ -140,14 +140,7 @@ class Steps:
     def _groups(
         self, message: Message, parts: Sequence[Edge], axes: Axes, order: Mapping[Edge, Axes]
     ) -> Groups:
-        """Return the groups of a product, each in the order of its result or of its parts.
-
-        Args:
-            message: the product.
-            parts: its two parts.
-            axes: of the result.
-            order: axes that are settled.
-        """
+        """Return the groups of a product, each in the order of its result or of its parts."""
         first, second = (self._messages[part].mask for part in parts)
         mask = first & second & ~message.mask
         settled = next((order[part] for part in parts if part in order), tuple(bits(mask)))

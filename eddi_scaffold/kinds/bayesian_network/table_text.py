@@ -24,10 +24,7 @@ def look_up_lines(
 ) -> list[str]:
     """Return a function: rows of each table -> the look-up, states -> a row of each table.
 
-    Args:
-        name: of the function.
-        tables: (position of an input, distance between the rows of its states), for each table.
-        about: what each table is of, as comments.
+    A table is given by (position of an input, distance between the rows of its states).
     """
     rows = [f"t{k}" for k in range(len(tables))]
     lines = [f"    # t{k}: {of}" for k, of in enumerate(about)]
@@ -53,13 +50,8 @@ def total_lines(
 ) -> list[str]:
     """Return a function: one vector for each axis -> the sum of all products with a table.
 
-    Args:
-        name: of the function.
-        rows: the table.
-        counts: numbers of each axis that are summed; what lies beyond is left out.
-        strides: distance between two rows of each axis.
-        axes: what each of them is, as comments.
-        states: what each number of a row is, as comments.
+    ``counts`` numbers of each axis are summed, whose rows are ``strides`` apart; ``axes`` and
+    ``states`` (of a row) are comments.
     """
     lines = [f"def {name}(v):"]
     for axis, count in enumerate(counts):

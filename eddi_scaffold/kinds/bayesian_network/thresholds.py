@@ -91,13 +91,7 @@ class Threshold:
 def read_thresholds(
     network: Network, options: Options, discretised: Collection[str]
 ) -> tuple[list[Threshold], list[Problem]]:
-    """Check the section ``evidence`` (B303, B305, B404).
-
-    Args:
-        network: whose nodes it names.
-        options: the configuration.
-        discretised: nodes whose states are observed.
-    """
+    """Check the section ``evidence`` (B303, B305, B404)."""
     section, reader = options.values.get("evidence"), EntryReader(options, "evidence")
     thresholds: list[Threshold] = []
     if section is None:

@@ -96,14 +96,7 @@ def compile_consert(
     *,
     limit: int = STRAIGHT_LINE_LIMIT,
 ) -> CompiledMonitor:
-    """Compile a configured ConSert.
-
-    Args:
-        consert: what is compiled.
-        options: of its configuration.
-        declaration: of the monitor.
-        limit: size above which step and path sets are left to the runtime.
-    """
+    """Compile a ConSert; beyond the limit, step and path sets are left to the runtime."""
     return _Compilation(consert, options, declaration).compiled(limit)
 
 

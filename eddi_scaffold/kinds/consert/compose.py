@@ -107,10 +107,7 @@ class _Need:
 
 
 def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
-    """Put ConSerts together.
-
-    Args:
-        instances: name and checked model of each; a model may be there several times.
+    """Put ConSerts together, each under a name; a model may be there several times.
 
     Raises:
         EddiError: two instances have one name (C007).

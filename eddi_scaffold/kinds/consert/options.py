@@ -93,18 +93,11 @@ def _wrong(options: Options) -> Iterator[Problem]:
 def with_default_guarantees(
     conserts: Sequence[ConSert], marks: Sequence[str], file: str
 ) -> tuple[tuple[ConSert, ...], list[Problem]]:
-    """Mark guarantees as default ones, before the ConSerts are checked.
+    """Mark guarantees of a file as default ones, before the ConSerts are checked.
 
     DEIS 2019 knows default guarantees, which hold always; neither the EDDI nor the YAML of SESAME
-    D7.2 can mark them, and not everybody may change the file.
-
-    Args:
-        conserts: all ConSerts of a file.
-        marks: ``ID``, or ``CONSERT/ID`` where several ConSerts have that id.
-        file: the file, for messages.
-
-    Returns:
-        The ConSerts with their marks; an error (C008) for each mark that fits none or several.
+    D7.2 can mark them, and not everybody may change the file. A mark is ``ID``, or ``CONSERT/ID``
+    where several ConSerts have that id; one that fits none or several is an error (C008).
     """
     chosen: set[tuple[str, str]] = set()
     problems: list[Problem] = []
@@ -131,12 +124,7 @@ def with_default_guarantees(
 
 
 def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) -> set[str]:
-    """Return what is reported of marks that a file lacks and another one of these files has.
-
-    Args:
-        files: the ConSerts of each file.
-        marks: all of the command line.
-    """
+    """Return what is reported of marks that a file lacks and another one of these files has."""
     known = [mark for mark in marks if any(_named(conserts, mark) for conserts in files)]
     fields = ({"mark": mark, "guarantee": shown(mark)} for mark in known)
     return {problem("C008.no_guarantee", **each).message for each in fields}

@@ -38,12 +38,7 @@ _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.IN
 def read_eddi(
     document: EddiDocument, source: Source, default_guarantees: Sequence[str] = ()
 ) -> tuple[tuple[ConSert, ...], list[Problem]]:
-    """Read every ConSert of a document, in document order.
-
-    Args:
-        document: the parsed file.
-        source: the same file; its stem names a ConSert without a name.
-        default_guarantees: ids, or ``CONSERT/ID``, of guarantees that are marked as default.
+    """Read every ConSert of a document; the file's stem names one without a name.
 
     Returns:
         The ConSerts without an error of the XML form, and all problems found. A file without
@@ -286,12 +281,8 @@ class _ConSertReader:
     ) -> Iterator[tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]]:
         """Yield id, type, members, place of services, and to what they are allocated.
 
-        Args:
-            elements: demands or guarantees, which may refer to their services.
-            link: the feature with which they do.
-            feature: where services stand, also those of the configuration around a ConSert.
-            member: the feature in which these list their members.
-            allocations: what refers to services of the other kind, and where these stand.
+        Demands or guarantees refer to their services with ``link``; services, also those of the
+        configuration around a ConSert, list these in ``member``.
         """
         members: dict[Element, list[str]] = {}
         for element in elements:

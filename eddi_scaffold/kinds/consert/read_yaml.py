@@ -67,10 +67,6 @@ class _Form(NamedTuple):
 def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
     """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
 
-    Args:
-        source: the YAML file.
-        name: name of the ConSert; the stem of the file when ``None``.
-
     Returns:
         A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
         read (checking would report its consequences); and all problems (C001 to C006).
@@ -229,13 +225,9 @@ def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None
 def _list_of(
     read: Read, item: str, *, may_be_empty: bool = False, substitute: object = None
 ) -> Read:
-    """Return what reads a list, of which a faulty item is replaced, or makes all of it faulty.
+    """Return what reads a list; a faulty item is substituted, or makes all of it faulty.
 
-    Args:
-        read: reads an item.
-        item: what it is, by its ``number``, by ``what`` the list is, or by what the list is in.
-        may_be_empty: it may have no item.
-        substitute: of a faulty item.
+    An item is named by its ``number``, by ``what`` the list is, or by what the list is in.
     """
 
     def read_list(reader: _Reader, node: y.Node, what: str, owner: str) -> tuple[Any, ...] | None:

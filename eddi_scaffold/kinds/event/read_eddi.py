@@ -88,11 +88,6 @@ def _rate(text: str) -> float | None:
 def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[tuple[str, str]]]:
     """Return the map that holds the events of a file.
 
-    Args:
-        name: of the model.
-        events: of the file.
-        place: in the file.
-
     Raises:
         EddiError: a comment is not on a line of its own, or there is a bare expression (X031).
     """

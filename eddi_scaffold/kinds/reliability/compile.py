@@ -184,29 +184,33 @@ class _Classes:
                     Item(literal(failed), behind=str(state))
                     for state, failed in enumerate(component.sets)
                 )
-                ahead = self._ahead(component.chain)
+                if self.time.moving or not self.states:  # the chain finds what lies ahead
+                    ahead: Part = self._chain("Chain", component.chain, self.about)
+                else:
+                    rows = rows_ahead(component.chain, self.time.horizon)
+                    ahead = call("rotors.Rows", [rows_of_states(component.chain, rows)])
                 return call("rotors.Propulsion", [ahead, sets, literal(component.inputs)], **repair)
             case Battery():
-                return self._battery(component, repair)
+                states, level = component.chain.states, text_literal(component.level)
+                arcs = tuple_of(
+                    Item(literal(arc), behind=f"{states[arc[0]]} to {states[arc[1]]}")
+                    for arc in component.chain.arcs
+                )
+                pairs = zip(states, mean_times(component.chain), strict=True)
+                lives = tuple_of(Item(number(life), behind=state) for state, life in pairs)
+                fields: list[Part] = [level, arcs, lives, number(self.time.horizon)]
+                return call("battery.Battery", fields, **repair, **_heat(component.heat))
             case Processor():
                 load = {} if component.load is None else {"load": literal(component.load)}
                 age = {"age": number(component.age)} if component.age else {}
                 numbers = [number(component.mean), number(component.shape)]
                 return call("processor.Processor", numbers, **_heat(component.heat), **load, **age)
             case KOutOfN():
-                fields = (component.k, component.rate, component.largest, component.available)
-                return call("units.KOutOfN", map(literal, fields))
+                return call("units.KOutOfN", map(literal, component))
             case Series():
                 return call("series.Series", map(text_literal, component.parts))
             case FaultTree():
                 return self._tree(component)
-
-    def _ahead(self, chain: Chain) -> Part:
-        """Return what lies ahead of each state; where the horizon changes, the chain finds it."""
-        if self.time.moving or not self.states:
-            return self._chain("Chain", chain, self.about)
-        rows = rows_ahead(chain, self.time.horizon)
-        return call("rotors.Rows", [rows_of_states(chain, rows)])
 
     def _chain(self, name: str, chain: Chain, about: str) -> str:
         """Write the class of a chain; return the call that constructs one."""
@@ -215,17 +219,6 @@ class _Classes:
         self.lines += [f"# {about}"] if about else []
         self.lines += [*write(name, chain, self.time), "", ""]
         return f"{name}()"
-
-    def _battery(self, battery: Battery, repair: dict[str, Part]) -> Part:
-        states = battery.chain.states
-        arcs = tuple_of(
-            Item(literal(arc), behind=f"{states[arc[0]]} to {states[arc[1]]}")
-            for arc in battery.chain.arcs
-        )
-        pairs = zip(states, mean_times(battery.chain), strict=True)
-        lives = tuple_of(Item(number(life), behind=state) for state, life in pairs)
-        fields: list[Part] = [text_literal(battery.level), arcs, lives, number(self.time.horizon)]
-        return call("battery.Battery", fields, **repair, **_heat(battery.heat))
 
     def _tree(self, tree: FaultTree) -> Part:
         orders = []
@@ -279,7 +272,15 @@ def tree_lines(
         if not is_written_out or (not diagram.coherent and (observed or models)):
             yield "    # Nodes (variable, high, low) of each module, and its root."
             yield from assignment("modules", literal(table(diagram)), 4)
-    yield from _laws(events)
+    values = [_law(event) for event in events]
+    yield from ("", "    def laws(self, age, horizon):")
+    if any("until" in text for text in values):
+        yield "        until = age + horizon"
+    if any("expm1" in text for text in values):
+        yield "        expm1 = tree.expm1"
+    abouts = [_about(event.name, event.place) for event in events]
+    laws = (Item(text, behind=about) for text, about in zip(values, abouts, strict=True))
+    yield from returned(Group("[", tuple(laws), "]"), 8)
     if diagram is not None and is_written_out:
         for method, of_failure in (("failure", True), ("survival", False)):
             yield from ("", f"    def {method}(self, q):")
@@ -293,20 +294,6 @@ def table(diagram: Diagram) -> tuple[object, ...]:
         (tuple((number_of.get(v, v), high, low) for v, high, low in module.nodes), module.root)
         for module in diagram.modules
     )
-
-
-def _laws(events: Sequence[Event]) -> Iterator[str]:
-    values = [_law(event) for event in events]
-    yield from ("", "    def laws(self, age, horizon):")
-    if any("until" in text for text in values):
-        yield "        until = age + horizon"
-    if any("expm1" in text for text in values):
-        yield "        expm1 = tree.expm1"
-    rows = (
-        Item(text, behind=_about(event.name, event.place))
-        for text, event in zip(values, events, strict=True)
-    )
-    yield from returned(Group("[", tuple(rows), "]"), 8)
 
 
 def _law(event: Event) -> str:

@@ -40,8 +40,7 @@ def read_system(
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
     """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
 
-    Returns:
-        The system, None after an error (R001, R002, R004, R005), and all problems.
+    The system is None after an error (R001, R002, R004, R005).
     """
     before = base or ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)

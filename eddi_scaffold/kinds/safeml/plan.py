@@ -46,11 +46,7 @@ _LISTED = 10
 def plan(
     settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
 ) -> tuple[Plan | None, tuple[Problem, ...]]:
-    """Find tests and thresholds; ``single``: samples come as float32.
-
-    Returns:
-        The plan, ``None`` when a problem is an error (L004 to L008), and all problems (to L013).
-    """
+    """Find tests and thresholds (L004 to L013); ``single``: samples come as float32."""
     planner = _Planner(settings, reference, single=single)
     return planner.plan(), tuple(planner.problems)
 

@@ -48,12 +48,7 @@ def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | N
 
 
 def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem]]:
-    """Read a reference sample.
-
-    Returns:
-        The reference, ``None`` when a problem is an error (L004), and all problems. Line and
-        column of a place are the row and the column of the cell.
-    """
+    """Read a reference sample; a place of a problem (L004) is the row and the column of a cell."""
     try:
         text = source.text("L004")
     except EddiError as refused:

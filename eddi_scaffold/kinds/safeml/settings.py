@@ -33,11 +33,7 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]:
-    """Read a configuration.
-
-    Returns:
-        The settings, ``None`` when a problem is an error (L001), and all problems.
-    """
+    """Read a configuration, ``None`` when a problem is an error (L001)."""
     root, problems = read_map(source, "L001")
     if root is None:
         return None, problems

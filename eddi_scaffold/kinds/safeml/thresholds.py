@@ -27,9 +27,8 @@ _LARGE, _SMALL = 1e250, 1e-250
 def theoretical(metric: Metric, n: int, m: int, level: float) -> tuple[float, str]:
     """Return the critical value of one test and how it was found.
 
-    Returns:
-        Kolmogorov-Smirnov: the whole number n m D, ``exact`` or ``asymptotic``. The others: the
-        statistic, ``limit``.
+    It is the whole number n m D of Kolmogorov-Smirnov (``exact`` or ``asymptotic``), or the
+    statistic (``limit``).
     """
     if metric != "ks":
         return critical_value(metric, level, n, m), "limit"
@@ -185,9 +184,8 @@ def critical_value(metric: str, level: float, n: int, m: int) -> float:
 def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, float]], float]:
     """Return the law of ``cvm`` or ``ad`` for samples of n and m.
 
-    Returns:
-        (critical value, level), ascending values; and the growth of the value per unit of
-        -ln(level) beyond them. Both are empty where the statistic has no variance.
+    That are (critical value, level), ascending values, and the growth of the value per unit of
+    -ln(level) beyond them; both are empty where the statistic has no variance.
     """
     _, variance = moments(metric, n, m)
     if variance <= 0.0:
