@@ -15,7 +15,6 @@ from eddi_scaffold.kinds.consert.consert import (
     ConSert,
     Demand,
     Evidence,
-    Range,
 )
 from eddi_scaffold.kinds.consert.graph import written_paths
 from eddi_scaffold.kinds.consert.options import ConSertOptions
@@ -255,7 +254,11 @@ def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
         texts = dimension.covered
         constructor = call("consert.Categorical", map(text_literal, texts))
         return Leaf(node.id, TEXT, "is_covered", texts, constructor, f"good: {' or '.join(texts)}")
-    ranges = tuple(_interval(covered, input_.factor) for covered in dimension.covered)
+    ranges = []
+    for covered in dimension.covered:
+        start, end = _in_unit(covered.start, input_.factor), _in_unit(covered.end, input_.factor)
+        start = start if covered.start_inclusive else math.nextafter(start, math.inf)
+        ranges.append(Interval(start, end, covered.inclusive))
     text = " or ".join(covered.text() for covered in dimension.covered)
     text += f" {dimension.uom}" if dimension.uom else ""
     if input_.factor is not None:
@@ -263,15 +266,7 @@ def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
         text = f"{' or '.join(ends)}, which is {text}"
     rows = (tuple_of([number(r.start), number(r.end), str(r.closed)]) for r in ranges)
     constructor = call("consert.Numeric", [tuple_of(rows), text_literal(text)])
-    return Leaf(node.id, NUMBER, "is_within", ranges, constructor, f"good: {text}")
-
-
-def _interval(covered: Range, factor: tuple[int, int] | None) -> Interval:
-    """Return a range in the unit of the input."""
-    start, end = _in_unit(covered.start, factor), _in_unit(covered.end, factor)
-    if not covered.start_inclusive:
-        start = math.nextafter(start, math.inf)
-    return Interval(start, end, covered.inclusive)
+    return Leaf(node.id, NUMBER, "is_within", tuple(ranges), constructor, f"good: {text}")
 
 
 def _in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:

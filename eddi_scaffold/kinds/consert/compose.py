@@ -6,7 +6,7 @@ not matter, and units are converted exactly.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
@@ -140,11 +140,25 @@ class _Composer:
                 self.needs.append(self._demand(name, demand, types.get(demand.id, {})))
         for name, consert in instances:
             for service in consert.required_services:
-                self.needs.append(self._service(name, service.id, service.functional_service_type))
+                type_ = service.functional_service_type
+                others = sorted(name for of, name in self.provided if of == type_)
+                met_by: dict[str, list[str]] = {other: [] for other in others if other != name}
+                reason = f"required service {name}/{service.id} is not provided: "
+                reason += f"no other ConSert provides a service of type {type_}"
+                self.needs.append(_Need(name, service.id, False, [type_], reason, met_by))
         self.rounds = self._rounds()
 
     def composition(self) -> Composition:
         rounds = dict.fromkeys(dict(self.instances), len(self.instances)) | self.rounds
+        count = Counter((need.is_demand, need.id) for need in self.needs)
+        unmatched = {
+            is_demand: tuple(
+                need.id if count[is_demand, need.id] == 1 else need.name
+                for need in self.needs
+                if need.is_demand == is_demand and not need.met_by
+            )
+            for is_demand in (True, False)
+        }
         return Composition(
             composable=len(self.rounds) == len(self.instances),
             order=tuple(self.rounds),
@@ -159,8 +173,8 @@ class _Composer:
                 for need in self.needs
                 if need.is_demand and need.met_by
             },
-            unmatched_demands=tuple(self._unmatched(is_demand=True)),
-            unmatched_services=tuple(self._unmatched(is_demand=False)),
+            unmatched_demands=unmatched[True],
+            unmatched_services=unmatched[False],
             reasons=(*self._unmet_reasons(), *self._waiting_reasons()),
             problems=tuple(self._wrong_allocations()),
         )
@@ -185,15 +199,6 @@ class _Composer:
         need.reason = f"demand {need.name} is not fulfilled: {reason}"
         return need
 
-    def _service(self, instance: str, id_: str, type_: str) -> _Need:
-        need = _Need(instance, id_, is_demand=False, types=[type_])
-        for other_type, other in sorted(self.provided):
-            if other_type == type_ and other != instance:
-                need.met_by[other] = []
-        reason = f"no other ConSert provides a service of type {type_}"
-        need.reason = f"required service {need.name} is not provided: {reason}"
-        return need
-
     def _rounds(self) -> dict[str, int]:
         """Accept in rounds what needs only what has been accepted; instance -> its round."""
         rounds: dict[str, int] = {}
@@ -204,13 +209,6 @@ class _Composer:
             if not ready:
                 return rounds
             rounds |= dict.fromkeys(ready, len(rounds))
-
-    def _unmatched(self, *, is_demand: bool) -> Iterator[str]:
-        needs = [need for need in self.needs if need.is_demand == is_demand]
-        ids = [need.id for need in needs]
-        for need in needs:
-            if not need.met_by:
-                yield need.id if ids.count(need.id) == 1 else need.name
 
     def _unmet_reasons(self) -> Iterator[str]:
         """Yield why needs are not met; a type that nobody has may be a slip."""

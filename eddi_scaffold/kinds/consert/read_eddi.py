@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -30,8 +30,6 @@ MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
 _FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
 _IDS = Spelling("Id"), Spelling("gid")
-_COMMON = (*_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS)
-"""Every object of an ODE model may have these; they are known and not used."""
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
@@ -113,8 +111,22 @@ class _ConSertReader:
         if number > MAX_NODES:
             self.findings.report("X003.nodes", self.element, number=number, limit=MAX_NODES)
             return None
-        guarantees = [self._guarantee(element) for element in children[names.GUARANTEES]]
-        demands = [self._demand(element) for element in children[names.DEMANDS]]
+        place, dimensions = self.document.place, self.dimensions
+        guarantees = [
+            Guarantee(
+                self._id(element),
+                dimensions.read(element),
+                self._description(element),
+                bool(dimensions.boolean(element, names.DEFAULT)),
+                self._ranking(element),
+                place(element),
+            )
+            for element in children[names.GUARANTEES]
+        ]
+        demands = [
+            Demand(self._id(e), dimensions.read(e), self._description(e), place(e))
+            for e in children[names.DEMANDS]
+        ]
         evidence = [self._evidence(element) for element in children[names.EVIDENCE]]
         gates = [self._gate(element) for element in children[names.GATES]]
         invariants = [self._gate(element, "Invariant") for element in children[names.INVARIANT]]
@@ -181,16 +193,6 @@ class _ConSertReader:
     def _description(self, element: Element) -> str | None:
         return self.document.attribute(element, names.DESCRIPTION) or None
 
-    def _guarantee(self, element: Element) -> Guarantee:
-        return Guarantee(
-            self._id(element),
-            self.dimensions.read(element),
-            self._description(element),
-            bool(self.dimensions.boolean(element, names.DEFAULT)),
-            self._ranking(element),
-            self.document.place(element),
-        )
-
     def _ranking(self, element: Element) -> int | None:
         text = self.document.attribute(element, names.RANKING)
         digits = (text or "0").strip().removeprefix("-").removeprefix("+")
@@ -199,10 +201,6 @@ class _ConSertReader:
             self.findings.report("X011.integer", element, **fields)
             return None
         return None if text is None else int(text)
-
-    def _demand(self, element: Element) -> Demand:
-        id_, dimensions = self._id(element), self.dimensions.read(element)
-        return Demand(id_, dimensions, self._description(element), self.document.place(element))
 
     def _evidence(self, element: Element) -> Evidence:
         id_, place = self._id(element), self.document.place(element)
@@ -320,66 +318,41 @@ class _ConSertReader:
         return owner if is_older else None
 
 
-_PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
-_ENDS = (names.START, names.END)
-_DIMENSION_TYPES = (names.DIMENSION_TYPE, names.PUBLIC_TYPE)
-_UNITS = (names.UNIT, names.PUBLIC_UNIT)
-_KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
-    names.CONSERTS: (
-        *(*_NODES, names.PROPAGATIONS),
-        *(names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES),
-    ),
-    names.GUARANTEES: (
-        *(names.PROVIDED_SERVICE, names.DEFAULT, names.RANKING, names.REQUIREMENT),
-        *_PROPERTY_PARTS,
-    ),
-    names.DEMANDS: (
-        *(names.REQUIRED_SERVICE, names.RELATIONS, names.REQUIREMENT),
-        *_PROPERTY_PARTS,
-    ),
-    names.EVIDENCE: (names.EVENTS, names.REQUIREMENT, *_PROPERTY_PARTS),
-    names.GATES: (names.GATE_TYPE,),
-    names.INVARIANT: (names.GATE_TYPE,),
-    names.PROPAGATIONS: (names.SOURCE, names.TARGET),
-    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION, names.REQUIREMENT),
-    names.SAFETY_PROPERTIES: (names.REFINEMENT, names.INTEGRITY_LEVEL),
-    names.DIMENSION: (
-        *(*_DIMENSION_TYPES, names.COVERED, names.SUBSET, *_UNITS, names.VALUE),
-        *_ENDS,
-    ),
-    names.COVERED: (names.VALUE, *_ENDS, names.INCLUSIVE),
-    names.START: (names.INCLUSIVE, names.VALUE),
-    names.END: (names.INCLUSIVE, names.VALUE),
-    names.VALUE: (names.NUMBER, names.NUMBER_TYPE, names.EPSILON),
-    names.RELATIONS: (names.RELATION_TYPE, names.DIMENSION),
-    names.DIMENSION_TYPE: (),
-    names.PUBLIC_TYPE: (),
-    names.REFINEMENT: (),
-}
-"""Feature -> what an object there may have besides the common names."""
+_OBJECTS = (
+    *_NODES, names.PROPAGATIONS, names.PROPERTY, names.SAFETY_PROPERTIES, names.DIMENSION,
+    names.COVERED, names.START, names.END, names.VALUE, names.RELATIONS, names.DIMENSION_TYPE,
+    names.PUBLIC_TYPE, names.REFINEMENT,
+)  # fmt: skip
+_KNOWN = (
+    *_OBJECTS, *_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS,
+    names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES, names.PROVIDED_SERVICE, names.DEFAULT,
+    names.RANKING, names.REQUIREMENT, names.INTEGRITY_LEVEL, names.REQUIRED_SERVICE, names.EVENTS,
+    names.GATE_TYPE, names.SOURCE, names.TARGET, names.PROPERTY_TYPE, names.SUBSET, names.UNIT,
+    names.PUBLIC_UNIT, names.INCLUSIVE, names.NUMBER, names.NUMBER_TYPE, names.EPSILON,
+    names.RELATION_TYPE,
+)  # fmt: skip
 
 
 def _check_names(consert: Element, findings: EddiFindings) -> None:
     """Report names below a ConSert that are misspelt or unknown, once per name and file."""
-    waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
+    waiting = [consert]
     while waiting:
-        element, feature = waiting.pop()
-        known = (*_KNOWN[feature], *_COMMON)
+        element = waiting.pop()
         keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
         parts = [("attribute", key, element) for key in keys]
         parts += [("child", local_name(str(child.tag)), child) for child in element.iterchildren()]
-        children: list[tuple[Element, Spelling]] = []
+        children: list[Element] = []
         for kind, name, part in parts:
-            match = next((spelling for spelling in known if spelling.accepts(name)), None)
-            if match is None:
+            matches = [spelling for spelling in _KNOWN if spelling.accepts(name)]
+            if not matches:
                 owner = feature_of(element)
                 findings.count("X006.unknown", part, subject=kind, name=name, owner=owner)
-                continue
-            if not match.is_exact(name):
-                case = "X006.misprint" if is_misprint(name) else "X006.spelling"
-                findings.count(case, part, subject=kind, name=name, meant=match.name)
-            if kind == "child" and match in _KNOWN:
-                children.append((part, match))
+            elif not any(spelling.is_exact(name) for spelling in matches):
+                case, meant = "X006.spelling", matches[0].name
+                case = "X006.misprint" if is_misprint(name) else case
+                findings.count(case, part, subject=kind, name=name, meant=meant)
+            if kind == "child" and not {*matches}.isdisjoint(_OBJECTS):
+                children.append(part)
         waiting += reversed(children)
 
 

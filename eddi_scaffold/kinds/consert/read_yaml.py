@@ -185,18 +185,14 @@ def _or_null(read: Read) -> Read:
     return read_or_null
 
 
-def _boolean(reader: _Reader, node: y.Node, what: str, _owner: str) -> bool | None:
-    value = y.as_bool(node)
-    if value is None:
-        reader.report("C002.boolean", node, subject=what, node=y.describe(node))
-    return value
+def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
+    def read_scalar(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+        value = convert(node)
+        if value is None:
+            reader.report(case, node, subject=what, node=y.describe(node))
+        return value
 
-
-def _integer(reader: _Reader, node: y.Node, what: str, _owner: str) -> int | None:
-    value = y.as_integer(node)
-    if value is None:
-        reader.report("C002.integer", node, subject=what, node=y.describe(node))
-    return value
+    return read_scalar
 
 
 def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> Bound | None:
@@ -301,8 +297,8 @@ _DIMENSIONS = _Field(
     _list_of(_DIMENSION, "a dimension of {owner}", substitute=_UNREADABLE),
     substitute=(_UNREADABLE,),
 )
-_DEFAULT = _Field("default", _boolean, is_optional=True, substitute=False)
-_RANKING = _Field("ranking", _or_null(_integer), is_optional=True)
+_DEFAULT = _Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
+_RANKING = _Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
 _NO_NEGATION = "a ConSert has no negation: describe the negated property as evidence"
 _FUNCTION = _word_of(
     "gate function", ("And", "Or"), dict.fromkeys(("not", "xor", "nand", "nor"), _NO_NEGATION)
