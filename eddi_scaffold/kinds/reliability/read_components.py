@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from eddi_scaffold.common.units import duration, rate
@@ -108,11 +107,24 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
             events[id_] = _event(id_, map_, events.get(id_))
     if not has_own_keys:
         return before  # gates or events may be missing only because their key is misspelt
-    top = before.top if before else entry.text("top") or _only_top(name, entry, gates)
+    top = before.top if before else entry.text("top")
     if top is None:
-        return None
+        used = {below for gate in gates.values() for below in gate.of}
+        tops = [gate for gate in gates if gate not in used]
+        if len(tops) != 1:
+            shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
+            entry.report("R012.top", name=name, tops=shown)
+            return None
+        (top,) = tops
     if not before:
-        _report_undefined(entry, gates, events, top)
+        if top not in gates and top not in events:
+            entry.unknown("gate", top, [*gates, *events], "top")
+        for gate in gates.values():
+            for i, below in enumerate(gate.of):
+                if below not in gates and below not in events:
+                    entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
+        for both in sorted(set(gates) & set(events)):
+            entry.report("R001.gate_and_event", "events", both, KEY, name=both)
     tree = before or FaultTree(top, events, gates)
     age = entry.quantity("age", duration)
     limit = entry.whole("node_limit", 1, 10_000_000)
@@ -138,29 +150,6 @@ def _gates(entry: Values) -> dict[str, Gate]:
         k = map_.whole("k", -(10**9), 10**9)
         gates[name] = Gate(name, kind, map_.texts("of"), k, map_.place())
     return gates
-
-
-def _only_top(name: str, entry: Values, gates: Mapping[str, Gate]) -> str | None:
-    used = {below for gate in gates.values() for below in gate.of}
-    tops = [gate for gate in gates if gate not in used]
-    if len(tops) == 1:
-        return tops[0]
-    shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
-    entry.report("R012.top", name=name, tops=shown)
-    return None
-
-
-def _report_undefined(
-    entry: Values, gates: Mapping[str, Gate], events: Mapping[str, BasicEvent], top: str
-) -> None:
-    if top not in gates and top not in events:
-        entry.unknown("gate", top, [*gates, *events], "top")
-    for gate in gates.values():
-        for i, below in enumerate(gate.of):
-            if below not in gates and below not in events:
-                entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
-    for name in sorted(set(gates) & set(events)):
-        entry.report("R001.gate_and_event", "events", name, KEY, name=name)
 
 
 def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:

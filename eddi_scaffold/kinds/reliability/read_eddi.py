@@ -59,14 +59,27 @@ class _Reader:
         for element in elements:
             kind = self.document.kind_of(element)
             if kind in ("markov_chain", "fault_tree"):
-                self.names[element] = self._unique_name(element)
+                name = unique = self.name_of(element, self.source.stem)
+                numbers = count(2)
+                while unique in self.names.values():
+                    unique = f"{name}#{next(numbers)}"
+                if unique != name:
+                    self.findings.report("R013.same_name", element, name=name)
+                self.names[element] = unique
             if kind == "markov_chain":
                 self._read_chain(element, self.names[element])
             elif kind == "fault_tree":
                 causes = self.document.children(element, word.CAUSES)
                 self.tree_of.update(dict.fromkeys(causes, element))
             elif kind == "state_machine":
-                self._warn_of_machine(element)
+                transitions = self.document.children(element, word.TRANSITIONS)
+                rates = [t for t in transitions if self.document.has_rate(t)]
+                if rates:  # it is no chain by its rates alone
+                    machine, number = self.document.describe(element), len(transitions)
+                    self.findings.report(
+                        "X014.no_chain", rates[0], machine=machine, rates=len(rates), number=number
+                    )
+                self._warn_of_unused(element)
         self.below = {cause: self.targets_of(cause, word.CAUSES) for cause in self.tree_of}
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
         systems: list[ReliabilitySystem] = []
@@ -77,15 +90,6 @@ class _Reader:
             else:
                 systems += self._systems_of_tree(element, name, used)
         return systems
-
-    def _unique_name(self, element: Element) -> str:
-        name = self.document.attribute(element, word.NAME) or self.source.stem
-        taken = set(self.names.values())
-        numbered = (f"{name}#{number}" for number in count(2))
-        if name in taken:
-            self.findings.report("R013.same_name", element, name=name)
-            return next(other for other in numbered if other not in taken)
-        return name
 
     def targets_of(self, element: Element, spelling: Spelling) -> list[Element]:
         elements, problems, _ = self.document.targets(element, spelling)
@@ -136,17 +140,6 @@ class _Reader:
             for child in self.document.children(parent, feature):
                 self.findings.count("X014.of_machine", child, machine=subject, feature=feature.name)
 
-    def _warn_of_machine(self, element: Element) -> None:
-        """Warn of a state machine that is none by its rates alone."""
-        transitions = self.document.children(element, word.TRANSITIONS)
-        rates = [transition for transition in transitions if self.document.has_rate(transition)]
-        if rates:
-            machine, number = self.document.describe(element), len(transitions)
-            self.findings.report(
-                "X014.no_chain", rates[0], machine=machine, rates=len(rates), number=number
-            )
-        self._warn_of_unused(element)
-
     def _arcs(self, transition: Element, states: Mapping[Element, str]) -> Iterator[Arc]:
         sources = self.targets_of(transition, word.FROM_STATES)
         targets = self.targets_of(transition, word.TO_STATES)
@@ -180,13 +173,6 @@ class _Reader:
         self.chains[variant] = replace(component, name=variant, content=content)
         return variant
 
-    def chain_of(self, failure: Element) -> str | None:
-        states = self.states_of.get(failure, [])
-        if len({self.states[state][0] for state in states}) > 1:
-            subject = self.document.describe(failure)
-            self.findings.report("X011.several_chains", failure, failure=subject)
-        return self.chain_with(states) if states else None
-
     def _systems_of_tree(
         self, tree: Element, name: str, used: set[Element]
     ) -> Iterator[ReliabilitySystem]:
@@ -198,7 +184,12 @@ class _Reader:
             if not problems:
                 self.findings.report("X009.top_event", tree, tree=self.document.describe(tree))
             return
-        tops = stated or [cause for cause in free if self._is_output(cause)]
+        outputs = []
+        for cause in free:
+            failures = self.failures_of(cause, word.FAILURE)
+            origins = (self.document.attribute(f, word.ORIGIN_TYPE) or "" for f in failures)
+            outputs += [cause] if "output" in map(fold, origins) else []
+        tops = stated or outputs
         tops = tops or [cause for cause in free if self.is_gate(cause)]
         if not tops and not free and any(order(cause, self.below)[1] for cause in causes):
             tops = causes[:1]  # check names the cycle
@@ -209,11 +200,6 @@ class _Reader:
             component = ComponentModel(full, "fault_tree", content, place=place)
             chains = {use: self.chains[use] for use in component.below}
             yield ReliabilitySystem({**chains, full: component}, full, place=place)
-
-    def _is_output(self, cause: Element) -> bool:
-        failures = self.failures_of(cause, word.FAILURE)
-        origins = (self.document.attribute(f, word.ORIGIN_TYPE) or "" for f in failures)
-        return "output" in map(fold, origins)
 
     def is_gate(self, cause: Element) -> bool:
         return self.document.class_of(cause).name == "gate"
@@ -258,7 +244,12 @@ class _TreeReader:
             else:
                 self.events[id_] = self._event(cause, id_)
         top = self._join_common_causes().get(self.ids[self.top], self.ids[self.top])
-        self._check_independence()
+        laws, first = [event.law for event in self.events.values()], dict[Place, str]()
+        for name in dict.fromkeys(law.model for law in laws if law and law.model):
+            other = first.setdefault(self.reader.chains[name].place, name)
+            if other != name:  # two states of one chain are not independent
+                fields = {"subject": self.document.describe(self.element), "first": other}
+                self.findings.report("R009.one_chain", self.element, **fields, second=name)
         return FaultTree(top, self.events, self.gates, cut_sets=self._cut_sets())
 
     def _gate(self, cause: Element, id_: str) -> Gate:
@@ -309,7 +300,13 @@ class _TreeReader:
         return BasicEvent(id_, self._law(failure, id_, chain), place=place)
 
     def _law(self, failure: Element, id_: str, chain: str | None = None) -> Law | None:
-        return self.reader.laws.of_failure(failure, id_, chain or self.reader.chain_of(failure))
+        states = self.reader.states_of.get(failure, [])
+        if chain is None and states:
+            if len({self.reader.states[state][0] for state in states}) > 1:
+                subject = self.document.describe(failure)
+                self.findings.report("X011.several_chains", failure, failure=subject)
+            chain = self.reader.chain_with(states)
+        return self.reader.laws.of_failure(failure, id_, chain)
 
     def _failure_of_name(self, cause: Element) -> Element | None:
         name = self.document.attribute(cause, word.NAME)
@@ -329,9 +326,15 @@ class _TreeReader:
         for failure, ids in list(self.failures.items()):
             for cause in self.reader.common_causes.of(failure):
                 members.setdefault(cause, []).extend(ids)
-                common = self._event_of_common_cause(cause)
+                if cause not in self.failures:  # it may be an event of the tree already
+                    name = self.reader.name_of(cause, "common cause0")
+                    while name in self.events or name in self.gates:
+                        name += "'"
+                    place = self.document.place(cause)
+                    self.events[name] = BasicEvent(name, self._law(cause, name), place=place)
+                    self.failures[cause] = [name]
                 for id_ in ids:
-                    shared.setdefault(id_, []).append(common)
+                    shared.setdefault(id_, []).append(self.failures[cause][0])
         for cause, ids in members.items():
             subject = self.document.describe(cause)
             self.findings.report("R013.common_cause", cause, cause=subject, events=", ".join(ids))
@@ -348,27 +351,6 @@ class _TreeReader:
             place = self.events[id_].place
             self.gates[name] = Gate(name, "OR", (id_, *shared[id_]), place=place)
         return instead
-
-    def _event_of_common_cause(self, failure: Element) -> str:
-        """Return the event that is a common cause, which may be one of the tree already."""
-        if failure not in self.failures:
-            name = self.reader.name_of(failure, "common cause0")
-            while name in self.events or name in self.gates:
-                name += "'"
-            place = self.document.place(failure)
-            self.events[name] = BasicEvent(name, self._law(failure, name), place=place)
-            self.failures[failure] = [name]
-        return self.failures[failure][0]
-
-    def _check_independence(self) -> None:
-        """Refuse two states of one chain in a tree, which are not independent."""
-        laws = [event.law for event in self.events.values()]
-        first: dict[Place, str] = {}
-        for name in dict.fromkeys(law.model for law in laws if law and law.model):
-            other = first.setdefault(self.reader.chains[name].place, name)
-            if other != name:
-                fields = {"subject": self.document.describe(self.element), "first": other}
-                self.findings.report("R009.one_chain", self.element, **fields, second=name)
 
     def _cut_sets(self) -> frozenset[frozenset[str]] | None:
         """Return the cut sets that the file states for the top; None: they cannot be compared."""

@@ -253,13 +253,18 @@ class _Reader:
         if not parts:
             return None
         kind, values = feature_of(parts[0]).lower(), _parts(parts[0])
-        missions = self._missions(values[-1], path) if values else None
+        missions = None  # how many mission times the last value is
+        if values:
+            factors = _parts(values[-1]) if feature_of(values[-1]) == "mul" else [values[-1]]
+            others = [factor for factor in factors if feature_of(factor) != "system-mission-time"]
+            if len(others) == len(factors) - 1:
+                missions = math.prod(self._number(other, path, least=0.0) for other in others)
         if kind == "exponential" and len(values) == 2:
-            rate = self._not_negative(values[0], path)
+            rate = self._number(values[0], path, least=0.0)
             if missions is not None:
                 self._warn_of_unit(values[0], path, "1/h")
                 return Law("exponential", (rate * missions,))
-            time = self._not_negative(values[1], path)
+            time = self._number(values[1], path, least=0.0)
             return Law("fixed", (-math.expm1(-rate * time),))
         if kind == "weibull" and len(values) == 4 and missions == 1.0:
             scale, shape, start = (self._number(value, path) for value in values[:3])
@@ -272,43 +277,6 @@ class _Reader:
             raise self._fault("R002.probability", parts[0], name=name, probability=probability)
         return Law("fixed", (probability,))
 
-    def _missions(self, element: Element, path: _Path) -> float | None:
-        """Return how many mission times an expression is, ``None`` where it is not so many."""
-        factors = _parts(element) if feature_of(element) == "mul" else [element]
-        others = [factor for factor in factors if feature_of(factor) != "system-mission-time"]
-        if len(others) != len(factors) - 1:
-            return None
-        return math.prod(self._not_negative(other, path) for other in others)
-
-    def _number(self, element: Element, path: _Path, depth: int = 0) -> float:
-        """Return the value of an expression, in hours and 1/h where it has a unit."""
-        kind = feature_of(element)
-        if depth > _DEEPEST:
-            raise self._fault("R012.expressions", element)
-        if kind == "parameter":
-            return self._value_of_parameter(self._parameter(element, path), depth)
-        if kind in ("float", "int"):
-            text = (element.get("value") or "").strip()
-            try:
-                value = float(text) if text.isascii() and "_" not in text else math.nan
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
-                raise self._fault("R002.number", element, value=text)
-            return value
-        if kind not in _OPERATIONS:
-            raise self._fault("R017.expression", element, type=kind)
-        if kind.endswith("-deviate"):
-            self.doubts.setdefault("deviate", problem("R018.deviates", self._place(element)))
-        values = [self._number(part, path, depth + 1) for part in _parts(element)]
-        try:
-            value = _OPERATIONS[kind](values)
-        except (ArithmeticError, ValueError, IndexError, TypeError):
-            value = math.nan
-        if not math.isfinite(value):
-            raise self._fault("R002.no_number", element, expression=kind)
-        return value
-
     def _parameter(self, element: Element, path: _Path) -> _Definition:
         name = (element.get("name") or "").strip()
         key = self.parameters.find(name, path)
@@ -316,27 +284,52 @@ class _Reader:
             raise self._fault("R001.parameter", element, name=name)
         return self.parameters.defined[key]
 
-    def _value_of_parameter(self, definition: _Definition, depth: int) -> float:
-        element, path = definition
-        if element not in self.values:
-            parts, unit = _parts(element), (element.get("unit") or "").strip()
-            if len(parts) != 1:
-                raise self._fault("R017.parameter", element, number=len(parts))
-            if unit not in _UNITS and unit not in _NO_UNITS:
-                known = ", ".join([*_UNITS, *_NO_UNITS[1:]])
-                raise self._fault("R004.unit", element, unit=unit, known=known)
-            self.values[element] = self._number(parts[0], path, depth + 1) * _UNITS.get(unit, 1.0)
-        return self.values[element]
-
-    def _not_negative(self, element: Element, path: _Path) -> float:
-        value = self._number(element, path)
-        if value < 0.0:
-            raise self._fault("R002.negative", element, value=value)
-        return value
-
     def _warn_of_unit(self, element: Element, path: _Path, assumed: str) -> None:
         """Say once for the file that a unit is assumed (R004)."""
         is_parameter = feature_of(element) == "parameter"
         if not is_parameter or self._parameter(element, path).element.get("unit") not in _UNITS:
             doubt = problem("R004.no_unit_in_file", self._place(element), assumed=assumed)
             self.doubts.setdefault("unit", doubt)
+
+    def _number(
+        self, element: Element, path: _Path, depth: int = 0, least: float = -math.inf
+    ) -> float:
+        """Return the value of an expression, in hours and 1/h where it has a unit."""
+        kind = feature_of(element)
+        if depth > _DEEPEST:
+            raise self._fault("R012.expressions", element)
+        if kind == "parameter":
+            defined, inside = self._parameter(element, path)
+            if defined not in self.values:
+                parts, unit = _parts(defined), (defined.get("unit") or "").strip()
+                if len(parts) != 1:
+                    raise self._fault("R017.parameter", defined, number=len(parts))
+                if unit not in _UNITS and unit not in _NO_UNITS:
+                    known = ", ".join([*_UNITS, *_NO_UNITS[1:]])
+                    raise self._fault("R004.unit", defined, unit=unit, known=known)
+                number = self._number(parts[0], inside, depth + 1)
+                self.values[defined] = number * _UNITS.get(unit, 1.0)
+            value = self.values[defined]
+        elif kind in ("float", "int"):
+            text = (element.get("value") or "").strip()
+            try:
+                value = float(text) if text.isascii() and "_" not in text else math.nan
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise self._fault("R002.number", element, value=text)
+        elif kind in _OPERATIONS:
+            if kind.endswith("-deviate"):
+                self.doubts.setdefault("deviate", problem("R018.deviates", self._place(element)))
+            values = [self._number(part, path, depth + 1) for part in _parts(element)]
+            try:
+                value = _OPERATIONS[kind](values)
+            except (ArithmeticError, ValueError, IndexError, TypeError):
+                value = math.nan
+            if not math.isfinite(value):
+                raise self._fault("R002.no_number", element, expression=kind)
+        else:
+            raise self._fault("R017.expression", element, type=kind)
+        if value < least:
+            raise self._fault("R002.negative", element, value=value)
+        return value
