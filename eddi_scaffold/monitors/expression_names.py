@@ -10,26 +10,13 @@ from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
 from eddi_scaffold.conditions.tokens import Locate
-from eddi_scaffold.config.field_paths import (
-    Beside,
-    ByKey,
-    Every,
-    FieldPath,
-    FieldPathError,
-    FieldsOf,
-    PlainStep,
-    ResolvedPath,
-    documented_at,
-    parse_field,
-    plain_step,
-    resolve,
-)
+from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.input_rules import check
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
-KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
+KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
 """Simulator output -> name with keys in brackets -> its path."""
 
 
@@ -55,7 +42,7 @@ class ExpressionNames:
         sources: Mapping[str, SimulatorOutput],
         inputs: Mapping[str, InputEntry],
         types: Mapping[str, str],
-        fields_of: FieldsOf,
+        fields_of: field_paths.FieldsOf,
         below: Container[str],
         problems: list[Problem],
     ) -> None:
@@ -63,7 +50,7 @@ class ExpressionNames:
         self.checks: dict[str, list[JsonValue]] = {}
         self._entry, self._sources, self._inputs = entry, sources, inputs
         self._types, self._fields_of = types, fields_of
-        self._resolved: dict[str, ResolvedPath] = {}
+        self._resolved: dict[str, field_paths.ResolvedPath] = {}
 
     def declared(self, name: str, unit: Identifier | None, locate: Locate, at: int) -> None:
         """Look up where a name with a VAR comes from; its keys are those of the message."""
@@ -71,7 +58,9 @@ class ExpressionNames:
         if source is None or head_of(name) == name:
             return
         resolved = self._resolve(name, source, locate, at)
-        documented = resolved and documented_at(resolved.path, source.type, self._fields_of)
+        documented = resolved and field_paths.documented_at(
+            resolved.path, source.type, self._fields_of
+        )
         if documented and unit is not None and units.contradict(documented.units, unit.name):
             actual = " or ".join(documented.units)
             words = " or ".join(map(units.word, documented.units))
@@ -116,12 +105,15 @@ class ExpressionNames:
 
     def key_paths(self, names: Sequence[str]) -> KeyPaths:
         """Return the paths that the runtime cannot derive from the names: those with keys."""
-        paths: dict[str, dict[str, list[PlainStep]]] = {}
+        paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
-            if any(isinstance(step, ByKey | Beside | Every) for step in path):
+            if any(
+                isinstance(step, field_paths.ByKey | field_paths.Beside | field_paths.Every)
+                for step in path
+            ):
                 of = self._sources[head_of(name)].id
-                paths.setdefault(of, {})[name] = [plain_step(step) for step in path]
+                paths.setdefault(of, {})[name] = [field_paths.plain_step(step) for step in path]
         return paths
 
     def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
@@ -144,11 +136,11 @@ class ExpressionNames:
 
     def _resolve(
         self, name: str, source: SimulatorOutput, locate: Locate, at: int
-    ) -> ResolvedPath | None:
+    ) -> field_paths.ResolvedPath | None:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
-            resolved = resolve(path_behind(name), source.type, self._fields_of)
-        except FieldPathError as failure:
+            resolved = field_paths.resolve(path_behind(name), source.type, self._fields_of)
+        except field_paths.FieldPathError as failure:
             place, hint = locate(at), failure.hint
             self._problems.append(problem("K020.path", place, hint=hint, reason=failure))
             return None
@@ -158,9 +150,11 @@ class ExpressionNames:
         self._resolved[name] = resolved
         return resolved
 
-    def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
+    def _documented(
+        self, variable: Variable, path: field_paths.FieldPath, source: SimulatorOutput
+    ) -> Variable:
         """Add what the documentation of the message states about a number."""
-        documented = documented_at(path, source.type, self._fields_of)
+        documented = field_paths.documented_at(path, source.type, self._fields_of)
         if documented is None or variable.type != NUMBER:
             return variable
         within = None
@@ -191,18 +185,18 @@ def head_of(name: str) -> str:
     return name.partition(".")[0].partition("[")[0]
 
 
-def path_behind(name: str) -> FieldPath:
+def path_behind(name: str) -> field_paths.FieldPath:
     """Return the path behind the first word of a name.
 
     Raises:
         FieldPathError: it is not a path.
     """
     rest = name[len(head_of(name)) :].removeprefix(".")
-    return parse_field(rest, lists=True) if rest else ()
+    return field_paths.parse_field(rest, lists=True) if rest else ()
 
 
 def _steps(field: str) -> list[JsonValue]:
-    return [*map(plain_step, parse_field(field))]
+    return [*map(field_paths.plain_step, field_paths.parse_field(field))]
 
 
 def _nanoseconds(*ages: float | str | None) -> int | None:

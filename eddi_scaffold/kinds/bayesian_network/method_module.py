@@ -6,18 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+from eddi_scaffold import kinds
 from eddi_scaffold.common.escaping import python_comment, python_literal
 from eddi_scaffold.common.problems import plural
-from eddi_scaffold.kinds import (
-    TODO,
-    EditableMethod,
-    EditableModule,
-    InputType,
-    JsonValue,
-    ModelDraft,
-    ModelInput,
-    Options,
-)
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node, identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
@@ -65,10 +56,10 @@ def proposed_bins(states: Sequence[str]) -> list[float] | None:
     return edges if edges and is_rising and (None, None) not in spans else None
 
 
-def config_module(network: Network, options: NetworkOptions) -> EditableModule:
+def config_module(network: Network, options: NetworkOptions) -> kinds.EditableModule:
     """Return the module with a region for each node."""
     attributes = node_attributes(network)
-    return EditableModule(
+    return kinds.EditableModule(
         file=FILE,
         docstring="How inputs become evidence on nodes, and which nodes are outputs.",
         class_name="BayesianNetworkConfig",
@@ -79,7 +70,7 @@ def config_module(network: Network, options: NetworkOptions) -> EditableModule:
     )
 
 
-def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMethod:
+def _method(node: Node, attribute: str, options: NetworkOptions) -> kinds.EditableMethod:
     outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
     pairs = zip(map(python_literal, node.states), outcomes, strict=True)
     comments = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
@@ -96,7 +87,7 @@ def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMeth
             f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
         )
     former = options.renamed.get(node.id)
-    return EditableMethod(
+    return kinds.EditableMethod(
         name=f"node_{attribute}",
         about=node.id,
         body=("pass",),
@@ -110,18 +101,18 @@ def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMeth
     )
 
 
-def draft(network: Network, options: Options) -> ModelDraft:
+def draft(network: Network, options: kinds.Options) -> kinds.ModelDraft:
     """Return a declaration for each node that nothing feeds yet, and the inputs of all.
 
     Of the nodes that are expected to be known; where the file expects none, of the roots.
     """
     section, fed = options.values.get("discretisation"), {entry.id for entry in options.inputs}
-    declared: dict[str, JsonValue] = dict(section) if isinstance(section, Mapping) else {}
+    declared: dict[str, kinds.JsonValue] = dict(section) if isinstance(section, Mapping) else {}
     lists = [options.values.get(key) for key in ("outputs", "observed")]
     named = {str(name) for list_ in lists if isinstance(list_, list) for name in list_}
     roots = [node.id for node in network.nodes if not node.parents]
     expected = [node for node, _ in network.known] or roots
-    new: dict[str, JsonValue] = {}
+    new: dict[str, kinds.JsonValue] = {}
     notes: dict[tuple[str, ...], str] = {}
     for node in network.nodes:
         is_proposed = node.id in expected and len(node.states) > 1
@@ -137,7 +128,7 @@ def draft(network: Network, options: Options) -> ModelDraft:
             map_ = {"true": yes_no[true], "false": yes_no[false]}
             new[node.id] = {"input": node.id, "map": map_}
             continue
-        new[node.id] = {"input": node.id, "bins": TODO}
+        new[node.id] = {"input": node.id, "bins": kinds.TODO}
         edges, bins = plural(len(node.states) - 1, "edge"), proposed_bins(node.states)
         by_name = f"; by their names {bins}" if bins else ""
         text = f"{edges} between {', '.join(node.states)}{by_name}"
@@ -145,17 +136,21 @@ def draft(network: Network, options: Options) -> ModelDraft:
     inputs = []
     for name, entry in {**declared, **new}.items():
         input_id = entry.get("input") if isinstance(entry, Mapping) else None
-        if isinstance(entry, Mapping) and isinstance(input_id, str) and input_id != TODO:
-            inputs.append(ModelInput(input_id, _type(entry), description=name.replace("_", " ")))
+        if isinstance(entry, Mapping) and isinstance(input_id, str) and input_id != kinds.TODO:
+            inputs.append(
+                kinds.ModelInput(input_id, _type(entry), description=name.replace("_", " "))
+            )
     inputs += [
-        ModelInput(node.id, "state", description=node.id.replace("_", " "), states=node.states)
+        kinds.ModelInput(
+            node.id, "state", description=node.id.replace("_", " "), states=node.states
+        )
         for node in network.nodes
         if node.id in fed.difference(input_.id for input_ in inputs)
     ]
-    return ModelDraft(inputs, {"discretisation": new} if new else {}, notes)
+    return kinds.ModelDraft(inputs, {"discretisation": new} if new else {}, notes)
 
 
-def _type(declaration: Mapping[str, JsonValue]) -> InputType:
+def _type(declaration: Mapping[str, kinds.JsonValue]) -> kinds.InputType:
     states = declaration.get("map")
     if not isinstance(states, Mapping) or "bins" in declaration:
         return "float"

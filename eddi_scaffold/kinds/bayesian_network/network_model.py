@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import PurePath
 from typing import Any, ClassVar
 
+from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
@@ -15,16 +16,6 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds import (
-    CrossCheck,
-    EditableModule,
-    Model,
-    ModelDraft,
-    ModelInput,
-    ModelOutput,
-    Options,
-    ReadResult,
-)
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, show
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network
@@ -74,7 +65,7 @@ _BEYOND = (
 
 
 @dataclass(frozen=True)
-class NetworkModel(Model):
+class NetworkModel(kinds.Model):
     """A network; its options come from a configuration, ``None`` without one."""
 
     kind: ClassVar[str] = NAME
@@ -82,22 +73,22 @@ class NetworkModel(Model):
     options: NetworkOptions | None = field(default=None, kw_only=True)
 
     @classmethod
-    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
         suffix = PurePath(source.name).suffix.lower()
         is_text = suffix == ".bif" and not is_xml(source)
         network, problems = read_bif(source) if is_text else _read_xml(source, suffix)
         models = [] if network is None else [cls._of(network, source)]
         # GeNIe calls every network the same, until somebody changes that
         models = [replace(model, file_stem=source.stem) for model in models]
-        return ReadResult(tuple(models), tuple(in_order(problems)))
+        return kinds.ReadResult(tuple(models), tuple(in_order(problems)))
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
-    ) -> ReadResult:
+    ) -> kinds.ReadResult:
         networks, problems = read_networks(document, source)
         models = tuple(cls._of(network, source) for network in networks)
-        return ReadResult(models, tuple(in_order(problems)))
+        return kinds.ReadResult(models, tuple(in_order(problems)))
 
     @classmethod
     def _of(cls, network: Network, source: Source) -> NetworkModel:
@@ -144,26 +135,26 @@ class NetworkModel(Model):
         is_configured = self.options is not None
         return show.diagram(self.data, self.name, self.settings, configured=is_configured)
 
-    def draft(self, options: Options) -> ModelDraft:
+    def draft(self, options: kinds.Options) -> kinds.ModelDraft:
         return method_module.draft(self.data, options)
 
-    def configure(self, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
+    def configure(self, options: kinds.Options) -> tuple[NetworkModel | None, list[Problem]]:
         settings, problems = read_options(self.data, options)
         if settings is None:
             return None, problems
         return replace(self, name=options.id or self.name, options=settings), problems
 
-    def inputs(self) -> Sequence[ModelInput]:
+    def inputs(self) -> Sequence[kinds.ModelInput]:
         return self.settings.inputs
 
     def companion_messages(self) -> Mapping[str, str]:
         evidence = {"evidence": "BayesianNetworkEvidence"} if self.settings.thresholds else {}
         return {"status": "BayesianNetworkStatus", **evidence}
 
-    def own_topics(self) -> Sequence[ModelOutput]:
+    def own_topics(self) -> Sequence[kinds.ModelOutput]:
         """Return the topics of thresholds that have one."""
         return [
-            ModelOutput(
+            kinds.ModelOutput(
                 entry.id,
                 entry.topic,
                 ("evidence", ("id", entry.id), "active"),
@@ -183,7 +174,7 @@ class NetworkModel(Model):
             **{f"output_nodes[{node.title}].outcomes": node.states for node in outputs},
         }
 
-    def editable_modules(self) -> Sequence[EditableModule]:
+    def editable_modules(self) -> Sequence[kinds.EditableModule]:
         return (method_module.config_module(self.data, self.settings),)
 
     def readme(self) -> Sequence[str]:
@@ -192,7 +183,7 @@ class NetworkModel(Model):
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
 
-    def cross_check(self, running: Callable[[], Any]) -> CrossCheck:
+    def cross_check(self, running: Callable[[], Any]) -> kinds.CrossCheck:
         return cross_check.cross_check(self.data, self.settings, running)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:

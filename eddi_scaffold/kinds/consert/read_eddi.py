@@ -10,32 +10,20 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, stray_texts
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    ConSert,
-    Demand,
-    Dimension,
-    Evidence,
-    Gate,
-    GateFunction,
-    Guarantee,
-    Propagation,
-    ProvidedService,
-    RequiredService,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 
 MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
-_FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
+_FUNCTIONS: dict[str, model.GateFunction] = {"and": "And", "or": "Or"}
 _IDS = Spelling("Id"), Spelling("gid")
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
 def read_eddi(
     document: EddiDocument, source: Source, default_guarantees: Sequence[str] = ()
-) -> tuple[tuple[ConSert, ...], list[Problem]]:
+) -> tuple[tuple[model.ConSert, ...], list[Problem]]:
     """Read every ConSert of a document; the file's stem names one without a name.
 
     Returns:
@@ -43,7 +31,7 @@ def read_eddi(
         ConSerts gives neither.
     """
     findings = EddiFindings(document)
-    conserts: list[ConSert] = []
+    conserts: list[model.ConSert] = []
     parts: list[Element] = []
     first: dict[str, Element] = {}
     for package in document.packages():
@@ -103,7 +91,7 @@ class _ConSertReader:
         self.ids: dict[Element, str] = {}  # of all nodes; holding elements keeps their identity
         self.services: list[Element] = []
 
-    def read(self, name: str) -> ConSert | None:
+    def read(self, name: str) -> model.ConSert | None:
         """Return the ConSert, ``None`` when it has an error."""
         errors = self.findings.errors
         children = {part: self.document.children(self.element, part) for part in _NODES}
@@ -113,7 +101,7 @@ class _ConSertReader:
             return None
         place, dimensions = self.document.place, self.dimensions
         guarantees = [
-            Guarantee(
+            model.Guarantee(
                 self._id(element),
                 dimensions.read(element),
                 self._description(element),
@@ -124,7 +112,7 @@ class _ConSertReader:
             for element in children[names.GUARANTEES]
         ]
         demands = [
-            Demand(self._id(e), dimensions.read(e), self._description(e), place(e))
+            model.Demand(self._id(e), dimensions.read(e), self._description(e), place(e))
             for e in children[names.DEMANDS]
         ]
         evidence = [self._evidence(element) for element in children[names.EVIDENCE]]
@@ -140,7 +128,7 @@ class _ConSertReader:
             self.findings.count("X006.invariant", element, id=gate.id)
             gates.append(gate)
             edges += [
-                Propagation(gate.id, guarantee.id, gate.place)
+                model.Propagation(gate.id, guarantee.id, gate.place)
                 for guarantee in guarantees
                 if not guarantee.default and guarantee.id in supported
             ]
@@ -158,14 +146,14 @@ class _ConSertReader:
             names.GUARANTEES,
             (names.ALLOCATED, names.REQUIRED_SERVICES),
         )
-        required_services = tuple(RequiredService(*row) for row in required)
-        provided_services = tuple(ProvidedService(*row) for row in provided)
+        required_services = tuple(model.RequiredService(*row) for row in required)
+        provided_services = tuple(model.ProvidedService(*row) for row in provided)
         if self.findings.errors > errors:
             return None
         link, ends = names.SERVICE_CONFIGURATION, names.SERVICE_CONFIGURATIONS
         targets = self.findings.targets(self.element, link, ends)
         systems = [system for end in targets if (system := end.getparent()) is not None]
-        return ConSert(
+        return model.ConSert(
             name,
             tuple(guarantees),
             tuple(demands),
@@ -202,21 +190,21 @@ class _ConSertReader:
             return None
         return None if text is None else int(text)
 
-    def _evidence(self, element: Element) -> Evidence:
+    def _evidence(self, element: Element) -> model.Evidence:
         id_, place = self._id(element), self.document.place(element)
         dimensions = self.dimensions.read(element) or self._described(element)
         has_property = bool(self.document.children(element, names.PROPERTY))
         if not dimensions and not has_property and not (element.text or "").strip():
             self.findings.report("X014.no_property", element, name=id_)
-            dimensions = (BinaryDimension(id_, place),)
+            dimensions = (model.BinaryDimension(id_, place),)
         if not dimensions:
             self.findings.report("C006.no_dimension", element, name=id_)
         elif len(dimensions) > 1:
             self.findings.report("C002.dimensions", element, name=id_, number=len(dimensions))
-        dimension = dimensions[0] if dimensions else BinaryDimension("")
-        return Evidence(id_, dimension, self._description(element), place)
+        dimension = dimensions[0] if dimensions else model.BinaryDimension("")
+        return model.Evidence(id_, dimension, self._description(element), place)
 
-    def _described(self, element: Element) -> tuple[Dimension, ...]:
+    def _described(self, element: Element) -> tuple[model.Dimension, ...]:
         """Read the English description: only the older dialect has a dimension there."""
         if self._configuration() is None:
             return ()
@@ -226,7 +214,7 @@ class _ConSertReader:
             self.findings.report("X014.no_description", element, text=text)
         return (self.dimensions.english(text, element),) if text.strip() else ()
 
-    def _gate(self, element: Element, default_name: str = "") -> Gate:
+    def _gate(self, element: Element, default_name: str = "") -> model.Gate:
         id_ = self.document.attribute(element, names.NAME) or default_name or self._name(element)
         self.ids[element] = id_
         # EMF omits the first literal of an enumeration, which is AND here (OR in fault trees).
@@ -235,11 +223,11 @@ class _ConSertReader:
         if function is None:
             subject = f'{self.document.attribute_name(element, names.GATE_TYPE)} is "{text}"'
             self.findings.report("X011.operator", element, subject=subject)
-        return Gate(id_, function or "And", self.document.place(element))
+        return model.Gate(id_, function or "And", self.document.place(element))
 
-    def _edges(self) -> list[Propagation]:
+    def _edges(self) -> list[model.Propagation]:
         """Read an edge from each source to each target of each propagation, unless too many."""
-        edges: list[Propagation] = []
+        edges: list[model.Propagation] = []
         for element in self.document.children(self.element, names.PROPAGATIONS):
             sources, targets = self._ends(element, names.SOURCE), self._ends(element, names.TARGET)
             number = len(edges) + len(sources) * len(targets)
@@ -248,7 +236,7 @@ class _ConSertReader:
                 break
             place = self.document.place(element)
             edges += [
-                Propagation(source, target, place) for source in sources for target in targets
+                model.Propagation(source, target, place) for source in sources for target in targets
             ]
         return edges
 

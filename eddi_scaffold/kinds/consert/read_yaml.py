@@ -11,27 +11,13 @@ from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    Bound,
-    CategoricalDimension,
-    ConSert,
-    Demand,
-    Evidence,
-    Gate,
-    Guarantee,
-    NumericDimension,
-    Propagation,
-    ProvidedService,
-    Range,
-    RequiredService,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
 _MOST_UNKNOWN_KEYS = 100
 """Unknown keys of one map that are compared with a missing one."""
-_UNREADABLE = BinaryDimension("")
+_UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 
 Read = Callable[["_Reader", y.Node, str, str], Any]
@@ -64,7 +50,9 @@ class _Form(NamedTuple):
     kind: str = ""
 
 
-def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
+def read_yaml(
+    source: Source, name: str | None = None
+) -> tuple[model.ConSert | None, list[Problem]]:
     """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
 
     Returns:
@@ -75,7 +63,7 @@ def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, 
     if root is None:
         return None, problems
     reader = _Reader()
-    form = _Form(partial(ConSert, source.stem if name is None else name), _SECTIONS)
+    form = _Form(partial(model.ConSert, source.stem if name is None else name), _SECTIONS)
     consert = reader.element(root, "the ConSert", form)
     return consert, [*problems, *reader.problems]
 
@@ -195,10 +183,10 @@ def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
     return read_scalar
 
 
-def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> Bound | None:
+def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound | None:
     number = y.as_number(node)
     if number is not None:
-        return Bound(number.text, number.value)
+        return model.Bound(number.text, number.value)
     hint = None
     if isinstance(node, y.Scalar) and y.as_number(y.Scalar(node.text, plain=True)) is not None:
         hint = f"write {node.text} without quotes"
@@ -275,8 +263,8 @@ _ENDS = (_Field("start", _bound), _Field("end", _bound))
 _RANGE = _variant_of(
     "kind of range",
     {
-        "Inclusive": _Form(partial(Range, inclusive=True), _ENDS),
-        "Exclusive": _Form(partial(Range, inclusive=False), _ENDS),
+        "Inclusive": _Form(partial(model.Range, inclusive=True), _ENDS),
+        "Exclusive": _Form(partial(model.Range, inclusive=False), _ENDS),
     },
 )
 _CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
@@ -285,9 +273,9 @@ _UOM = _Field("uom", _or_null(_text), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": _Form(BinaryDimension, (_TYPE,)),
-        "Categorical": _Form(CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
-        "Numeric": _Form(NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
+        "Binary": _Form(model.BinaryDimension, (_TYPE,)),
+        "Categorical": _Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
+        "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
 _ID = _Field("id", _id)
@@ -307,21 +295,21 @@ _SERVICE_TYPE = _Field("functional_service_type", _text)
 _IDS = _list_of(_text, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {
     "guarantees": _Form(
-        Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
+        model.Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
     ),
-    "demands": _Form(Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
+    "demands": _Form(model.Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
     "evidence": _Form(
-        Evidence,
+        model.Evidence,
         (_ID, _Field("dimension", _DIMENSION, substitute=_UNREADABLE), _DESCRIPTION),
         "evidence",
     ),
-    "gates": _Form(Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
-    "tree_propagations": _Form(Propagation, (_Field("from", _text), _Field("to", _text))),
+    "gates": _Form(model.Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
+    "tree_propagations": _Form(model.Propagation, (_Field("from", _text), _Field("to", _text))),
     "required_services": _Form(
-        RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
+        model.RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
     ),
     "provided_services": _Form(
-        ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
+        model.ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
     ),
 }
 

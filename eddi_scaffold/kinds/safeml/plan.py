@@ -12,6 +12,7 @@ from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
+from eddi_scaffold.kinds.safeml import thresholds
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate
 from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
@@ -22,13 +23,6 @@ from eddi_scaffold.kinds.safeml.scope import (
     SafeMLSettings,
     principal_axes,
     split,
-)
-from eddi_scaffold.kinds.safeml.thresholds import (
-    can_fire,
-    largest_possible,
-    limit_quantile,
-    smallest_window,
-    theoretical,
 )
 
 ROWS_PER_WINDOW = 20
@@ -92,10 +86,10 @@ class _Planner:
         )
         comparison = Comparison(settings.metric, design.reference, m)
         n, level = comparison.n, settings.significance_level / comparison.tests
-        if not can_fire(settings.metric, n, m, level):
+        if not thresholds.can_fire(settings.metric, n, m, level):
             self._report_too_few(comparison, level)
             return None
-        critical, method = theoretical(settings.metric, n, m, level)
+        critical, method = thresholds.theoretical(settings.metric, n, m, level)
         threshold, calibration = critical, None
         if self.streams:
             calibration = calibrate(
@@ -110,7 +104,7 @@ class _Planner:
             if settings.metric == "ks":
                 above = int(calibration.quantile) + math.gcd(n, m)
             threshold = max(critical, above)
-        if threshold > largest_possible(settings.metric, n, m):
+        if threshold > thresholds.largest_possible(settings.metric, n, m):
             self._report("L007.drift", "reference_sample_file")
             return None
         plan = Plan(
@@ -170,7 +164,7 @@ class _Planner:
         return kept
 
     def _report_too_few(self, comparison: Comparison, level: float) -> None:
-        least = smallest_window(self.settings.metric, comparison.n, level)
+        least = thresholds.smallest_window(self.settings.metric, comparison.n, level)
         hint = f"the smallest window_size that works is {least}"
         if least is None:
             hint = "no window_size works: test fewer components or raise significance_level"
@@ -185,7 +179,7 @@ class _Planner:
         if metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
             self._report("L009.short_window", "window_size", metrics=METRIC_NAMES[metric])
         if metric != "ks" and plan.level > _HIGHEST_LEVEL:
-            value = limit_quantile(metric, _HIGHEST_LEVEL)
+            value = thresholds.limit_quantile(metric, _HIGHEST_LEVEL)
             self._report("L009.level", "significance_level", level=plan.level, value=value)
         correlation, test = plan.autocorrelation
         if plan.calibration is None:
