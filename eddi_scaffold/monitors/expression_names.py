@@ -77,7 +77,8 @@ class ExpressionNames:
         resolved = None if source is None else self._resolve(name, source, locate, at)
         if source is None or resolved is None:
             return None
-        timeout = _nanoseconds(self._entry.max_age, source.limit)
+        ages = [age for age in (self._entry.max_age, source.limit) if age is not None]
+        timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
         of = "float" if resolved.type in ("time", "duration") else resolved.type
         if of is not None and of not in _TYPES:
             hint = f"its elements: MIN({name}[*])"
@@ -92,7 +93,27 @@ class ExpressionNames:
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
         variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
-        return self._documented(variable, resolved.path, source)
+        documented = field_paths.documented_at(resolved.path, source.type, self._fields_of)
+        if documented is None or variable.type != NUMBER:
+            return variable
+        within, checks = None, list[list[JsonValue]]()
+        if documented.limits is not None:
+            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
+            if not is_list_path(name):
+                checks.append(["within", *map(_steps, documented.limits)])
+        if documented.unless is not None:
+            field, value = documented.unless
+            checks.append(["unless", _steps(field), value])
+        if checks:
+            self.checks.setdefault(name, []).extend(checks)
+        return replace(
+            variable,
+            unit=documented.units[0] if len(documented.units) == 1 else None,
+            range=documented.range,
+            infinite=documented.infinite,
+            defined=documented.infinite,
+            within=within,
+        )
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
         """Check what is read without a name in the text: the angles of a scan."""
@@ -146,38 +167,9 @@ class ExpressionNames:
             return None
         known = check(resolved.path, source.type)
         if known and name not in self._resolved:
-            self._check(name, known)
+            self.checks.setdefault(name, []).append(known)
         self._resolved[name] = resolved
         return resolved
-
-    def _documented(
-        self, variable: Variable, path: field_paths.FieldPath, source: SimulatorOutput
-    ) -> Variable:
-        """Add what the documentation of the message states about a number."""
-        documented = field_paths.documented_at(path, source.type, self._fields_of)
-        if documented is None or variable.type != NUMBER:
-            return variable
-        within = None
-        if documented.limits is not None:
-            head = head_of(variable.name)
-            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
-            if not is_list_path(variable.name):
-                self._check(variable.name, ["within", *map(_steps, documented.limits)])
-        if documented.unless is not None:
-            field, value = documented.unless
-            self._check(variable.name, ["unless", _steps(field), value])
-        unit = documented.units[0] if len(documented.units) == 1 else None
-        return replace(
-            variable,
-            unit=unit,
-            range=documented.range,
-            infinite=documented.infinite,
-            defined=documented.infinite,
-            within=within,
-        )
-
-    def _check(self, name: str, check: list[JsonValue]) -> None:
-        self.checks.setdefault(name, []).append(check)
 
 
 def head_of(name: str) -> str:
@@ -197,12 +189,3 @@ def path_behind(name: str) -> field_paths.FieldPath:
 
 def _steps(field: str) -> list[JsonValue]:
     return [*map(field_paths.plain_step, field_paths.parse_field(field))]
-
-
-def _nanoseconds(*ages: float | str | None) -> int | None:
-    for age in ages:
-        if isinstance(age, float | int):
-            return round(age * 1e9)
-        if age is not None:
-            return None
-    return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -44,7 +44,7 @@ def publications(
     monitor: BoundMonitor, config: ConfigFile
 ) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with it (K020, K029)."""
-    messages = _messages(monitor)
+    messages = messages_of(monitor)
     published: list[Publication] = []
     problems: list[Problem] = []
     parts = list(monitor.model.separate_outputs())
@@ -61,11 +61,17 @@ def publications(
             problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))
             continue
         if output.field is None:
-            published += _publish_messages(output, messages, places("topic"))
+            for name, type_ in messages.items():  # the result, then its additional messages
+                own = output
+                if name:
+                    own = _output(f"{output.id}/{name}", f"{output.topic}/{name}")
+                published.append(Publication(own, type_, places("topic"), type_, of=name))
             continue
         try:
             path = field_paths.parse_field(output.field)
-            of = _holder(path, messages)
+            begins = getattr(path[0], "name", "")  # the first message that has it, else the result
+            has_it = (name for name, type_ in messages.items() if begins in known_messages()[type_])
+            of = next(has_it, "")
             end = _value_at(path, messages[of])
         except field_paths.FieldPathError as failure:
             place, advice = places("field"), failure.hint
@@ -108,34 +114,14 @@ def check_path(
         before += f"[{key}]"
 
 
-def _messages(monitor: BoundMonitor) -> dict[str, str]:
+def messages_of(monitor: BoundMonitor) -> dict[str, str]:
     """Return name -> type of the monitor's messages; the name of the result is empty."""
     names = {"": monitor.kind.output_message, **monitor.model.companion_messages()}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
 
 
-def _publish_messages(
-    output: OutputEntry, messages: Mapping[str, str], place: Place
-) -> Iterator[Publication]:
-    """Yield the topic of the result, then those of its additional messages."""
-    yield Publication(output, messages[""], place, messages[""])
-    for name, type_ in messages.items():
-        if name:
-            below = _output(f"{output.id}/{name}", f"{output.topic}/{name}")
-            yield Publication(below, type_, place, type_, of=name)
-
-
 def _output(name: str, topic: str) -> OutputEntry:
     return OutputEntry.model_construct(id=name, topic=topic, field=None, event=None)
-
-
-def _holder(path: field_paths.FieldPath, messages: Mapping[str, str]) -> str:
-    """Return the first message that has the field with which a path begins, else the result."""
-    first = path[0]
-    assert isinstance(first, field_paths.Attribute), "a path begins with a field"
-    return next(
-        (name for name, type_ in messages.items() if first.name in known_messages()[type_]), ""
-    )
 
 
 def _value_at(path: field_paths.FieldPath, message: str) -> field_paths.ResolvedPath:
