@@ -22,7 +22,6 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 from eddi_scaffold.kinds.bayesian_network.steps import Steps
 from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, bits, numbered
 from eddi_scaffold.kinds.bayesian_network.table_text import look_up_lines, sum_lines, total_lines
-from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,
@@ -86,24 +85,23 @@ def monitor_lines(
         lines += ["    # For nodes that only a person's method observes, or makes an output."]
         lines += py.assignment("everything", general, 4)
     if options.thresholds:
-        thresholds = [_threshold(threshold, network) for threshold in options.thresholds]
+        thresholds = []
+        for threshold in options.thresholds:
+            states = network.node(threshold.node).states
+            sign = -1.0 if threshold.at_least else 1.0
+            limits = [py.number(sign * limit) for limit in (threshold.limit, threshold.release)]
+            hold_ns = str(round(threshold.hold * 1e9))
+            claim = py.call("claims.Threshold", [py.text_literal(threshold.id), *limits, hold_ns])
+            summed = py.literal(tuple(states.index(state) for state in threshold.states))
+            number = str(network.names().index(threshold.node))
+            fields = [number, summed, str(threshold.at_least), claim]
+            thresholds.append(py.call("claims.StateThreshold", fields))
         lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)
     if not options.virtual:
         lines.append("    virtual = False")
     if options.on_inconsistent != "silent":
         lines.append(f"    on_inconsistent = {py.text_literal(options.on_inconsistent)}")
     return [*lines, *_source_lines(network, options, declaration)]
-
-
-def _threshold(threshold: Threshold, network: Network) -> py.Part:
-    states = network.node(threshold.node).states
-    sign = -1.0 if threshold.at_least else 1.0
-    node = str(network.names().index(threshold.node))
-    summed = py.literal(tuple(states.index(state) for state in threshold.states))
-    limits = [py.number(sign * threshold.limit), py.number(sign * threshold.release)]
-    hold_ns = str(round(threshold.hold * 1e9))
-    claim = py.call("claims.Threshold", [py.text_literal(threshold.id), *limits, hold_ns])
-    return py.call("claims.StateThreshold", [node, summed, str(threshold.at_least), claim])
 
 
 def _source_lines(

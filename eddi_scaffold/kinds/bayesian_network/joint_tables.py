@@ -133,23 +133,22 @@ class _Tables:
         """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
         kept = (*(node + self._count for node in structure.bits(inputs)), *structure.bits(mask))
         summed = tuple(sorted({*first.axes, *second.axes}.difference(kept)))
-        places = [self._offsets(factor, (*kept, *summed)) for factor in (first, second)]
+        places = []
+        for factor in (first, second):
+            strides, stride = {}, 1
+            for axis in reversed(factor.axes):
+                strides[axis] = stride
+                stride *= self._size(axis)
+            offsets = [0]
+            for axis in (*kept, *summed):
+                steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
+                offsets = [offset + step for offset in offsets for step in steps]
+            places.append(offsets)
         terms = [first.values[i] * second.values[j] for i, j in zip(*places, strict=True)]
         count = math.prod(self._cards[axis] for axis in summed)
         if count > 1:
             terms = [added(terms[k : k + count]) for k in range(0, len(terms), count)]
         return _Factor(kept, terms)
-
-    def _offsets(self, factor: _Factor, axes: tuple[int, ...]) -> list[int]:
-        strides, stride = {}, 1
-        for axis in reversed(factor.axes):
-            strides[axis] = stride
-            stride *= self._size(axis)
-        offsets = [0]
-        for axis in axes:
-            steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
-            offsets = [offset + step for offset in offsets for step in steps]
-        return offsets
 
     def _size(self, axis: int) -> int:
         return self._cards[axis] if axis < self._count else self._cases[axis - self._count]

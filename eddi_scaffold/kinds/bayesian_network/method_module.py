@@ -137,9 +137,12 @@ def draft(network: Network, options: kinds.Options) -> kinds.ModelDraft:
     for name, entry in {**declared, **new}.items():
         input_id = entry.get("input") if isinstance(entry, Mapping) else None
         if isinstance(entry, Mapping) and isinstance(input_id, str) and input_id != kinds.TODO:
-            inputs.append(
-                kinds.ModelInput(input_id, _type(entry), description=name.replace("_", " "))
-            )
+            states = entry.get("map")
+            type_: kinds.InputType = "float"
+            if isinstance(states, Mapping) and "bins" not in entry:
+                keys = {str(key).casefold() for key in states}
+                type_ = "bool" if keys <= {"true", "false"} else "str"
+            inputs.append(kinds.ModelInput(input_id, type_, description=name.replace("_", " ")))
     inputs += [
         kinds.ModelInput(
             node.id, "state", description=node.id.replace("_", " "), states=node.states
@@ -148,10 +151,3 @@ def draft(network: Network, options: kinds.Options) -> kinds.ModelDraft:
         if node.id in fed.difference(input_.id for input_ in inputs)
     ]
     return kinds.ModelDraft(inputs, {"discretisation": new} if new else {}, notes)
-
-
-def _type(declaration: Mapping[str, kinds.JsonValue]) -> kinds.InputType:
-    states = declaration.get("map")
-    if not isinstance(states, Mapping) or "bins" in declaration:
-        return "float"
-    return "bool" if {str(key).casefold() for key in states} <= {"true", "false"} else "str"

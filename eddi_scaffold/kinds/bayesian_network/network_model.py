@@ -75,11 +75,23 @@ class NetworkModel(kinds.Model):
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
         suffix = PurePath(source.name).suffix.lower()
-        is_text = suffix == ".bif" and not is_xml(source)
-        network, problems = read_bif(source) if is_text else _read_xml(source, suffix)
-        models = [] if network is None else [cls._of(network, source)]
-        # GeNIe calls every network the same, until somebody changes that
-        models = [replace(model, file_stem=source.stem) for model in models]
+        if suffix == ".bif" and not is_xml(source):
+            network, problems = read_bif(source)
+        else:
+            is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
+            clean, problems = without_doctype(source) if is_bif else (source, [])
+            with clean.open() as stream:
+                root, faults = load(stream, source.name)
+            network, problems = None, problems or faults
+            if root is not None:
+                is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")
+                read = read_xmlbif if is_xmlbif else read_xdsl
+                network, faults = read(root, source.name, source.stem)
+                problems = [*problems, *faults]
+        models = []
+        if network is not None:  # GeNIe calls every network the same, until somebody changes that
+            place, stem = network.place, source.stem
+            models = [cls(network.name, source, place, data=network, file_stem=stem)]
         return kinds.ReadResult(tuple(models), tuple(in_order(problems)))
 
     @classmethod
@@ -87,12 +99,8 @@ class NetworkModel(kinds.Model):
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
     ) -> kinds.ReadResult:
         networks, problems = read_networks(document, source)
-        models = tuple(cls._of(network, source) for network in networks)
+        models = tuple(cls(of.name, source, of.place, data=of) for of in networks)
         return kinds.ReadResult(models, tuple(in_order(problems)))
-
-    @classmethod
-    def _of(cls, network: Network, source: Source) -> NetworkModel:
-        return cls(network.name, source, network.place, data=network)
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
@@ -225,16 +233,3 @@ class NetworkModel(kinds.Model):
             for node in self.data.nodes
         ]
         return [*nodes, *(Element("threshold", entry.id) for entry in self.settings.thresholds)]
-
-
-def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem]]:
-    is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
-    clean, problems = without_doctype(source) if is_bif else (source, [])
-    with clean.open() as stream:
-        root, faults = load(stream, source.name)
-    problems = problems or faults
-    if root is None:
-        return None, problems
-    read = read_xmlbif if is_bif or suffix in (".xmlbif", ".bifxml") else read_xdsl
-    network, more = read(root, source.name, source.stem)
-    return network, [*problems, *more]

@@ -132,13 +132,15 @@ def read_options(
     by_hand = [name for name in names if name not in outputs] if foreseen is None else foreseen
     if all(input_.id in feeding for input_ in inputs):
         by_hand = ()
+    inferred = dict.fromkeys([*outputs, *(entry.node for entry in thresholds)])
+    groups = (inferred, observed if foreseen is None else foreseen)
     settings = NetworkOptions(
         tuple(outputs),
         observed,
         tuple(declarations),
         direct,
         inputs,
-        Width(0, (), 0, 0),
+        width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups)),
         foreseen,
         {str(new): str(old) for new, old in values.get("renamed", {}).items()},
         values.get("evidence_mode") != "d7.2",
@@ -147,9 +149,6 @@ def read_options(
         tuple(thresholds),
         tuple(name for name in by_hand if name not in {*declared, *direct}),
     )
-    groups = (settings.inferred, settings.observable)
-    width = width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups))
-    settings = replace(settings, width=width)
     problems += _warnings(network, settings, options) if has_configuration else ()
     return None if has_errors(problems) else settings, problems
 
