@@ -87,7 +87,14 @@ class _Planner:
         comparison = Comparison(settings.metric, design.reference, m)
         n, level = comparison.n, settings.significance_level / comparison.tests
         if not thresholds.can_fire(settings.metric, n, m, level):
-            self._report_too_few(comparison, level)
+            least = thresholds.smallest_window(settings.metric, n, level)
+            hint = f"the smallest window_size that works is {least}"
+            if least is None:
+                hint = "no window_size works: test fewer components or raise significance_level"
+            fields: dict[str, Any] = {"window": m, "values": n, "tests": comparison.tests}
+            fields |= {"plural": "s" if comparison.tests > 1 else "", "hint": hint}
+            fields["significance_level"] = settings.significance_level
+            self._report("L007.too_few", "window_size", **fields)
             return None
         critical, method = thresholds.theoretical(settings.metric, n, m, level)
         threshold, calibration = critical, None
@@ -162,16 +169,6 @@ class _Planner:
             dropped = _listed("component", range(kept, requested))
             self._report("L010.dropped", "n_components", features=dropped, kept=kept)
         return kept
-
-    def _report_too_few(self, comparison: Comparison, level: float) -> None:
-        least = thresholds.smallest_window(self.settings.metric, comparison.n, level)
-        hint = f"the smallest window_size that works is {least}"
-        if least is None:
-            hint = "no window_size works: test fewer components or raise significance_level"
-        fields: dict[str, Any] = {"window": comparison.m, "values": comparison.n}
-        fields |= {"tests": comparison.tests, "plural": "s" if comparison.tests > 1 else ""}
-        fields["significance_level"] = self.settings.significance_level
-        self._report("L007.too_few", "window_size", hint=hint, **fields)
 
     def _warn(self, plan: Plan) -> None:
         """Warn of thresholds that are less exact or less powerful than they look."""

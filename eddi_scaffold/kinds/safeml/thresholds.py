@@ -83,19 +83,14 @@ def ks_tail(n: int, m: int, scaled: int) -> float:
             shift = math.frexp(peak)[1]
             paths[first : last + 1] = np.ldexp(paths[first : last + 1], -shift)
             exponent += shift
-    inside = _log_ratio(float(paths[n]), exponent, math.comb(n + m, n))
-    return -math.expm1(inside)
-
-
-def _log_ratio(mantissa: float, exponent: int, total: int) -> float:
-    """Return log(mantissa 2^exponent / total) without losing digits to large logarithms."""
-    if mantissa == 0.0:
-        return -math.inf
-    bits = total.bit_length()
-    share = total >> max(0, bits - 64)
-    shift = exponent - max(0, bits - 64)
-    fraction, more = math.frexp(mantissa / float(share))
-    return min(0.0, math.log(fraction) + (shift + more) * math.log(2.0))
+    if paths[n] == 0.0:
+        return 1.0
+    # log(paths 2^exponent / total) without losing digits to large logarithms
+    total = math.comb(n + m, n)
+    shift = max(0, total.bit_length() - 64)
+    fraction, more = math.frexp(float(paths[n]) / float(total >> shift))
+    log_inside = math.log(fraction) + (exponent - shift + more) * math.log(2.0)
+    return -math.expm1(min(0.0, log_inside))
 
 
 def can_fire(metric: Metric, n: int, m: int, level: float) -> bool:
