@@ -31,7 +31,6 @@ from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the check
 from eddi_scaffold.common.files import Source  # noqa: E402
 from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402  # noqa: E402
     Design,
-    DesignSpec,
     Plan,
     ReferenceSample,
     SafeMLFile,
@@ -136,12 +135,9 @@ def peer_seconds(distances: Distances, reference: Array, window: Array) -> float
 
 
 def monitor_of(reference: Array, metric: str, **parts: Any) -> Monitor:
-    settings, spec = SafeMLSettings(WINDOW, "r.csv", 0.1, metric), DesignSpec(**parts)
-    design, threshold = Design(reference, spec), 17_000 if metric == "ks" else 3.5
-    size, correlation = design.reference.shape[1], (0.0, 0)
-    plan = Plan(
-        settings, spec, design, size, 0.1, threshold, None, threshold, "exact", correlation, ()
-    )
+    settings, design = SafeMLSettings(WINDOW, "r.csv", 0.1, metric), Design(reference, **parts)
+    threshold = 17_000 if metric == "ks" else 3.5
+    plan = Plan(settings, design, False, 0.1, threshold, None, threshold, "exact", (0.0, 0))
     file = SafeMLFile(settings, ReferenceSample(Source("r.csv", b""), reference))
     options = SafeMLOptions(plan, "sample", None, None)
     bound = bound_model("safeml", "Benchmark", file, options, [bound_input("sample")])

@@ -15,7 +15,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
-from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.common.problems import EddiError, Place
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -141,10 +141,6 @@ def _nowhere(*_: str | int) -> Place:
     return Place()
 
 
-def _no_files(name: str) -> Source:
-    raise EddiError(problem("K033.no_folder", name=name))
-
-
 @dataclass(frozen=True)
 class Options:
     """Options that a configuration gives to a kind; without a configuration, the defaults.
@@ -156,7 +152,6 @@ class Options:
         frequency: steps per second.
         parts: of each output, the part of the result that it publishes; ``None`` for all.
         place: path into ``values`` (``"outputs", 0``) -> its place, or that of what encloses it.
-        read: opens a file that is named relative to the configuration; raises EddiError.
     """
 
     id: str | None = None
@@ -165,7 +160,6 @@ class Options:
     frequency: float | None = None
     parts: tuple[str | None, ...] = ()
     place: Callable[..., Place] = _nowhere
-    read: Callable[[str], Source] = _no_files
 
 
 @dataclass(frozen=True)

@@ -33,10 +33,7 @@ _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> dict[str, JsonValue]:
     """Return the answers about identity that the templates of all platforms ask for.
 
-    Args:
-        monitor: what the package is of.
-        template: of it.
-        folder: of its Python package, with a slash; empty where that is the package itself.
+    The folder is that of the Python package, with a slash; empty where that is the package.
     """
     config = monitor.config.config if monitor.config else None
     source = monitor.model.source

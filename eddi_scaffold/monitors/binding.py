@@ -72,15 +72,10 @@ class BoundMonitor:
 def monitor_of(
     model: Model, config: ConfigFile | None, marks: Sequence[str] = ()
 ) -> tuple[BoundMonitor | None, list[Problem]]:
-    """Join a checked model with its configuration.
+    """Join a checked model with its configuration, if it has one.
 
-    Args:
-        model: what is monitored.
-        config: how it is connected, if it is.
-        marks: the default guarantees that were marked when the model was read; remembered.
-
-    Returns:
-        The monitor, ``None`` when a problem is an error, and all problems of the join.
+    The default guarantees that were marked when the model was read are remembered. The monitor is
+    ``None`` when a problem is an error.
     """
     kind = kinds()[model.kind]
     configured, problems = model.configure(options_of(config))
@@ -130,12 +125,7 @@ def known_types(config: ConfigFile | None, known: MessageFields) -> MessageField
 
 
 def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor, list[Problem]]:
-    """Return a monitor with the fields of a platform: one that another has may be missing.
-
-    Args:
-        monitor: as it was read.
-        known: type -> its fields.
-    """
+    """Return a monitor with the fields of a platform: one that another has may be missing."""
     inputs, problems = bind_inputs(monitor.model, monitor.config, known)
     errors = [problem for problem in problems if problem.level == "error"]  # others are reported
     return replace(monitor, inputs=tuple(inputs)), errors
@@ -157,13 +147,7 @@ def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterab
 def bind_inputs(
     model: Model, config: ConfigFile | None, known: MessageFields
 ) -> tuple[list[InputBinding], list[Problem]]:
-    """Return how each input of a configured model gets its value, and what does not fit.
-
-    Args:
-        model: what is monitored.
-        config: how it is connected, if it is.
-        known: the types of messages.
-    """
+    """Return how each input of a configured model gets its value, and what does not fit."""
     unbound = {
         item.id: InputBinding(item, item.attribute or attribute(item.id), unit=item.unit)
         for item in model.inputs()

@@ -50,13 +50,6 @@ def compile_monitor(
 ) -> tuple[CompiledModule, MonitorFacts]:
     """Compile a configured model, run the result once, and return it with its facts.
 
-    Args:
-        model: what is monitored.
-        inputs: as they are bound.
-        accepted: what the configuration accepts for single inputs.
-        frequency: steps per second.
-        place: of the configuration, for errors.
-
     Raises:
         EddiError: the runtime refuses the monitor (K028).
     """

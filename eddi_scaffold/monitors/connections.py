@@ -11,7 +11,7 @@ from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.input_binding import InputBinding
-from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, check_path
+from eddi_scaffold.monitors.publications import check_path, messages_of
 
 _LONG = 100.0
 """Seconds of a limit that are more likely meant as milliseconds."""
@@ -31,10 +31,10 @@ def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
     """Report inputs that take what no other monitor publishes: ``evidence[RtE_gone]`` (K020)."""
     configured = [(monitor, monitor.config) for monitor in monitors if monitor.config is not None]
     providers = {
-        published: monitor
+        (f"{monitor.topic(output.topic)}/{name}".rstrip("/"), message): monitor
         for monitor, config in configured
         for output in config.config.EDDIOutputs
-        for published in _published(monitor, monitor.topic(output.topic))
+        for name, message in messages_of(monitor).items()
     }
     for monitor, config in configured:
         entries = {entry.id: (k, entry) for k, entry in enumerate(config.config.EDDIInputs)}
@@ -47,13 +47,6 @@ def check_ids(monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:
                 for key, text, path in _paths(entry, binding, source):
                     place = config.place("EDDIInputs", index, key)
                     yield from check_path(text, path, provider, place)
-
-
-def _published(monitor: BoundMonitor, topic: str) -> Iterable[tuple[str, str]]:
-    """Yield topic and type of the messages of one output."""
-    yield topic, f"{MESSAGE_PACKAGE}/{monitor.kind.output_message}"
-    for name, message in monitor.model.companion_messages().items():
-        yield f"{topic}/{name}", f"{MESSAGE_PACKAGE}/{message}"
 
 
 def _paths(

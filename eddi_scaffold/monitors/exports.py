@@ -19,12 +19,7 @@ from eddi_scaffold.program.standalone import Target, named
 
 
 def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
-    """Return the bytes of an EDDI with models on one of its elements.
-
-    Args:
-        source: the EDDI.
-        at: fragment path of the element.
-        models: events, or SafeML settings.
+    """Return the bytes of an EDDI with events or SafeML settings on the element at a path.
 
     Raises:
         EddiError: a model is of another kind (X036), there is no such element (X007), or the EDDI
@@ -50,12 +45,7 @@ def written_into(source: Source, at: str, models: Sequence[Model]) -> bytes:
 
 
 def standalone(monitor: BoundMonitor, target: Target, name: str) -> dict[str, str]:
-    """Return file name -> text of a standalone monitor of a ConSert in C99.
-
-    Args:
-        monitor: what is monitored.
-        target: the language.
-        name: what files and functions begin with; any text.
+    """Return file name -> text of a standalone monitor; a name begins files and functions.
 
     Raises:
         EddiError: there is none of this kind, or not in this language (E026).
@@ -82,12 +72,6 @@ def pictures(
     path: Path, name: str | None, default_guarantees: Sequence[str], *, single: bool
 ) -> tuple[dict[str, str], list[Problem]]:
     """Return file name -> SVG of each model, and why no monitor can be made of one as it is.
-
-    Args:
-        path: the file.
-        name: which model, ``None`` for all.
-        default_guarantees: marks of the command line.
-        single: only one picture is asked for.
 
     Raises:
         EddiError: the file cannot be used, no model in it can be drawn (G018), or one picture is

@@ -10,26 +10,13 @@ from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import Identifier, is_list_path
 from eddi_scaffold.conditions.tokens import Locate
-from eddi_scaffold.config.field_paths import (
-    ByKey,
-    ByName,
-    Every,
-    FieldPath,
-    FieldPathError,
-    FieldsOf,
-    PlainStep,
-    ResolvedPath,
-    parse_field,
-    plain_step,
-    resolve,
-)
+from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.input_rules import check
-from eddi_scaffold.monitors.message_types.documented import documented_at
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
-KeyPaths = Mapping[str, Mapping[str, Sequence[PlainStep]]]
+KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
 """Simulator output -> name with keys in brackets -> its path."""
 
 
@@ -55,7 +42,7 @@ class ExpressionNames:
         sources: Mapping[str, SimulatorOutput],
         inputs: Mapping[str, InputEntry],
         types: Mapping[str, str],
-        fields_of: FieldsOf,
+        fields_of: field_paths.FieldsOf,
         below: Container[str],
         problems: list[Problem],
     ) -> None:
@@ -63,7 +50,7 @@ class ExpressionNames:
         self.checks: dict[str, list[JsonValue]] = {}
         self._entry, self._sources, self._inputs = entry, sources, inputs
         self._types, self._fields_of = types, fields_of
-        self._resolved: dict[str, ResolvedPath] = {}
+        self._resolved: dict[str, field_paths.ResolvedPath] = {}
 
     def declared(self, name: str, unit: Identifier | None, locate: Locate, at: int) -> None:
         """Look up where a name with a VAR comes from; its keys are those of the message."""
@@ -88,7 +75,8 @@ class ExpressionNames:
         resolved = None if source is None else self._resolve(name, source, locate, at)
         if source is None or resolved is None:
             return None
-        timeout = _nanoseconds(self._entry.max_age, source.limit)
+        ages = [age for age in (self._entry.max_age, source.limit) if age is not None]
+        timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
         of = "float" if resolved.type in ("time", "duration") else resolved.type
         if of is not None and of not in _TYPES:
             hint = f"its elements: MIN({name}[*])"
@@ -103,7 +91,27 @@ class ExpressionNames:
         advice = f"declare the fields of {source.type} below MessageTypes"
         type_, known = _TYPES.get(of or ""), of is not None
         variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
-        return self._documented(variable, resolved.path, source)
+        documented = documented_at(resolved.path, source.type, self._fields_of)
+        if documented is None or variable.type != NUMBER:
+            return variable
+        within, checks = None, list[list[JsonValue]]()
+        if documented.limits is not None:
+            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
+            if not is_list_path(name):
+                checks.append(["within", *map(_steps, documented.limits)])
+        if documented.unless is not None:
+            field, value = documented.unless
+            checks.append(["unless", _steps(field), value])
+        if checks:
+            self.checks.setdefault(name, []).extend(checks)
+        return replace(
+            variable,
+            unit=documented.units[0] if len(documented.units) == 1 else None,
+            range=documented.range,
+            infinite=documented.infinite,
+            defined=documented.infinite,
+            within=within,
+        )
 
     def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
         """Check what is read without a name in the text: the angles of a scan."""
@@ -116,12 +124,15 @@ class ExpressionNames:
 
     def key_paths(self, names: Sequence[str]) -> KeyPaths:
         """Return the paths that the runtime cannot derive from the names: those with keys."""
-        paths: dict[str, dict[str, list[PlainStep]]] = {}
+        paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
         for name in names:
             path = self._resolved[name].path if name in self._resolved else ()
-            if any(isinstance(step, ByKey | ByName | Every) for step in path):
+            if any(
+                isinstance(step, field_paths.ByKey | field_paths.ByName | field_paths.Every)
+                for step in path
+            ):
                 of = self._sources[head_of(name)].id
-                paths.setdefault(of, {})[name] = [plain_step(step) for step in path]
+                paths.setdefault(of, {})[name] = [field_paths.plain_step(step) for step in path]
         return paths
 
     def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
@@ -144,46 +155,19 @@ class ExpressionNames:
 
     def _resolve(
         self, name: str, source: SimulatorOutput, locate: Locate, at: int
-    ) -> ResolvedPath | None:
+    ) -> field_paths.ResolvedPath | None:
         """Return the path of a name in its message, ``None`` after an error."""
         try:
-            resolved = resolve(path_behind(name), source.type, self._fields_of)
-        except FieldPathError as failure:
+            resolved = field_paths.resolve(path_behind(name), source.type, self._fields_of)
+        except field_paths.FieldPathError as failure:
             place, hint = locate(at), failure.hint
             self._problems.append(problem("K020.path", place, hint=hint, reason=failure))
             return None
         known = check(resolved.path, source.type)
         if known and name not in self._resolved:
-            self._check(name, known)
+            self.checks.setdefault(name, []).append(known)
         self._resolved[name] = resolved
         return resolved
-
-    def _documented(self, variable: Variable, path: FieldPath, source: SimulatorOutput) -> Variable:
-        """Add what the documentation of the message states about a number."""
-        documented = documented_at(path, source.type, self._fields_of)
-        if documented is None or variable.type != NUMBER:
-            return variable
-        within = None
-        if documented.limits is not None:
-            head = head_of(variable.name)
-            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
-            if not is_list_path(variable.name):
-                self._check(variable.name, ["within", *map(_steps, documented.limits)])
-        if documented.unless is not None:
-            field, value = documented.unless
-            self._check(variable.name, ["unless", _steps(field), value])
-        unit = documented.units[0] if len(documented.units) == 1 else None
-        return replace(
-            variable,
-            unit=unit,
-            range=documented.range,
-            infinite=documented.infinite,
-            defined=documented.infinite,
-            within=within,
-        )
-
-    def _check(self, name: str, check: list[JsonValue]) -> None:
-        self.checks.setdefault(name, []).append(check)
 
 
 def head_of(name: str) -> str:
@@ -191,24 +175,15 @@ def head_of(name: str) -> str:
     return name.partition(".")[0].partition("[")[0]
 
 
-def path_behind(name: str) -> FieldPath:
+def path_behind(name: str) -> field_paths.FieldPath:
     """Return the path behind the first word of a name.
 
     Raises:
         FieldPathError: it is not a path.
     """
     rest = name[len(head_of(name)) :].removeprefix(".")
-    return parse_field(rest, lists=True) if rest else ()
+    return field_paths.parse_field(rest, lists=True) if rest else ()
 
 
 def _steps(field: str) -> list[JsonValue]:
-    return [*map(plain_step, parse_field(field))]
-
-
-def _nanoseconds(*ages: float | str | None) -> int | None:
-    for age in ages:
-        if isinstance(age, float | int):
-            return round(age * 1e9)
-        if age is not None:
-            return None
-    return None
+    return [*map(field_paths.plain_step, field_paths.parse_field(field))]

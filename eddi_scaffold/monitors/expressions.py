@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
-from eddi_scaffold.conditions.inputs import CompiledExpression, ExpressionText, compile_input
+from eddi_scaffold.conditions.inputs import ExpressionText, compile_input
 from eddi_scaffold.conditions.parser import parse
 from eddi_scaffold.conditions.scope import Variable
 from eddi_scaffold.conditions.syntax import File
@@ -118,7 +118,13 @@ class ExpressionBinder:
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
-        requires = self._requires(compiled)
+        used = [self.sources[name] for name in compiled.requires if name in self.sources]
+        for source in used:
+            if self.entry.requires and source.id not in self.entry.requires:
+                self._report("K003.unknown_name", "requires", name=source.id)
+        sources = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
+        listed = [sources[name] for name in self.entry.requires if name in sources]
+        requires = tuple(dict.fromkeys([*listed, *used]))
         return CheckedExpression(requires, document, text, compiled.unit, key_paths)
 
     def _texts(self) -> list[ExpressionText]:
@@ -161,17 +167,12 @@ class ExpressionBinder:
             else:
                 self._report("K020.unknown_event", "event", hint=hint, file=name, event=event)
             return []
-        self._take_polarity(events[event].polarity, name)
+        polarity, own = events[event].polarity, self.entry.polarity
+        if polarity is not None:
+            if "polarity" in self.entry.model_fields_set and own != polarity:
+                self._report("K003.polarity", "polarity", name=name, polarity=polarity, actual=own)
+            self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
         return [ExpressionText(text, in_text(text, self.config.path(name)), event=event)]
-
-    def _take_polarity(self, polarity: str | None, name: str) -> None:
-        """Use the polarity of an event, and report one of the input that differs."""
-        if polarity is None:
-            return
-        own = self.entry.polarity
-        if "polarity" in self.entry.model_fields_set and own != polarity:
-            self._report("K003.polarity", "polarity", name=name, polarity=polarity, actual=own)
-        self.polarity = "HAZARD" if polarity == "HAZARD" else "EVIDENCE"
 
     def _locate(self, *path: str) -> Locate:
         return self.config.inside("EDDIInputs", self.index, *path)
@@ -202,15 +203,6 @@ class ExpressionBinder:
                     if variable is not None:
                         variables[name] = variable
         return variables
-
-    def _requires(self, compiled: CompiledExpression) -> tuple[SimulatorOutput, ...]:
-        used = [self.sources[name] for name in compiled.requires if name in self.sources]
-        for source in used:
-            if self.entry.requires and source.id not in self.entry.requires:
-                self._report("K003.unknown_name", "requires", name=source.id)
-        sources = {entry.id: entry for entry in self.config.config.SimulatorOutputs}
-        listed = [sources[name] for name in self.entry.requires if name in sources]
-        return tuple(dict.fromkeys([*listed, *used]))
 
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:
         place = self.config.place("EDDIInputs", self.index, key)

@@ -329,7 +329,14 @@ class InputBinder:
         if declared is None or self.item.units is None:
             return
         if not units.contradict(stated, declared):
-            self._check_reach(stated, subject, given_by)
+            # Of a fraction nothing may be accepted: the range is meant in percent.
+            good, largest = self.item.is_good, units.factor("fraction", self.item.unit or "")
+            if tuple(stated) == ("fraction",) and good is not None and largest is not None:
+                # a range with a number between two ends has the lower end, or begins in between
+                numbers = [number for number in (0.0, *self.item.starts) if 0 <= number <= largest]
+                if not any(map(good, numbers)):
+                    covered = self.item.covered
+                    self._report("K022.percent", given_by, subject=subject, covered=covered)
             return
         key = "unit" if self.entry.unit is not None else given_by
         fields = {"subject": subject, "actual": " or ".join(stated), "input": self.entry.id}
@@ -341,15 +348,6 @@ class InputBinder:
                 return
         reason, hint = units.apart(stated[0], declared), _shifted(stated[0], declared)
         self._report("K022.apart", key, hint=hint, reason=reason, **fields)
-
-    def _check_reach(self, stated: Sequence[str], subject: str, given_by: str) -> None:
-        """Warn of a fraction of which nothing is accepted: the range is meant in percent."""
-        good, largest = self.item.is_good, units.factor("fraction", self.item.unit or "")
-        if tuple(stated) != ("fraction",) or good is None or largest is None:
-            return
-        # a range with a number between two ends has the lower end, or begins in between
-        if not any(good(number) for number in (0.0, *self.item.starts) if 0 <= number <= largest):
-            self._report("K022.percent", given_by, subject=subject, covered=self.item.covered)
 
     def _factor(self) -> tuple[int, int] | None:
         configured, of_model = self.entry.unit, self.item.unit

@@ -29,13 +29,7 @@ _LIMITLESS = "max_age: none"
 
 
 def of_input(entry: InputEntry, bound: BoundInput, index: int) -> Iterator[Acceptance]:
-    """Return what an entry of ``EDDIInputs`` accepts.
-
-    Args:
-        entry: as it is configured.
-        bound: the same, bound.
-        index: of the entry.
-    """
+    """Yield what an entry of ``EDDIInputs`` accepts."""
     path = ("EDDIInputs", index)
     if bound.max_age == "none":
         yield Acceptance(_LIMITLESS, "the last value", input=entry.id, path=(*path, "max_age"))

@@ -22,19 +22,13 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.config.deployment_file import is_fleet
 from eddi_scaffold.config.file import ConfigFile, named_model, named_model_path
+from eddi_scaffold.eddi_xml import survey
 from eddi_scaffold.eddi_xml.extensions import check_maps
 from eddi_scaffold.eddi_xml.links import links_in, links_of
 from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import select
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.eddi_xml.survey import (
-    check_features,
-    event_monitors,
-    foreign,
-    unread,
-    unused_design,
-)
 from eddi_scaffold.kinds import Kind, Model, Options, ReadResult, kinds
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.yaml_text.nodes import read_map
@@ -144,7 +138,7 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
             models += reading.models
             problems = [*problems, *reading.problems]
     seen = Observed(document)
-    problems = [*dict.fromkeys([*problems, *check_features(document)]), *seen.problems]
+    problems = [*dict.fromkeys([*problems, *survey.check_features(document)]), *seen.problems]
     links = links_of(document, seen) if models else {}
     models = [
         replace(
@@ -154,10 +148,10 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
         )
         for model in models
     ]
-    if not models and (stranger := foreign(document)) is not None:
+    if not models and (stranger := survey.foreign(document)) is not None:
         return ReadResult((), (stranger,))
-    not_read = [element.problem() for element in unread(document)]
-    not_read += (*event_monitors(document), *unused_design(document))
+    not_read = [element.problem() for element in survey.unread(document)]
+    not_read += (*survey.event_monitors(document), *survey.unused_design(document))
     return ReadResult(tuple(models), tuple(problems), tuple(not_read))
 
 

@@ -76,9 +76,7 @@ class MonitorNode:
     ) -> dict[str, JsonValue]:
         """Return the answers that the templates of all nodes ask for.
 
-        Args:
-            class_of: message type -> name of its class in the generated module.
-            has_qos: topics of the transport have a quality of service.
+        ``class_of``: message type -> name of its class in the generated module.
         """
         model = self.config.config.Model
         taken_each = {  # some input takes every message of these topics, not the latest one
@@ -158,14 +156,6 @@ def _qos(qos: InputQos, start: str, end: str = "") -> str:
     return f"{start}qos={{{', '.join(pairs)}}}{end}" if pairs else ""
 
 
-def _is_mixed(first: Publication, second: Publication) -> bool:
-    """Tell whether a reader takes two publications for one: messages of two events have ids."""
-    if second.of and not second.path:
-        return False  # what is published below the topic of a result is reported there
-    events = {first.output.event, second.output.event}
-    return len(events) == 1 or None in events
-
-
 def _check(node: MonitorNode) -> Iterator[Problem]:
     """Find outputs that are missing, heard by their own monitor, or share a topic (K030, K031).
 
@@ -185,9 +175,14 @@ def _check(node: MonitorNode) -> Iterator[Problem]:
         if topic in heard:
             yield problem("K031.own_output", place, written=written)
         other = first.setdefault(topic, publication)
+        is_below = publication.of and not publication.path
         if other.type != publication.type:
             types = {"type": other.type, "other": publication.type}
             yield problem("K031.two_types", place, hint=hint, written=written, **types)
-        elif other is not publication and _is_mixed(other, publication):
+        # A reader takes them for one: messages of two events have ids. What is published below
+        # the topic of a result is reported there.
+        events = {other.output.event, publication.output.event}
+        is_mixed = (len(events) == 1 or None in events) and not is_below
+        if other.type == publication.type and other is not publication and is_mixed:
             names = {"first": other.output.id, "second": publication.output.id}
             yield problem("K031.two_outputs", place, hint=hint, written=written, **names)

@@ -33,5 +33,4 @@ def options_of(file: ConfigFile | None) -> Options:
         frequency=section.frequency,
         parts=tuple(output.event for output in config.EDDIOutputs),
         place=lambda *path: file.place("Model", *path),
-        read=file.read,
     )

@@ -2,22 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
-from eddi_scaffold.config.field_paths import (
-    Attribute,
-    ByKey,
-    FieldPath,
-    FieldPathError,
-    PlainStep,
-    ResolvedPath,
-    parse_field,
-    plain_step,
-    resolve,
-)
+from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import OutputEntry
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -46,7 +36,7 @@ class Publication:
     type: str
     place: Place
     message: str
-    path: FieldPath = ()
+    path: field_paths.FieldPath = ()
     of: str = ""
 
 
@@ -54,7 +44,7 @@ def publications(
     monitor: BoundMonitor, config: ConfigFile
 ) -> tuple[list[Publication], list[Problem]]:
     """Return what the node publishes, and what is wrong with it (K020, K029)."""
-    messages = _messages(monitor)
+    messages = messages_of(monitor)
     published: list[Publication] = []
     problems: list[Problem] = []
     parts = list(monitor.model.separate_outputs())
@@ -71,22 +61,31 @@ def publications(
             problems.append(problem("K020.event", places("event"), hint=hint, event=output.event))
             continue
         if output.field is None:
-            published += _publish_messages(output, messages, places("topic"))
+            for name, type_ in messages.items():  # the result, then its additional messages
+                own = output
+                if name:
+                    own = _output(f"{output.id}/{name}", f"{output.topic}/{name}")
+                published.append(Publication(own, type_, places("topic"), type_, of=name))
             continue
         try:
-            path = parse_field(output.field)
-            of = _holder(path, messages)
+            path = field_paths.parse_field(output.field)
+            begins = getattr(path[0], "name", "")  # the first message that has it, else the result
+            has_it = (name for name, type_ in messages.items() if begins in known_messages()[type_])
+            of = next(has_it, "")
             end = _value_at(path, messages[of])
-        except FieldPathError as failure:
+        except field_paths.FieldPathError as failure:
             place, advice = places("field"), failure.hint
             problems.append(problem("K020.field", place, hint=advice, reason=failure))
             continue
-        plain = [plain_step(step) for step in path]
+        plain = [field_paths.plain_step(step) for step in path]
         problems += check_path(output.field, plain, monitor, places("field"))
         type_, place = _std_msgs(end), places("topic")
         published.append(Publication(output, type_, place, messages[of], end.path, of))
     for topic in monitor.model.own_topics():
-        path = tuple(Attribute(s) if isinstance(s, str) else ByKey(s[1]) for s in topic.path)
+        path = tuple(
+            field_paths.Attribute(s) if isinstance(s, str) else field_paths.ByKey(s[1])
+            for s in topic.path
+        )
         end = _value_at(path, messages[topic.of])
         own = _output(topic.id, topic.topic)
         published.append(
@@ -96,7 +95,7 @@ def publications(
 
 
 def check_path(
-    text: str, path: Sequence[PlainStep], provider: BoundMonitor, place: Place
+    text: str, path: Sequence[field_paths.PlainStep], provider: BoundMonitor, place: Place
 ) -> Iterator[Problem]:
     """Report the id that a path into a message asks for, and the monitor does not have (K020)."""
     ids = provider.model.element_keys()
@@ -115,49 +114,29 @@ def check_path(
         before += f"[{key}]"
 
 
-def _messages(monitor: BoundMonitor) -> dict[str, str]:
+def messages_of(monitor: BoundMonitor) -> dict[str, str]:
     """Return name -> type of the monitor's messages; the name of the result is empty."""
     names = {"": monitor.kind.output_message, **monitor.model.companion_messages()}
     return {name: f"{MESSAGE_PACKAGE}/{message}" for name, message in names.items()}
-
-
-def _publish_messages(
-    output: OutputEntry, messages: Mapping[str, str], place: Place
-) -> Iterator[Publication]:
-    """Yield the topic of the result, then those of its additional messages."""
-    yield Publication(output, messages[""], place, messages[""])
-    for name, type_ in messages.items():
-        if name:
-            below = _output(f"{output.id}/{name}", f"{output.topic}/{name}")
-            yield Publication(below, type_, place, type_, of=name)
 
 
 def _output(name: str, topic: str) -> OutputEntry:
     return OutputEntry.model_construct(id=name, topic=topic, field=None, event=None)
 
 
-def _holder(path: FieldPath, messages: Mapping[str, str]) -> str:
-    """Return the first message that has the field with which a path begins, else the result."""
-    first = path[0]
-    assert isinstance(first, Attribute), "a path begins with a field"
-    return next(
-        (name for name, type_ in messages.items() if first.name in known_messages()[type_]), ""
-    )
-
-
-def _value_at(path: FieldPath, message: str) -> ResolvedPath:
+def _value_at(path: field_paths.FieldPath, message: str) -> field_paths.ResolvedPath:
     """Return a path with its keys; a single value is at its end.
 
     Raises:
         FieldPathError: the message has no such field, or the path ends too early or too late.
     """
-    resolved = resolve(path, message, known_messages().get)
+    resolved = field_paths.resolve(path, message, known_messages().get)
     if resolved.type not in _OF_STD_MSGS:
-        raise FieldPathError(f"the path ends at {resolved.type}, not at a single value")
+        raise field_paths.FieldPathError(f"the path ends at {resolved.type}, not at a single value")
     return resolved
 
 
-def _std_msgs(end: ResolvedPath) -> str:
+def _std_msgs(end: field_paths.ResolvedPath) -> str:
     assert end.type is not None
     return f"std_msgs/{_OF_STD_MSGS[end.type]}"
 

@@ -31,12 +31,7 @@ def fleet_message(kind: Kind) -> str | None:
 
 
 def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
-    """Find what does not fit among robots: K029, K080, K081, K083.
-
-    Args:
-        monitor: any.
-        config: how it is connected.
-    """
+    """Find what does not fit among robots: K029, K080, K081, K083."""
     fleet, frequency = config.config.Fleet, config.config.Model.frequency
     if fleet is not None:
         if fleet_message(monitor.kind) is None:
@@ -125,13 +120,7 @@ def _remembering(computed: Mapping[str, Any], names: Container[str]) -> str | No
 def fleet_answers(
     fleet: FleetSection, message_class: str, sources: Iterable[SimulatorOutput]
 ) -> dict[str, JsonValue]:
-    """Return what the template of a node asks for.
-
-    Args:
-        fleet: the section of the configuration.
-        message_class: name of the class of ``MESSAGE``.
-        sources: those that an input requires, each with ``peers``.
-    """
+    """Return what the template of a node asks for; each source has ``peers``."""
     return {
         "robot": python_literal(fleet.robot),
         "topic": python_literal(fleet.topic),

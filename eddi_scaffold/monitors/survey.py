@@ -95,10 +95,6 @@ class Configured:
 def configured(source: Source, more: Sequence[Source]) -> Configured:
     """Read the configurations; one that is shown by itself names its model.
 
-    Args:
-        source: what is to be shown; a configuration that names no model is returned as it is.
-        more: configurations that are given with it.
-
     Raises:
         EddiError: a configuration has errors, or names a file that is not there.
     """

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
 _SUFFIXES = (".xdsl", ".xmlbif", ".bifxml", ".bif", ".xml")
-_METHODS = "bayesian_network_config.py"
 _ROOT = re.compile(rb"<(?:smile|BIF)[\s>/]")
 _KEYS = (
     "outputs", "observed", "discretisation", "evidence_mode", "on_inconsistent", "explain",
@@ -28,7 +27,7 @@ _KEYS = (
 
 def _recognises(source: Source) -> bool:
     name = source.name.lower()
-    if name.endswith((*_SUFFIXES[:4], _METHODS)):
+    if name.endswith(_SUFFIXES[:4]):
         return True
     if not name.endswith(_SUFFIXES):
         return False

@@ -193,10 +193,17 @@ class _TableReader:
             values = [min(max(number, 0.0), 1.0) for number in numbers]
             total = math.fsum(values)
             off = max(abs(total - 1.0), -min(numbers), max(numbers) - 1.0)
-            if off > TOLERANCE + _ROUNDING and off > (most := _by_rounding(texts)) + _ROUNDING:
+            most = TOLERANCE
+            if off > TOLERANCE + _ROUNDING:  # numbers with so few digits may be off by more
+                parts = [text.lower().partition("e")[::2] for text in texts]
+                digits = [(len(mantissa.partition(".")[2]), power) for mantissa, power in parts]
+                plain = max((n for n, power in digits if not power), default=0)
+                decimals = [max(n - int(power[:6]), 0) if power else plain for n, power in digits]
+                by_rounding = sum(0.5 * 10.0**-n for n in decimals)
+                most = max(min(by_rounding, _MOST_BY_ROUNDING), TOLERANCE)
+            if off > most + _ROUNDING:
                 row_of = f"the row {case} of {draft.id!r} sums"
                 what = row_of if case else f"the probabilities of {draft.id!r} sum"
-                most = max(most, TOLERANCE)
                 self._report("B113.sum", place, subject=what, total=total, most=most)
                 continue
             if off > largest:
@@ -221,28 +228,10 @@ class _TableReader:
         self.problems.append(problem(case, place, hint=hint, **fields))
 
 
-def _by_rounding(texts: Sequence[str]) -> float:
-    """Return how far from 1 the sum of a row may be because its numbers have so few digits."""
-    parts = [text.lower().partition("e")[::2] for text in texts]
-    digits = [len(mantissa.partition(".")[2]) for mantissa, _ in parts]
-    plain = max((n for n, (_, power) in zip(digits, parts, strict=True) if not power), default=0)
-    places = [
-        max(n - int(power[:6]), 0) if power else plain
-        for n, (_, power) in zip(digits, parts, strict=True)
-    ]
-    return min(sum(0.5 * 10.0**-n for n in places), _MOST_BY_ROUNDING)
-
-
 def unsupported(
     nodes: Iterable[tuple[str, Named]], advice: Mapping[str, str], otherwise: str
 ) -> list[Problem]:
-    """Return one problem for each type of nodes that no monitor can have (B202).
-
-    Args:
-        nodes: the type of each, as the file calls it, and its name.
-        advice: type -> what to do.
-        otherwise: what to do with all other types.
-    """
+    """Return one problem for each type of nodes that no monitor can have (B202)."""
     names: dict[str, list[Named]] = {}
     for type_, node in nodes:
         names.setdefault(type_, []).append(node)

@@ -70,23 +70,6 @@ class Tree(NamedTuple):
     top: tuple[int, int]
 
 
-def _leaves(shape: Shape, part: Component, narrow: int) -> tuple[Leaf, ...]:
-    """Return the leaves of a part.
-
-    Tables with narrow nodes depend on their states, too, although they have an axis for them.
-    The prior of an observable root goes with its evidence, so that it cancels exactly when the
-    node is observed.
-    """
-    fixed, leaves = mask_of(part.always_observed), []
-    for node in part.nodes:
-        if node in part.outputs or node not in part.inputs or shape.parents[node]:
-            family = mask_of(shape.family(node))
-            leaves.append(Leaf(TABLE, node, family & ~fixed, family & (fixed | narrow)))
-    leaves += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
-    leaves += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
-    return tuple(leaves)
-
-
 def find_tree(
     shape: Shape,
     part: Component,
@@ -94,17 +77,22 @@ def find_tree(
     trials: int = 8,
     narrow: Collection[int] = (),
 ) -> Tree:
-    """Return the cheapest tree of a fixed number of trials.
+    """Return the tree of the smallest cost of a fixed number of trials.
 
-    Args:
-        shape: the network.
-        part: one of its components.
-        cost: of a tree; smaller is better.
-        trials: 50 trials find trees with 20 % fewer operations than 8, in six times the time;
-            large parts get fewer.
-        narrow: inputs that mostly have no axis.
+    50 trials find trees with 20 % fewer operations than 8, in six times the time; large parts get
+    fewer. Inputs that are ``narrow`` mostly have no axis.
     """
-    leaves = _leaves(shape, part, mask_of(narrow))
+    fixed, own = mask_of(part.always_observed), list[Leaf]()
+    for node in part.nodes:
+        # The prior of an observable root goes with its evidence, so that it cancels exactly when
+        # the node is observed.
+        if node in part.outputs or node not in part.inputs or shape.parents[node]:
+            family = mask_of(shape.family(node))
+            # Tables with narrow nodes depend on their states, too, although they have an axis.
+            own.append(Leaf(TABLE, node, family & ~fixed, family & (fixed | mask_of(narrow))))
+    own += [Leaf(EVIDENCE, node, 1 << node, 1 << node) for node in part.inputs]
+    own += [Leaf(UNIT, node, 1 << node, 0) for node in part.outputs if node not in part.inputs]
+    leaves = tuple(own)
     cards = tuple(1 if node in narrow else card for node, card in enumerate(shape.cards))
     trees = []
     for trial in range(max(1, min(trials, _LEAVES_IN_ALL_TRIALS // len(leaves)))):
@@ -151,9 +139,20 @@ class _Search:
         def offer(number: int, *, from_: int) -> None:
             if constants_only and not self._constant[number]:
                 return
-            for partner in self._partners(number, from_):
+            partners = {
+                partner
+                for node in bits(self._masks[number])
+                for partner in islice(
+                    (h for h in self._holders[node] if h >= from_), self._most + 1
+                )
+            }
+            for partner in sorted(partners - {number})[: self._most]:
                 if self._constant[partner] or not constants_only:
-                    heapq.heappush(heap, (self._score(number, partner), number, partner))
+                    replaced = sum(self._size(self._masks[n]) for n in (number, partner))
+                    factor = 64 + int(self._weight() * 384)
+                    size = self._size(self._outside(number, partner))
+                    score = size * factor - replaced * self._gain
+                    heapq.heappush(heap, (score, number, partner))
 
         for number in list(self.active):
             offer(number, from_=number + 1)
@@ -173,10 +172,8 @@ class _Search:
             while len(self._holders[node]) > 1 and len(self.active) > 2:
                 # The holders ascend: a new number is the largest.
                 pairs = combinations(self._holders[node][: self._most], 2)
-                self._join(*min(pairs, key=lambda pair: (self._joint_size(*pair), pair)))
-
-    def _joint_size(self, first: int, second: int) -> int:
-        return self._size(self._masks[first] | self._masks[second])
+                masks = self._masks
+                self._join(*min(pairs, key=lambda p: (self._size(masks[p[0]] | masks[p[1]]), p)))
 
     def _outside(self, *pair: int) -> int:
         """Return the nodes of a joined pair that something else has as well."""
@@ -202,19 +199,6 @@ class _Search:
         self._joins.append((first, second))
         return number
 
-    def _partners(self, number: int, from_: int) -> list[int]:
-        partners = {
-            partner
-            for node in bits(self._masks[number])
-            for partner in islice((h for h in self._holders[node] if h >= from_), self._most + 1)
-        }
-        return sorted(partners - {number})[: self._most]
-
-    def _score(self, first: int, second: int) -> int:
-        replaced = self._size(self._masks[first]) + self._size(self._masks[second])
-        factor = 64 + int(self._weight() * 384)
-        return self._size(self._outside(first, second)) * factor - replaced * self._gain
-
 
 _WIDE = 64
 """Neighbours beyond which no table over them can be made: they need not be counted one by one."""
@@ -239,13 +223,7 @@ def smallest_table(node: int, neighbours: Mapping[int, int], cards: Sequence[int
 
 
 def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) -> tuple[int, ...]:
-    """Return the nodes of some tables in a good order; ties go to the lower number.
-
-    Args:
-        masks: the nodes of each table.
-        cards: number of states of each node.
-        rule: the node with the smallest value is next.
-    """
+    """Return the nodes of some tables by the value of a rule; ties go to the lower number."""
     neighbours: dict[int, int] = {}
     for mask in masks:
         for node in bits(mask):
@@ -260,20 +238,15 @@ def elimination_order(masks: Sequence[int], cards: Sequence[int], rule: Rule) ->
             continue  # eliminated, or priced anew since
         order.append(node)
         del price[node]
-        for other in bits(_without(node, neighbours)):
+        adjacent = neighbours.pop(node)
+        changed, has_new_edge = adjacent, False
+        for other in bits(adjacent):
+            before = neighbours[other] & ~(1 << node)
+            neighbours[other] = (before | adjacent) & ~(1 << other)
+            has_new_edge = has_new_edge or neighbours[other] != before
+        for other in bits(adjacent) if has_new_edge else ():
+            changed |= neighbours[other]
+        for other in bits(changed):
             price[other] = rule(other, neighbours, cards)
             heapq.heappush(cheapest, (price[other], other))
     return tuple(order)
-
-
-def _without(node: int, neighbours: dict[int, int]) -> int:
-    """Take a node out and connect its neighbours; return the nodes whose price may be another."""
-    adjacent = neighbours.pop(node)
-    changed, has_new_edge = adjacent, False
-    for other in bits(adjacent):
-        before = neighbours[other] & ~(1 << node)
-        neighbours[other] = (before | adjacent) & ~(1 << other)
-        has_new_edge = has_new_edge or neighbours[other] != before
-    for other in bits(adjacent) if has_new_edge else ():
-        changed |= neighbours[other]
-    return changed

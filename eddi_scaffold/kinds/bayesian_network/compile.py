@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 
+from eddi_runtime.bayesian_network.readers import Declaration as Declared
+
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.inference_plan import (
     WIDE,
@@ -20,28 +22,13 @@ from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 from eddi_scaffold.kinds.bayesian_network.steps import Steps
 from eddi_scaffold.kinds.bayesian_network.structure import NumberedNetwork, bits, numbered
 from eddi_scaffold.kinds.bayesian_network.table_text import look_up_lines, sum_lines, total_lines
-from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold
+from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,
     Declaration,
     attribute_of,
     head_lines,
 )
-from eddi_scaffold.program.python_text import (
-    Group,
-    Item,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    numbers,
-    returned,
-    text_literal,
-    tuple_of,
-    unpacked,
-)
-from eddi_scaffold.program.python_text import Part as Text
 
 FORMAT = 3
 MODULES = (
@@ -83,39 +70,38 @@ def monitor_lines(
     bases += ["threshold_monitor.ThresholdMonitor"] if options.thresholds else []
     specs = []
     for k, (node, attribute) in enumerate(zip(network.nodes, by_number.attributes, strict=True)):
-        fields = [text_literal(node.id), literal(node.states), text_literal(attribute)]
-        above = f"{k} {comment(node.place.path or '')}".rstrip()
-        specs.append(Item(call(f"{_ROOM}.NodeSpec", fields), above=above))
+        fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]
+        above = f"{k} {py.comment(node.place.path or '')}".rstrip()
+        specs.append(py.Item(py.call(f"{_ROOM}.NodeSpec", fields), above=above))
     given = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
     lines = [
         *module.lines(),
         *head_lines(", ".join(bases) or f"{_ROOM}.BayesianNetworkMonitor", declaration, {}),
-        *assignment("nodes", tuple_of(specs), 4),
-        *assignment("given", literal(given), 4),
-        *assignment("foreseen", main, 4),
+        *py.assignment("nodes", py.tuple_of(specs), 4),
+        *py.assignment("given", py.literal(given), 4),
+        *py.assignment("foreseen", main, 4),
     ]
     if general is not None:
         lines += ["    # For nodes that only a person's method observes, or makes an output."]
-        lines += assignment("everything", general, 4)
+        lines += py.assignment("everything", general, 4)
     if options.thresholds:
-        thresholds = [_threshold(threshold, network) for threshold in options.thresholds]
-        lines += assignment("thresholds", tuple_of(thresholds), 4)
+        thresholds = []
+        for threshold in options.thresholds:
+            states = network.node(threshold.node).states
+            sign = -1.0 if threshold.at_least else 1.0
+            limits = [py.number(sign * limit) for limit in (threshold.limit, threshold.release)]
+            hold_ns = str(round(threshold.hold * 1e9))
+            claim = py.call("claims.Threshold", [py.text_literal(threshold.id), *limits, hold_ns])
+            summed = py.literal(tuple(states.index(state) for state in threshold.states))
+            number = str(network.names().index(threshold.node))
+            fields = [number, summed, str(threshold.at_least), claim]
+            thresholds.append(py.call("claims.StateThreshold", fields))
+        lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)
     if not options.virtual:
         lines.append("    virtual = False")
     if options.on_inconsistent != "silent":
-        lines.append(f"    on_inconsistent = {text_literal(options.on_inconsistent)}")
+        lines.append(f"    on_inconsistent = {py.text_literal(options.on_inconsistent)}")
     return [*lines, *_source_lines(network, options, declaration)]
-
-
-def _threshold(threshold: Threshold, network: Network) -> Text:
-    states = network.node(threshold.node).states
-    sign = -1.0 if threshold.at_least else 1.0
-    node = str(network.names().index(threshold.node))
-    summed = literal(tuple(states.index(state) for state in threshold.states))
-    limits = [number(sign * threshold.limit), number(sign * threshold.release)]
-    hold_ns = str(round(threshold.hold * 1e9))
-    claim = call("claims.Threshold", [text_literal(threshold.id), *limits, hold_ns])
-    return call("claims.StateThreshold", [node, summed, str(threshold.at_least), claim])
 
 
 def _source_lines(
@@ -133,26 +119,27 @@ def _source_lines(
             continue
         place = f"self.inputs[{positions[input_id]}]"
         entry = next((entry for entry in options.declarations if entry.node == node.id), None)
-        reader: Text
+        reader: py.Part
         if entry is None:
-            reader = call(
-                "direct.DirectReader", [literal(node.states)], virtual=str(options.virtual)
+            reader = py.call(
+                "direct.DirectReader", [py.literal(node.states)], virtual=str(options.virtual)
             )
         else:
-            arguments = entry.reader_arguments(node.states)
-            texts = {key: literal(value) for key, value in arguments.items()}
-            spec = call("readers.Declaration", [texts.pop("missing")], **texts)
-            remembers = arguments.get("hysteresis", 0.0) > 0.0 or arguments.get("policy") == "hold"
-            reader = call(
+            usual = Declared(entry.reader.missing)._asdict()
+            arguments = entry.reader._asdict().items()
+            texts = {key: py.literal(value) for key, value in arguments if value != usual[key]}
+            spec = py.call("readers.Declaration", [str(entry.reader.missing)], **texts)
+            remembers = entry.reader.hysteresis > 0.0 or entry.reader.policy == "hold"
+            reader = py.call(
                 "memory.Remembering" if remembers else "readers.Discretiser", [spec, place]
             )
-        source = call(f"{_ROOM}.Source", [str(k), place, reader])
-        rows.append(Item(source, above=comment(f"{node.id} from {input_id}")))
+        source = py.call(f"{_ROOM}.Source", [str(k), place, reader])
+        rows.append(py.Item(source, above=py.comment(f"{node.id} from {input_id}")))
         reads.append(attribute_of("source", declaration.inputs[positions[input_id]].attribute))
     if rows:
-        yield from ("", "    def sources(self):", *returned(tuple_of(rows), 8), "")
+        yield from ("", "    def sources(self):", *py.returned(py.tuple_of(rows), 8), "")
         yield from ("    def read(self, source):", "        try:")
-        yield from returned(tuple_of(reads), 12)
+        yield from py.returned(py.tuple_of(reads), 12)
         yield from ("        except Exception:", "            return super().read(source)")
 
 
@@ -169,36 +156,36 @@ class _Module:
         blocks = list(self.blocks)
         if self.used:
             rows = tuple(self._node(node) for node in sorted(self.used))
-            blocks.insert(0, assignment("nodes", Group("{", rows, "}"), 0))
+            blocks.insert(0, py.assignment("nodes", py.Group("{", rows, "}"), 0))
         return [line for block in blocks for line in [*block, "", ""]]
 
     def comment(self, nodes: Iterable[int]) -> str:
         """Return the names of nodes."""
-        return comment(", ".join(self.names[node] for node in nodes))
+        return py.comment(", ".join(self.names[node] for node in nodes))
 
     def case_comment(self, nodes: Sequence[int], states: Sequence[int]) -> str:
         """Return the names of states of nodes."""
         names = ([*self.network.states[node], "not known"] for node in nodes)
-        return comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
+        return py.comment(", ".join(of[k] for of, k in zip(names, states, strict=True)))
 
-    def _node(self, node: int) -> Item:
+    def _node(self, node: int) -> py.Item:
         card, table = self.cards[node], self.network.tables[node]
         parents = self.network.shape.parents[node]
         starts = range(0, len(table), card)
-        rows: Text
+        rows: py.Part
         if len(table) > _MANY:
-            texts = [*map(number, table)]
+            texts = [*map(py.number, table)]
             lines = (" ".join(texts[k : k + card]) for k in starts)
-            rows = call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
+            rows = py.call("schedule.rows_of", ['"""' + "\n".join(lines) + '"""'])
         else:
             cases = itertools.product(*(range(self.cards[parent]) for parent in parents))
-            rows = tuple_of(
-                Item(numbers(table[k : k + card]), behind=self.case_comment(parents, case))
+            rows = py.tuple_of(
+                py.Item(py.numbers(table[k : k + card]), behind=self.case_comment(parents, case))
                 for k, case in zip(starts, cases, strict=True)
             )
         given = f" given {', '.join(self.names[parent] for parent in parents)}" if parents else ""
-        above = comment(f"{self.names[node]}{given}")
-        return Item(tuple_of([literal(parents), rows]), prefix=f"{node}: ", above=above)
+        above = py.comment(f"{self.names[node]}{given}")
+        return py.Item(py.tuple_of([py.literal(parents), rows]), prefix=f"{node}: ", above=above)
 
 
 class _ProgramText:
@@ -222,33 +209,33 @@ class _ProgramText:
             if id(part) not in names:
                 name = names[id(part)] = f"{prefix}part_{len(names)}"
                 self._part(part, name)
-        fields: dict[str, Text] = {
-            "outputs": literal(program.outputs),
-            "observable": literal(program.observable),
-            "parts": tuple_of(names[id(part)] for part in program.parts),
+        fields: dict[str, py.Part] = {
+            "outputs": py.literal(program.outputs),
+            "observable": py.literal(program.observable),
+            "parts": py.tuple_of(names[id(part)] for part in program.parts),
         }
         if program.when_observed != program.parts:
-            fields["when_observed"] = tuple_of(names[id(part)] for part in program.when_observed)
+            fields["when_observed"] = py.tuple_of(names[id(part)] for part in program.when_observed)
         if is_short:
             self._cases(f"{prefix}cases")
             fields["cases"] = f"{prefix}cases"
-        self.text = call(f"{_ROOM}.Program", [], **fields)
+        self.text = py.call(f"{_ROOM}.Program", [], **fields)
 
-    def _write(self, head: str, name: str, part: Text) -> None:
-        self._blocks.append([*([f"# {head}"] if head else []), *assignment(name, part, 0)])
+    def _write(self, head: str, name: str, part: py.Part) -> None:
+        self._blocks.append([*([f"# {head}"] if head else []), *py.assignment(name, part, 0)])
 
     def _cases(self, name: str) -> None:
         program = self._program
         rows = [
-            Item(
-                literal(posterior),
+            py.Item(
+                py.literal(posterior),
                 prefix=f"({', '.join(map(str, case))}{',' if len(case) == 1 else ''}): ",
                 behind=self._module.case_comment(program.observable, case),
             )
             for case, posterior in program.cases(self._cards)
         ]
         head = f"Posteriors of {self._module.comment(program.outputs) or 'no node'}"
-        self._write(head, name, Group("{", tuple(rows), "}"))
+        self._write(head, name, py.Group("{", tuple(rows), "}"))
 
     def _part(self, part: Part, name: str) -> None:
         component = part.plan.part
@@ -258,15 +245,15 @@ class _ProgramText:
             inference = self._schedule(part, name)
             if part.adapted is not None:
                 inference = self._adapted(part.adapted, inference, f"{name}_adapted")
-        fields: dict[str, Text] = {
-            "inputs": literal(tuple(self._positions[node] for node in component.inputs)),
-            "outputs": literal(component.outputs),
+        fields: dict[str, py.Part] = {
+            "inputs": py.literal(tuple(self._positions[node] for node in component.inputs)),
+            "outputs": py.literal(component.outputs),
             "least": str(part.least),
         }
         head = self._module.comment(component.outputs) or "evidence alone"
-        self._write(head, name, call(f"{_ROOM}.Part", [inference], **fields))
+        self._write(head, name, py.call(f"{_ROOM}.Part", [inference], **fields))
 
-    def _tables(self, plan: Plan, tables: Sequence[JointTable], name: str) -> Text:
+    def _tables(self, plan: Plan, tables: Sequence[JointTable], name: str) -> py.Part:
         texts, strides_of, above = [], [], []
         for k, table in enumerate(tables):
             own, strides = f"{name}_{k}", table.strides()
@@ -274,8 +261,8 @@ class _ProgramText:
             output = "evidence alone" if table.output < 0 else self._module.names[table.output]
             inputs = [self._module.names[node] for node in table.inputs]
             strides_of.append(pairs)
-            above.append(comment(f"{output} by {', '.join(inputs)}" if inputs else output))
-            fields: dict[str, Text] = {}
+            above.append(py.comment(f"{output} by {', '.join(inputs)}" if inputs else output))
+            fields: dict[str, py.Part] = {}
             if not (self._is_brief and table.few()):
                 self._rows(table, output, f"{own}_rows")
                 fields["rows"] = f"{own}_rows"
@@ -283,33 +270,33 @@ class _ProgramText:
                 counts, states = [count - 1 for count in table.counts], [output]
                 if table.output >= 0:
                     of_output = self._network.states[table.output]
-                    states = [comment(f"{output} = {state}") for state in of_output]
-                axes = [*map(comment, inputs)]
+                    states = [py.comment(f"{output} = {state}") for state in of_output]
+                axes = [*map(py.comment, inputs)]
                 total = total_lines(f"{own}_total", table.rows, counts, strides, axes, states)
                 self._blocks.append(total)
                 fields["total"] = f"{own}_total"
-            texts.append(call("tables.Table", [literal(tuple(pairs))], **fields))
+            texts.append(py.call("tables.Table", [py.literal(tuple(pairs))], **fields))
         self._blocks.append(look_up_lines(f"{name}_look_up", strides_of, above))
         priors = tuple(
-            Item(numbers(prior), prefix=f"{self._positions[node]}: ")
+            py.Item(py.numbers(prior), prefix=f"{self._positions[node]}: ")
             for node, prior in priors_of(self._network, plan).items()
         )
-        prior_of = Group("{", priors, "}")
-        return call("tables.Tables", [tuple_of(texts), prior_of, f"{name}_look_up"])
+        prior_of = py.Group("{", priors, "}")
+        return py.call("tables.Tables", [py.tuple_of(texts), prior_of, f"{name}_look_up"])
 
     def _rows(self, table: JointTable, output: str, name: str) -> None:
         cases = itertools.product(*map(range, table.counts))
-        rows = tuple_of(
-            Item(numbers(row), behind=self._module.case_comment(table.inputs, case))
+        rows = py.tuple_of(
+            py.Item(py.numbers(row), behind=self._module.case_comment(table.inputs, case))
             for row, case in zip(table.rows, cases, strict=True)
         )
-        self._write(f"P({comment(output)}, evidence)", name, rows)
+        self._write(f"P({py.comment(output)}, evidence)", name, rows)
 
-    def _schedule(self, part: Part, name: str) -> Text:
+    def _schedule(self, part: Part, name: str) -> py.Part:
         plan, program = part.plan, part.plan.program
         self._messages(plan, name)
-        hard: Text = "None"
-        full: Text = "None"
+        hard: py.Part = "None"
+        full: py.Part = "None"
         if not self._loops and part.adapted is None:
             steps = Steps(program, self._cards, self._positions, look_up=True)
             hard = self._steps(steps, f"{name}_hard")
@@ -318,15 +305,15 @@ class _ProgramText:
             full = (self._loop if self._loops else self._steps)(steps, f"{name}_full")
         edges = [*program.messages]
         answers = [program.answers[node] for node in plan.part.outputs] or program.evidence
-        fields = [literal(tuple(map(edges.index, answers))), hard, full]
-        return call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
+        fields = [py.literal(tuple(map(edges.index, answers))), hard, full]
+        return py.call("schedule.Schedule", ["nodes", f"{name}_messages", *fields])
 
-    def _adapted(self, plan: Plan, otherwise: Text, name: str) -> Text:
+    def _adapted(self, plan: Plan, otherwise: py.Part, name: str) -> py.Part:
         self._messages(plan, name)
         steps = Steps(plan.program, self._cards, self._positions, adapting=True)
         inputs = tuple(node for node in plan.part.inputs if node not in plan.part.outputs)
-        fields = [f"{name}_messages", self._loop(steps, name), literal(inputs), str(WIDE)]
-        return call("patterns.Adapted", [otherwise, *fields])
+        fields = [f"{name}_messages", self._loop(steps, name), py.literal(inputs), str(WIDE)]
+        return py.call("patterns.Adapted", [otherwise, *fields])
 
     def _messages(self, plan: Plan, name: str) -> None:
         """Write the messages of a plan, for which the runtime makes arrays."""
@@ -348,22 +335,22 @@ class _ProgramText:
             is_known = not message.inputs or edge in program.tabulated or not message.parts
             seen = message.inputs & ~message.mask if kind == TABLE else message.inputs
             nodes, inputs = tuple(bits(message.mask)), tuple(bits(seen)) if is_known else ()
-            row = literal((kind, parts, nodes, inputs, is_known))
-            rows.append(Item(row, behind=f"{k} {self._module.comment(nodes)}".rstrip()))
-        self._write("Kind, parts, nodes, inputs, known.", f"{name}_messages", tuple_of(rows))
+            row = py.literal((kind, parts, nodes, inputs, is_known))
+            rows.append(py.Item(row, behind=f"{k} {self._module.comment(nodes)}".rstrip()))
+        self._write("Kind, parts, nodes, inputs, known.", f"{name}_messages", py.tuple_of(rows))
 
     def _slots(self, steps: Steps, name: str) -> None:
         pairs = zip(steps.slots, steps.names, strict=True)
-        rows = tuple_of(Item(literal(row), behind=slot) for row, slot in pairs)
+        rows = py.tuple_of(py.Item(py.literal(row), behind=slot) for row, slot in pairs)
         self._write("", f"{name}_slots", rows)
 
-    def _steps(self, steps: Steps, name: str) -> Text:
+    def _steps(self, steps: Steps, name: str) -> py.Part:
         self._slots(steps, name)
         functions = dict.fromkeys(operation.function for operation in steps.operations)
         if any("dot(" in row for row in steps.rows):
             functions["dot"] = None
         lines = [f"    {function} = numpy.{function}" for function in functions]
-        lines += unpacked(steps.names, "slots", 4)
+        lines += py.unpacked(steps.names, "slots", 4)
         lines = [f"def {name}(numpy, slots):", *lines, *([""] if lines else [])]
         lines.append("    def step(s):")
         for case, terms in steps.cases.items():
@@ -371,18 +358,18 @@ class _ProgramText:
         for operation in steps.operations:
             line = f"        {operation.function}({', '.join(operation.operands)})"
             lines.append(f"{line}  # {self._module.comment(operation.nodes)}".rstrip(" #"))
-        lines += returned(Group("[", tuple(map(Item, steps.rows)), "]"), 8)
+        lines += py.returned(py.Group("[", tuple(map(py.Item, steps.rows)), "]"), 8)
         self._blocks.append([*lines, "", "    return step"])
-        return call("schedule.Steps", [f"{name}_slots", name])
+        return py.call("schedule.Steps", [f"{name}_slots", name])
 
-    def _loop(self, steps: Steps, name: str) -> Text:
+    def _loop(self, steps: Steps, name: str) -> py.Part:
         self._slots(steps, name)
         rows = []
         for operation in steps.operations:
             operands = (int(text[1:]) for text in operation.operands)
-            row = literal((operation.message, operation.function, *operands))
-            rows.append(Item(row, behind=self._module.comment(operation.nodes)))
-        self._write("", f"{name}_operations", tuple_of(rows))
-        answers = literal(tuple(int(row.partition(".")[0][1:]) for row in steps.rows))
+            row = py.literal((operation.message, operation.function, *operands))
+            rows.append(py.Item(row, behind=self._module.comment(operation.nodes)))
+        self._write("", f"{name}_operations", py.tuple_of(rows))
+        answers = py.literal(tuple(int(row.partition(".")[0][1:]) for row in steps.rows))
         fields = {"operations": f"{name}_operations", "answers": answers}
-        return call("schedule.Steps", [f"{name}_slots"], **fields)
+        return py.call("schedule.Steps", [f"{name}_slots"], **fields)

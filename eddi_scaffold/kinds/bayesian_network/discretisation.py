@@ -7,20 +7,19 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeGuard
+from typing import Any, TypeAlias, TypeGuard
 
 from eddi_runtime.bayesian_network import readers
 
-from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
+from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.kinds import InputType, Options
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
 UNOBSERVED = "unobserved"
 _TRUTH = {"true": True, "false": False}
 """Keys of maps are texts; those that mean a bool."""
-_OF_BINS = ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf")
-_KEYS = ("input", "bins", *_OF_BINS, "map", "sentinel", "out_of_range", "missing")
-_USUAL: Mapping[str, Any] = readers.Declaration._field_defaults
+Form: TypeAlias = Mapping[str, tuple[Callable[[Any], bool], str]]
+"""Key -> whether a value can be meant, and what is expected."""
 
 
 class EntryReader:
@@ -29,26 +28,45 @@ class EntryReader:
     Args:
         options: the configuration.
         path: of the entry, below ``Model:``.
+        entry: its keys.
         subject: what each message begins with, if anything.
     """
 
-    def __init__(self, options: Options, *path: str | int, subject: str = "") -> None:
+    def __init__(
+        self,
+        options: Options,
+        *path: str | int,
+        entry: Mapping[str, Any] | None = None,
+        subject: str = "",
+    ) -> None:
         self.options, self.path, self.subject = options, path, subject
+        self.entry = entry or {}
         self.problems: list[Problem] = []
+
+    def place(self, *path: str | int) -> Place:
+        """Return the place of the entry, or of a key in it."""
+        return self.options.place(*self.path, *path)
 
     def report(
         self, case: str, /, *path: str | int, hint: str | None = None, **fields: object
     ) -> None:
         """Report a problem with a key of the entry, or with the entry itself."""
-        fault = problem(case, self.options.place(*self.path, *path), hint=hint, **fields)
+        fault = problem(case, self.place(*path), hint=hint, **fields)
         self.problems.append(fault.about(self.subject) if self.subject else fault)
 
-    def check_keys(self, entry: Mapping[str, Any], known: Sequence[str]) -> None:
-        """Report keys that do not exist."""
-        for key in entry:
-            if key not in known:
-                hint = did_you_mean(key, known) or f"known keys: {', '.join(known)}"
+    def values(self, form: Form, *required: str) -> dict[str, Any]:
+        """Return the values that can be meant; report all others, and keys that do not exist."""
+        values = {}
+        for key, value in {**dict.fromkeys(required), **self.entry}.items():
+            is_meant, expected = form.get(key, (None, ""))
+            if is_meant is None:
+                hint = did_you_mean(key, form) or f"known keys: {', '.join(form)}"
                 self.report("B404.unknown_key", key, hint=hint, key=key)
+            elif is_meant(value):
+                values[key] = value
+            else:
+                self.report("B404.value", key, key=key, expected=expected)
+        return values
 
 
 def is_number(value: object) -> TypeGuard[int | float]:
@@ -69,20 +87,36 @@ def _is_range(value: object) -> bool:
     return False
 
 
-_EXPECTED: Mapping[str, tuple[Callable[[Any], bool], str]] = {
+def _is_sentinel(value: object) -> bool:
+    match value:
+        case [special, _]:
+            return isinstance(special, bool | str) or _is_finite(special)
+    return False
+
+
+def _all(is_meant: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, list) and all(map(is_meant, value))
+
+
+_FORM: Form = {
+    "input": (lambda _: True, ""),
+    "bins": (_all(is_number), "a list of numbers, the edges"),
     "closed": (lambda value: value in ("right", "left"), "right or left"),
+    "order": (_all(lambda state: isinstance(state, str)), "a list of states, yes and no in quotes"),
     "scale": (lambda value: _is_finite(value) and value != 0, "a finite number, and not 0"),
     "offset": (_is_finite, "a finite number"),
     "range": (_is_range, "two ascending numbers"),
-    "out_of_range": (lambda value: value in (UNOBSERVED, "clamp"), "unobserved or clamp"),
-    "allow_inf": (lambda value: isinstance(value, bool), "true or false"),
     "hysteresis": (lambda value: _is_finite(value) and value >= 0, "a finite number, 0 or more"),
+    "allow_inf": (lambda value: isinstance(value, bool), "true or false"),
+    "map": (lambda value: isinstance(value, Mapping) and value != {}, "a map: value -> state"),
+    "sentinel": (_all(_is_sentinel), "a list of pairs [value, state]"),
+    "out_of_range": (lambda value: value in (UNOBSERVED, "clamp"), "unobserved or clamp"),
     "missing": (
         lambda value: value in (UNOBSERVED, "prior", "default", "hold"),
         "unobserved, prior, default or hold",
     ),
 }
-"""Key -> whether a value can be meant, and what is expected."""
+_OF_BINS = ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_inf")
 
 
 @dataclass(frozen=True)
@@ -93,39 +127,19 @@ class Declaration:
         node: id of the node.
         input: id of the input.
         type: of the input's values.
-        data: its keys; maps and sentinels are lists of pairs.
+        reader: how these become states, for the runtime.
     """
 
     node: str
     input: str
     type: InputType
-    data: Mapping[str, Any]
+    reader: readers.Declaration
 
-    def reader_arguments(self, states: Sequence[str]) -> dict[str, Any]:
-        """Return the arguments of the runtime's ``Declaration``, without usual ones."""
-        data, number = self.data, {state: k for k, state in enumerate(states)}
-        special = [(value, number[state]) for value, state in data.get("map", [])]
-        for value, state in data.get("sentinel", []):
-            # A raw -1 may come as a whole number or as -1.0, but True is not 1.
-            kinds = [type(value)] if isinstance(value, bool | str) else [int, float]
-            twins = [twin for twin in (kind(value) for kind in kinds) if twin == value]
-            special += [(twin, number.get(state, len(states))) for twin in twins]
-        arguments = {
-            "missing": len(states),
-            "edges": tuple(data["bins"]) if "bins" in data else None,
-            "order": tuple(number[state] for state in data.get("order", states)),
-            "closed_right": data.get("closed", "right") == "right",
-            "scaled": "scale" in data or "offset" in data,
-            "scale": data.get("scale", 1.0),
-            "offset": data.get("offset", 0.0),
-            "limits": tuple(data.get("range", _USUAL["limits"])),
-            "clamp": data.get("out_of_range") == "clamp",
-            "allow_inf": data.get("allow_inf", False),
-            "hysteresis": data.get("hysteresis", 0.0),
-            "policy": data.get("missing", UNOBSERVED),
-            "special": tuple(special),
-        }
-        return {key: value for key, value in arguments.items() if value != _USUAL.get(key)}
+    @property
+    def values_of_map(self) -> list[object] | None:
+        """The values that give a state; ``None`` where bins do."""
+        of = self.reader
+        return None if of.edges is not None else [v for v, k in of.special if k != of.missing]
 
 
 def read_discretisation(
@@ -135,11 +149,10 @@ def read_discretisation(
     section, names = options.values.get("discretisation"), network.names()
     reader = EntryReader(options, "discretisation")
     declarations: list[Declaration] = []
-    if not isinstance(section, Mapping):
-        if section is not None:
-            reader.report("B404.declarations")
-        return [], reader.problems
-    for name, entry in section.items():
+    if not isinstance(section, Mapping | None):
+        reader.report("B404.declarations")
+        section = None
+    for name, entry in (section or {}).items():
         if name not in names:
             reader.report("B303.discretised_node", name, hint=did_you_mean(name, names), name=name)
         elif not isinstance(entry, Mapping):
@@ -154,52 +167,49 @@ def read_discretisation(
 class _DeclarationReader(EntryReader):
     def __init__(self, node: Node, entry: Mapping[str, Any], options: Options) -> None:
         subject = f"discretisation of {node.id!r}"
-        super().__init__(options, "discretisation", node.id, subject=subject)
-        self._node, self._entry = node, entry
+        super().__init__(options, "discretisation", node.id, entry=entry, subject=subject)
+        self._node = node
 
     def read(self) -> list[Declaration]:
         """Return the declaration; nothing after an error."""
-        entry = self._entry
-        self.check_keys(entry, _KEYS)
+        entry, node, values = self.entry, self._node, self.values(_FORM)
         if ("bins" in entry) == ("map" in entry):
             self.report("B404.bins_or_map")
         for key in _OF_BINS if "map" in entry else ():
             if key in entry:
                 self.report("B404.useless_with_map", key, key=key)
-        for key, (is_meant, expected) in _EXPECTED.items():
-            if key in entry and not is_meant(entry[key]):
-                self.report("B404.value", key, key=key, expected=expected)
-        type_, order = self._type(), self._order()
-        data: dict[str, Any] = {"input": entry.get("input")}  # its order decides the digest
-        if "bins" in entry:
-            data |= {"bins": self._bins(order), "order": order}
-        if "map" in entry:
-            data["map"] = self._map(type_)
-        sentinel = self._sentinel()
-        data |= {"sentinel": sentinel} if sentinel else {}
+        type_, states = self._type(), values.get("map", {})
+        for key, state in states.items():
+            self._check_state(state, "map", key)
+            if _value_of(key, type_) is None:
+                self.report("B404.map_type", "map", key, key=key, type=type_)
+        for number, state in enumerate(values.get("order", ())):
+            self._check_state(state, "order", number)
+        for number, (_, state) in enumerate(values.get("sentinel", ())):
+            if state != UNOBSERVED:
+                self._check_state(state, "sentinel", number)
+        if "bins" in values:
+            self._check_bins(values["bins"], values.get("order", node.states))
         if has_errors(self.problems):
             return []
-        for key in ("closed", "out_of_range", "allow_inf", "missing"):
-            data |= {key: entry[key]} if key in entry else {}
-        for key in ("scale", "offset", "hysteresis"):
-            data |= {key: float(entry[key])} if key in entry else {}
-        if "range" in entry:
-            data["range"] = [float(limit) for limit in entry["range"]]
-        self._warn(data)
-        return [Declaration(self._node.id, data["input"], type_, data)]
+        pairs = [(_value_of(key, type_), state) for key, state in states.items()]
+        reader = reader_of({**values, "map": pairs}, node.states)
+        self._warn(reader)
+        return [Declaration(node.id, values["input"], type_, reader)]
 
     def _type(self) -> InputType:
         """Return the declared type of the input, or the one that fits."""
-        entry, inputs = self._entry, {declared.id: declared for declared in self.options.inputs}
+        entry, inputs = self.entry, {declared.id: declared for declared in self.options.inputs}
         name, keys = entry.get("input"), entry.get("map")
+        declared = inputs.get(name) if isinstance(name, str) else None
         if not isinstance(name, str):
             self.report("B404.input")
-        elif name not in inputs:
+        elif declared is None:
             hint = did_you_mean(name, inputs) or "add it to EDDIInputs"
             self.report("B404.unknown_input", "input", hint=hint, name=name)
-        elif entry.get("missing") == "default" and inputs[name].default is None:
+        elif entry.get("missing") == "default" and declared.default is None:
             self.report("B404.no_default", "missing", input=name)
-        type_ = inputs[name].type if isinstance(name, str) and name in inputs else None
+        type_ = declared.type if declared else None
         if type_ == "bool" and "bins" in entry:
             self.report("B404.bool_bins", "bins")
         if type_ is not None or not isinstance(keys, Mapping):
@@ -215,24 +225,9 @@ class _DeclarationReader(EntryReader):
             hint = did_you_mean(state, states) or f"its states: {', '.join(states)}"
             self.report("B303.bin_state", *path, hint=hint, state=state)
 
-    def _order(self) -> list[str]:
-        order = self._entry.get("order")
-        if order is None:
-            return list(self._node.states)
-        if not isinstance(order, list) or not all(isinstance(state, str) for state in order):
-            self.report("B404.order", "order")
-            return list(self._node.states)
-        for number, state in enumerate(order):
-            self._check_state(state, "order", number)
+    def _check_bins(self, edges: Sequence[float], order: Sequence[str]) -> None:
         if len({*order}) < len(order):
             self.report("B404.order_twice", "order")
-        return order
-
-    def _bins(self, order: Sequence[str]) -> list[float]:
-        edges = self._entry["bins"]
-        if not isinstance(edges, list) or not all(map(is_number, edges)):
-            self.report("B404.bins", "bins")
-            return []
         if len(edges) != len(order) - 1:
             count, states = len(edges), len(order)
             self.report("B401.edge_count", "bins", edges=count, bins=count + 1, states=states)
@@ -240,51 +235,48 @@ class _DeclarationReader(EntryReader):
             if not math.isfinite(edge) or (number and edge <= edges[number - 1]):
                 self.report("B401.edge_order", "bins", number)
                 break
-        return [float(edge) for edge in edges]
 
-    def _map(self, type_: InputType) -> list[list[Any]]:
-        states = self._entry["map"]
-        if not isinstance(states, Mapping) or not states:
-            self.report("B404.map", "map")
-            return []
-        for key, state in states.items():
-            self._check_state(state, "map", key)
-            if _value_of(key, type_) is None:
-                self.report("B404.map_type", "map", key, key=key, type=type_)
-        return [[_value_of(key, type_), state] for key, state in states.items()]
-
-    def _sentinel(self) -> list[Any]:
-        pairs = self._entry.get("sentinel")
-        if pairs is not None and not isinstance(pairs, list):
-            self.report("B404.sentinel", "sentinel")
-            return []
-        for number, pair in enumerate(pairs or ()):
-            match pair:
-                case [value, state] if isinstance(value, bool | str) or _is_finite(value):
-                    if state != UNOBSERVED:
-                        self._check_state(state, "sentinel", number)
-                case _:
-                    self.report("B404.sentinel", "sentinel", number)
-        return pairs or []
-
-    def _warn(self, data: Mapping[str, Any]) -> None:
+    def _warn(self, reader: readers.Declaration) -> None:
         """Warn of a bin that is passed over or never left, and of states that no value gives."""
-        edges, band = list(data.get("bins", ())), data.get("hysteresis", 0.0)
-        if "range" in data:
-            scale, offset = data.get("scale", 1.0), data.get("offset", 0.0)
-            low, high = sorted(limit * scale + offset for limit in data["range"])
-            edges = [low, *(edge for edge in edges if low < edge < high), high]
-        width = min((b - a for a, b in pairwise(edges)), default=math.inf)
+        low, high = sorted(limit * reader.scale + reader.offset for limit in reader.limits)
+        edges = [low, *(edge for edge in reader.edges or () if low < edge < high), high]
+        width, band = min(b - a for a, b in pairwise(edges)), reader.hysteresis
         if 0 < width <= band:
             self.report("B404.wide_hysteresis", "hysteresis", hysteresis=band, width=width)
-        reachable = [*data.get("order", ()), *(state for _, state in data.get("map", ()))]
-        reachable += [state for _, state in data.get("sentinel", ())]
-        lacking = [state for state in self._node.states if state not in reachable]
+        reachable = {state for _, state in reader.special}
+        reachable |= set() if reader.edges is None else {*reader.order}
+        lacking = [state for k, state in enumerate(self._node.states) if k not in reachable]
         if lacking:
-            place = self.options.place(*self.path)
-            self.problems.append(
-                problem("B405", place, node=self._node.id, states=", ".join(lacking))
-            )
+            fields = {"node": self._node.id, "states": ", ".join(lacking)}
+            self.problems.append(problem("B405", self.place(), **fields))
+
+
+def reader_of(values: Mapping[str, Any], states: Sequence[str]) -> readers.Declaration:
+    """Return what the runtime takes of the keys of an entry; ``map`` has pairs."""
+    numbers = {state: k for k, state in enumerate(states)}
+    special = [(value, numbers[state]) for value, state in values.get("map", ())]
+    for value, state in values.get("sentinel", ()):
+        # A raw -1 may come as a whole number or as -1.0, but True is not 1.
+        kinds = [type(value)] if isinstance(value, bool | str) else [int, float]
+        twins = [twin for twin in (kind(value) for kind in kinds) if twin == value]
+        special += [(twin, numbers.get(state, len(states))) for twin in twins]
+    scale, offset = float(values.get("scale", 1.0)), float(values.get("offset", 0.0))
+    low, high = map(float, values.get("range", (-math.inf, math.inf)))
+    return readers.Declaration(
+        missing=len(states),
+        edges=tuple(map(float, values["bins"])) if "bins" in values else None,
+        order=tuple(numbers[state] for state in values.get("order", states)),
+        closed_right=values.get("closed") != "left",
+        scaled=(scale, offset) != (1.0, 0.0),
+        scale=scale,
+        offset=offset,
+        limits=(low, high),
+        clamp=values.get("out_of_range") == "clamp",
+        allow_inf=values.get("allow_inf", False),
+        hysteresis=float(values.get("hysteresis", 0.0)),
+        policy=values.get("missing", UNOBSERVED),
+        special=tuple(special),
+    )
 
 
 def _value_of(key: str, type_: InputType) -> bool | float | str | None:

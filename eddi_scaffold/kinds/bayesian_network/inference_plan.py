@@ -138,23 +138,22 @@ class Program(NamedTuple):
 
     def cases(self, cards: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Posterior | None]]:
         """Yield the posteriors for each case of states; None where it is impossible."""
+        tables = [table for part in self.parts for table in part.tables or ()]
         for case in itertools.product(*(range(cards[node] + 1) for node in self.observable)):
-            yield case, self._posterior(case)
-
-    def _posterior(self, case: Sequence[int]) -> Posterior | None:
-        states = dict(zip(self.observable, case, strict=True))
-        posteriors: dict[int, tuple[float, ...]] = {}
-        for table in itertools.chain.from_iterable(part.tables or () for part in self.parts):
-            pairs = zip(table.inputs, table.strides(), strict=True)
-            row: Sequence[float] = table.rows[sum(states[node] * by for node, by in pairs)]
-            state = states.get(table.output, table.card)
-            if state != table.card:
-                row = [p if k == state else 0.0 for k, p in enumerate(row)]
-            total = added(row)
-            if not total:
-                return None
-            posteriors[table.output] = tuple(p / total for p in row)
-        return tuple(posteriors[node] for node in self.outputs)
+            states = dict(zip(self.observable, case, strict=True))
+            posteriors: dict[int, tuple[float, ...]] = {}
+            for table in tables:
+                pairs = zip(table.inputs, table.strides(), strict=True)
+                row: Sequence[float] = table.rows[sum(states[node] * by for node, by in pairs)]
+                state = states.get(table.output, table.card)
+                if state != table.card:
+                    row = [p if k == state else 0.0 for k, p in enumerate(row)]
+                if not (total := added(row)):
+                    yield case, None
+                    break
+                posteriors[table.output] = tuple(p / total for p in row)
+            else:
+                yield case, tuple(posteriors[node] for node in self.outputs)
 
 
 def foreseen(
@@ -165,15 +164,7 @@ def foreseen(
     tables: bool = True,
     trials: int = _TRIALS,
 ) -> Program:
-    """Return the inference for nodes that are known beforehand.
-
-    Args:
-        network: the network.
-        outputs: numbers of the nodes whose posterior is asked for.
-        observable: numbers of the nodes that may be observed.
-        tables: use joint tables where they are small; False is for tests.
-        trials: of the search for a good order.
-    """
+    """Return the inference for nodes that are known beforehand, by number."""
     shape, parts, when_observed = network.shape, [], []
     asked_for, observed = _set(outputs), _set(observable)
     for plan in _plans(shape, asked_for, observed, trials):

@@ -10,19 +10,13 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from eddi_scaffold.kinds.bayesian_network import structure
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
 from eddi_scaffold.kinds.bayesian_network.message_passing import (
     Edge,
     Message,
     MessageProgram,
     Plan,
-)
-from eddi_scaffold.kinds.bayesian_network.structure import (
-    Component,
-    NumberedNetwork,
-    bits,
-    mask_of,
-    size_of,
 )
 
 MAX_NUMBERS = 16_384
@@ -63,27 +57,29 @@ class JointTable(NamedTuple):
         return self.summed and self.card * states <= MAX_SUMMED
 
 
-def fits(program: MessageProgram, network: NumberedNetwork, part: Component) -> bool:
+def fits(
+    program: MessageProgram, network: structure.NumberedNetwork, part: structure.Component
+) -> bool:
     """Return whether the tables of a part are small."""
     cards, messages = network.shape.cards, program.messages
     for message in messages.values():
-        cases = size_of(message.inputs, program.cases)
+        cases = structure.size_of(message.inputs, program.cases)
         if message.parts and cases * program.work(message, cards) > _MAX_WORK:
             return False
     for node, edge in program.answers.items():
-        if size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
+        if structure.size_of(messages[edge].inputs, program.cases) * cards[node] > MAX_NUMBERS:
             return False
-    inputs = mask_of((*part.inputs, *part.always_observed))
-    return not program.evidence or size_of(inputs, program.cases) <= MAX_NUMBERS
+    inputs = structure.mask_of((*part.inputs, *part.always_observed))
+    return not program.evidence or structure.size_of(inputs, program.cases) <= MAX_NUMBERS
 
 
-def priors_of(network: NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
+def priors_of(network: structure.NumberedNetwork, plan: Plan) -> dict[int, tuple[float, ...]]:
     """Return input -> its prior, where that goes with its evidence and not with the tables."""
     in_tables = {leaf.node for leaf in plan.tree.leaves if leaf.kind == TABLE}
     return {node: network.tables[node] for node in plan.part.inputs if node not in in_tables}
 
 
-def joint_tables(network: NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
+def joint_tables(network: structure.NumberedNetwork, plan: Plan) -> tuple[JointTable, ...]:
     """Return the table of each output of a part; that of the evidence if there is none."""
     return _Tables(network, plan).tables()
 
@@ -96,7 +92,7 @@ class _Factor(NamedTuple):
 
 
 class _Tables:
-    def __init__(self, network: NumberedNetwork, plan: Plan) -> None:
+    def __init__(self, network: structure.NumberedNetwork, plan: Plan) -> None:
         self._network, self._plan = network, plan
         self._cards, self._cases = network.shape.cards, plan.program.cases
         self._count = len(self._cards)
@@ -115,7 +111,7 @@ class _Tables:
             return tuple(self._table(factors[program.answers[node]], node) for node in part.outputs)
         first, *others = (factors[edge] for edge in program.evidence)
         second = others[0] if others else _Factor((), [1.0])
-        inputs = mask_of((*part.inputs, *part.always_observed))
+        inputs = structure.mask_of((*part.inputs, *part.always_observed))
         return (self._table(self._product(first, second, 0, inputs), -1),)
 
     def _leaf(self, message: Message) -> _Factor:
@@ -135,25 +131,24 @@ class _Tables:
 
     def _product(self, first: _Factor, second: _Factor, mask: int, inputs: int) -> _Factor:
         """Multiply two factors and sum over all nodes outside ``mask``; cases of inputs stay."""
-        kept = (*(node + self._count for node in bits(inputs)), *bits(mask))
+        kept = (*(node + self._count for node in structure.bits(inputs)), *structure.bits(mask))
         summed = tuple(sorted({*first.axes, *second.axes}.difference(kept)))
-        places = [self._offsets(factor, (*kept, *summed)) for factor in (first, second)]
+        places = []
+        for factor in (first, second):
+            strides, stride = {}, 1
+            for axis in reversed(factor.axes):
+                strides[axis] = stride
+                stride *= self._size(axis)
+            offsets = [0]
+            for axis in (*kept, *summed):
+                steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
+                offsets = [offset + step for offset in offsets for step in steps]
+            places.append(offsets)
         terms = [first.values[i] * second.values[j] for i, j in zip(*places, strict=True)]
         count = math.prod(self._cards[axis] for axis in summed)
         if count > 1:
             terms = [added(terms[k : k + count]) for k in range(0, len(terms), count)]
         return _Factor(kept, terms)
-
-    def _offsets(self, factor: _Factor, axes: tuple[int, ...]) -> list[int]:
-        strides, stride = {}, 1
-        for axis in reversed(factor.axes):
-            strides[axis] = stride
-            stride *= self._size(axis)
-        offsets = [0]
-        for axis in axes:
-            steps = [strides.get(axis, 0) * state for state in range(self._size(axis))]
-            offsets = [offset + step for offset in offsets for step in steps]
-        return offsets
 
     def _size(self, axis: int) -> int:
         return self._cards[axis] if axis < self._count else self._cases[axis - self._count]

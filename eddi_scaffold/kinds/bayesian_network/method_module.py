@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
-from eddi_scaffold.common.escaping import parse_shallow, python_comment, python_literal
-from eddi_scaffold.common.files import Source
+from eddi_scaffold import kinds
+from eddi_scaffold.common.escaping import python_comment, python_literal
 from eddi_scaffold.common.identifiers import TODO
-from eddi_scaffold.common.problems import Place, Problem, did_you_mean, plural, problem
-from eddi_scaffold.kinds import (
-    EditableMethod,
-    EditableModule,
-    InputType,
-    JsonValue,
-    ModelDraft,
-    ModelInput,
-    Options,
-)
+from eddi_scaffold.common.problems import plural
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node, identifiers, node_attributes
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
@@ -33,7 +23,6 @@ _PLAIN = (
     '        """Take over what `execute_step` was given; the methods below read it."""',
     '        self.dra_data = getattr(dra_data, "data", dra_data)',
 )
-_DECLARED = re.compile(r"\s*# Declared: (?:discretised|taken) from ")
 _NUMBER = r"(\d+(?:[._]\d+)?)"
 _SPAN = re.compile(
     rf"(?:(?:\D*_)?{_NUMBER}_?(?:to|-|_)_?{_NUMBER}"
@@ -68,10 +57,10 @@ def proposed_bins(states: Sequence[str]) -> list[float] | None:
     return edges if edges and is_rising and (None, None) not in spans else None
 
 
-def config_module(network: Network, options: NetworkOptions) -> EditableModule:
+def config_module(network: Network, options: NetworkOptions) -> kinds.EditableModule:
     """Return the module with a region for each node."""
     attributes = node_attributes(network)
-    return EditableModule(
+    return kinds.EditableModule(
         file=FILE,
         docstring="How inputs become evidence on nodes, and which nodes are outputs.",
         class_name="BayesianNetworkConfig",
@@ -82,7 +71,7 @@ def config_module(network: Network, options: NetworkOptions) -> EditableModule:
     )
 
 
-def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMethod:
+def _method(node: Node, attribute: str, options: NetworkOptions) -> kinds.EditableMethod:
     outcomes = [f"outcome_{name}" for name in identifiers(node.states)]
     pairs = zip(map(python_literal, node.states), outcomes, strict=True)
     comments = [f"States of {python_comment(node.id)}: {python_comment(', '.join(node.states))}."]
@@ -99,7 +88,7 @@ def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMeth
             f"Its states look like bins: [{shown}] (discretisation: in the configuration)"
         )
     former = options.renamed.get(node.id)
-    return EditableMethod(
+    return kinds.EditableMethod(
         name=f"node_{attribute}",
         about=node.id,
         body=("pass",),
@@ -113,97 +102,18 @@ def _method(node: Node, attribute: str, options: NetworkOptions) -> EditableMeth
     )
 
 
-def lint(source: Source) -> list[Problem]:
-    """Return what is often wrong in the methods (B406, B412), or that it is not Python (B418).
-
-    The file is read as text and never run. Which paths a body has is not followed:
-    ``discretisation:`` declares the same without a gap, and with NaN as missing.
-    """
-    try:
-        tree = parse_shallow(source.data)
-    except SyntaxError as fault:
-        place = Place(source.name, fault.lineno or 1, fault.offset or 1)
-        return [problem("B418.syntax", place, msg=fault.msg)]
-    lines = source.data.decode("utf-8", "replace").splitlines()
-    return [
-        fault
-        for function in ast.walk(tree)
-        if isinstance(function, ast.FunctionDef) and function.name.startswith("node_")
-        for fault in _lint_method(function, source.name, lines)
-    ]
-
-
-def _lint_method(function: ast.FunctionDef, file: str, lines: Sequence[str]) -> Iterator[Problem]:
-    method, body = function.name, function.body
-    begins = [k + 1 for k, statement in enumerate(body) if _is_marker(statement, "begin")]
-    ends = [k for k, statement in enumerate(body) if _is_marker(statement, "end")]
-    start = begins[0] if begins else 0
-    head, region = body[: start or None], body[start : ends[0] if begins and ends else None]
-    outcomes = [
-        name
-        for name, value, _ in _assignments(head)
-        if name.startswith("outcome_") and _constant(value) == 0.0
-    ]
-    nodes = [node for statement in region for node in ast.walk(statement)]
-    used: dict[str, int] = {}
-    for node in nodes:
-        if isinstance(node, ast.Name) and node.id.startswith("outcome_"):
-            used.setdefault(node.id, node.lineno)
-    for name, line in used.items():
-        if name not in outcomes:
-            hint = did_you_mean(name, outcomes)
-            yield problem("B412.outcome", Place(file, line), hint=hint, method=method, name=name)
-    assignments = [(name, _constant(value), line) for name, value, line in _assignments(nodes)]
-    evidence = [line for name, p, line in assignments if name in used and p != 0.0]
-    flags = [line for name, p, line in assignments if name == "is_bn_output" and p is not False]
-    for name, p, line in assignments:
-        if name in used and p is not None and not 0.0 <= p <= 1.0:
-            yield problem("B412.outside", Place(file, line), method=method, value=p)
-    stop = body[start].lineno if start < len(body) else function.lineno
-    if evidence and any(map(_DECLARED.match, lines[function.lineno : stop])):
-        yield problem("B406", Place(file, evidence[0]), method=method)
-    if evidence and flags:
-        yield problem("B412.echo", Place(file, flags[0]), method=method)
-
-
-def _is_marker(statement: ast.stmt, end: str) -> bool:
-    match statement:
-        case ast.Expr(ast.Constant(str() as text)):
-            return f"manual edit {end}" in text.casefold()
-    return False
-
-
-def _assignments(nodes: Sequence[ast.AST]) -> Iterator[tuple[str, ast.expr, int]]:
-    """Yield the name, the value and the line of each assignment to one name."""
-    for node in nodes:
-        match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value):
-                yield name, value, node.lineno
-
-
-def _constant(value: ast.expr) -> float | None:
-    """Return the number or truth value that an expression is, ``None`` for all others."""
-    try:
-        constant = ast.literal_eval(value)
-        if isinstance(constant, bool):
-            return constant
-        return float(constant) if isinstance(constant, int | float) else None
-    except (ValueError, TypeError, OverflowError):
-        return None
-
-
-def draft(network: Network, options: Options) -> ModelDraft:
+def draft(network: Network, options: kinds.Options) -> kinds.ModelDraft:
     """Return a declaration for each node that nothing feeds yet, and the inputs of all.
 
     Of the nodes that are expected to be known; where the file expects none, of the roots.
     """
     section, fed = options.values.get("discretisation"), {entry.id for entry in options.inputs}
-    declared: dict[str, JsonValue] = dict(section) if isinstance(section, Mapping) else {}
+    declared: dict[str, kinds.JsonValue] = dict(section) if isinstance(section, Mapping) else {}
     lists = [options.values.get(key) for key in ("outputs", "observed")]
     named = {str(name) for list_ in lists if isinstance(list_, list) for name in list_}
     roots = [node.id for node in network.nodes if not node.parents]
     expected = [node for node, _ in network.known] or roots
-    new: dict[str, JsonValue] = {}
+    new: dict[str, kinds.JsonValue] = {}
     notes: dict[tuple[str, ...], str] = {}
     for node in network.nodes:
         is_proposed = node.id in expected and len(node.states) > 1
@@ -228,17 +138,17 @@ def draft(network: Network, options: Options) -> ModelDraft:
     for name, entry in {**declared, **new}.items():
         input_id = entry.get("input") if isinstance(entry, Mapping) else None
         if isinstance(entry, Mapping) and isinstance(input_id, str) and input_id != TODO:
-            inputs.append(ModelInput(input_id, _type(entry), description=name.replace("_", " ")))
+            states = entry.get("map")
+            type_: kinds.InputType = "float"
+            if isinstance(states, Mapping) and "bins" not in entry:
+                keys = {str(key).casefold() for key in states}
+                type_ = "bool" if keys <= {"true", "false"} else "str"
+            inputs.append(kinds.ModelInput(input_id, type_, description=name.replace("_", " ")))
     inputs += [
-        ModelInput(node.id, "state", description=node.id.replace("_", " "), states=node.states)
+        kinds.ModelInput(
+            node.id, "state", description=node.id.replace("_", " "), states=node.states
+        )
         for node in network.nodes
         if node.id in fed.difference(input_.id for input_ in inputs)
     ]
-    return ModelDraft(inputs, {"discretisation": new} if new else {}, notes)
-
-
-def _type(declaration: Mapping[str, JsonValue]) -> InputType:
-    states = declaration.get("map")
-    if not isinstance(states, Mapping) or "bins" in declaration:
-        return "float"
-    return "bool" if {str(key).casefold() for key in states} <= {"true", "false"} else "str"
+    return kinds.ModelDraft(inputs, {"discretisation": new} if new else {}, notes)

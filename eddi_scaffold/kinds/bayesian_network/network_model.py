@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import PurePath
 from typing import Any, ClassVar
 
+from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Acceptance, Claim, Element, Meaning, Meanings
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, in_order, problem
@@ -14,22 +16,11 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds import (
-    CrossCheck,
-    EditableModule,
-    Model,
-    ModelDraft,
-    ModelInput,
-    ModelOutput,
-    Options,
-    ReadResult,
-)
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, show
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import (
     NetworkOptions,
-    default_options,
     read_options,
 )
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
@@ -67,13 +58,14 @@ _MEANINGS: Meanings = {
 """Message -> field, with all below it -> its meaning."""
 _POLICIES = {"prior": "the prior", "default": "the state of the default", "hold": "the last state"}
 _BEYOND = (
-    ("out_of_range", "clamp", "the nearest value in range"),
-    ("allow_inf", True, "the outermost bin"),
+    ("clamp", "out_of_range", "clamp", "the nearest value in range"),
+    ("allow_inf", "allow_inf", "true", "the outermost bin"),
 )
+"""Field of the runtime's declaration, key and value in a configuration, what is accepted."""
 
 
 @dataclass(frozen=True)
-class NetworkModel(Model):
+class NetworkModel(kinds.Model):
     """A network; its options come from a configuration, ``None`` without one."""
 
     kind: ClassVar[str] = NAME
@@ -81,38 +73,45 @@ class NetworkModel(Model):
     options: NetworkOptions | None = field(default=None, kw_only=True)
 
     @classmethod
-    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
-        """Read a network by itself, or look at a module of hand-written methods."""
-        if PurePath(source.name).name == method_module.FILE:
-            return ReadResult((), tuple(in_order(method_module.lint(source))))
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
         suffix = PurePath(source.name).suffix.lower()
-        is_text = suffix == ".bif" and not is_xml(source)
-        network, problems = read_bif(source) if is_text else _read_xml(source, suffix)
-        models = [] if network is None else [cls._of(network, source)]
-        # GeNIe calls every network the same, until somebody changes that
-        models = [replace(model, file_stem=source.stem) for model in models]
-        return ReadResult(tuple(models), tuple(in_order(problems)))
+        if suffix == ".bif" and not is_xml(source):
+            network, problems = read_bif(source)
+        else:
+            is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
+            clean, problems = without_doctype(source) if is_bif else (source, [])
+            with clean.open() as stream:
+                root, faults = load(stream, source.name)
+            network, problems = None, problems or faults
+            if root is not None:
+                is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")
+                read = read_xmlbif if is_xmlbif else read_xdsl
+                network, faults = read(root, source.name, source.stem)
+                problems = [*problems, *faults]
+        models = []
+        if network is not None:  # GeNIe calls every network the same, until somebody changes that
+            place, stem = network.place, source.stem
+            models = [cls(network.name, source, place, data=network, file_stem=stem)]
+        return kinds.ReadResult(tuple(models), tuple(in_order(problems)))
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
-    ) -> ReadResult:
+    ) -> kinds.ReadResult:
         networks, problems = read_networks(document, source)
-        models = tuple(cls._of(network, source) for network in networks)
-        return ReadResult(models, tuple(in_order(problems)))
-
-    @classmethod
-    def _of(cls, network: Network, source: Source) -> NetworkModel:
-        return cls(network.name, source, network.place, data=network)
+        models = tuple(cls(of.name, source, of.place, data=of) for of in networks)
+        return kinds.ReadResult(models, tuple(in_order(problems)))
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
         return _MEANINGS
 
-    @property
+    @cached_property
     def settings(self) -> NetworkOptions:
         """The options, by default those without a configuration."""
-        return default_options(self.data) if self.options is None else self.options
+        settings = self.options or read_options(self.data, None)[0]
+        assert settings is not None, "a checked network needs no configuration"
+        return settings
 
     def check(self) -> Sequence[Problem]:
         """Return what the readers do not see: names that an export must change."""
@@ -144,26 +143,26 @@ class NetworkModel(Model):
         is_configured = self.options is not None
         return show.diagram(self.data, self.name, self.settings, configured=is_configured)
 
-    def draft(self, options: Options) -> ModelDraft:
+    def draft(self, options: kinds.Options) -> kinds.ModelDraft:
         return method_module.draft(self.data, options)
 
-    def configure(self, options: Options) -> tuple[NetworkModel | None, list[Problem]]:
+    def configure(self, options: kinds.Options) -> tuple[NetworkModel | None, list[Problem]]:
         settings, problems = read_options(self.data, options)
         if settings is None:
             return None, problems
         return replace(self, name=options.id or self.name, options=settings), problems
 
-    def inputs(self) -> Sequence[ModelInput]:
+    def inputs(self) -> Sequence[kinds.ModelInput]:
         return self.settings.inputs
 
     def companion_messages(self) -> Mapping[str, str]:
         evidence = {"evidence": "BayesianNetworkEvidence"} if self.settings.thresholds else {}
         return {"status": "BayesianNetworkStatus", **evidence}
 
-    def own_topics(self) -> Sequence[ModelOutput]:
+    def own_topics(self) -> Sequence[kinds.ModelOutput]:
         """Return the topics of thresholds that have one."""
         return [
-            ModelOutput(
+            kinds.ModelOutput(
                 entry.id,
                 entry.topic,
                 ("evidence", ("id", entry.id), "active"),
@@ -183,7 +182,7 @@ class NetworkModel(Model):
             **{f"output_nodes[{node.title}].outcomes": node.states for node in outputs},
         }
 
-    def editable_modules(self) -> Sequence[EditableModule]:
+    def editable_modules(self) -> Sequence[kinds.EditableModule]:
         return (method_module.config_module(self.data, self.settings),)
 
     def readme(self) -> Sequence[str]:
@@ -192,7 +191,7 @@ class NetworkModel(Model):
     def compile(self, declaration: Declaration) -> CompiledMonitor:
         return compile_network(self.data, self.settings, declaration)
 
-    def cross_check(self, running: Callable[[], Any]) -> CrossCheck:
+    def cross_check(self, running: Callable[[], Any]) -> kinds.CrossCheck:
         return cross_check.cross_check(self.data, self.settings, running)
 
     def claims(self, inputs: Sequence[BoundInput], frequency: float) -> Sequence[Claim]:
@@ -211,7 +210,7 @@ class NetworkModel(Model):
         accepted = []
         for entry in self.settings.declarations:
             path = ("Model", "discretisation", entry.node)
-            policy, source = entry.data.get("missing"), input_of[entry.input]
+            policy, source = entry.reader.policy, input_of[entry.input]
             if policy in _POLICIES and (policy != "default" or source.default is not None):
                 lasts, seconds = "while it is unknown", None
                 if policy == "hold" and isinstance(source.max_age, float):
@@ -220,13 +219,11 @@ class NetworkModel(Model):
                 text, key = f"{_POLICIES[policy]} of {entry.node}", f"missing: {policy}"
                 place = (*path, "missing")
                 accepted.append(Acceptance(key, text, lasts, seconds, entry.input, place))
-            for name, value, what in _BEYOND:
-                if entry.data.get(name) == value:
-                    text, key = f"{what} of {entry.node}", f"{name}: {value}".lower()
-                    place = (*path, name)
-                    accepted.append(
-                        Acceptance(key, text, "while it is so", None, entry.input, place)
-                    )
+            for field_, name, value, what in _BEYOND:
+                if getattr(entry.reader, field_):
+                    text, key, place = f"{what} of {entry.node}", f"{name}: {value}", (*path, name)
+                    lasts = "while it is so"
+                    accepted.append(Acceptance(key, text, lasts, None, entry.input, place))
         return accepted
 
     def elements(self) -> Sequence[Element]:
@@ -236,16 +233,3 @@ class NetworkModel(Model):
             for node in self.data.nodes
         ]
         return [*nodes, *(Element("threshold", entry.id) for entry in self.settings.thresholds)]
-
-
-def _read_xml(source: Source, suffix: str) -> tuple[Network | None, list[Problem]]:
-    is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
-    clean, problems = without_doctype(source) if is_bif else (source, [])
-    with clean.open() as stream:
-        root, faults = load(stream, source.name)
-    problems = problems or faults
-    if root is None:
-        return None, problems
-    read = read_xmlbif if is_bif or suffix in (".xmlbif", ".bifxml") else read_xdsl
-    network, more = read(root, source.name, source.stem)
-    return network, [*problems, *more]

@@ -17,6 +17,7 @@ from eddi_scaffold.kinds import ModelInput, Options
 from eddi_scaffold.kinds.bayesian_network.discretisation import (
     Declaration,
     EntryReader,
+    Form,
     read_discretisation,
 )
 from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, Width, width_of
@@ -24,12 +25,17 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, nod
 from eddi_scaffold.kinds.bayesian_network.structure import numbered
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold, read_thresholds
 
-_CHOICES = {
-    "evidence_mode": ("virtual", "d7.2"),
-    "on_inconsistent": ("silent", "prior", "hold"),
-    "explain": (False, True),
+_FORM: Form = {
+    "outputs": (lambda value: isinstance(value, list), "a list of nodes"),
+    "observed": (lambda value: isinstance(value, list), "a list of nodes"),
+    "evidence_mode": (lambda value: value in ("virtual", "d7.2"), "virtual or d7.2"),
+    "on_inconsistent": (
+        lambda value: value in ("silent", "prior", "hold"),
+        "silent or prior or hold",
+    ),
+    "explain": (lambda value: isinstance(value, bool), "false or true"),
+    "renamed": (lambda value: isinstance(value, Mapping), "a map: new -> former name of a node"),
 }
-"""Key -> what it may be; the first is the default."""
 
 
 @dataclass(frozen=True)
@@ -82,112 +88,69 @@ class NetworkOptions:
         return next(declared, self.direct.get(node))
 
 
-def read_options(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
-    """Read what a configuration says of a network (B301 to B305, B401 to B405)."""
-    settings, problems = _read(network, options)
-    if settings is not None:
-        problems += _warnings(network, settings, options)
-    return None if has_errors(problems) else settings, problems
+def read_options(
+    network: Network, options: Options | None
+) -> tuple[NetworkOptions | None, list[Problem]]:
+    """Read what a configuration says of a network (B301 to B305, B401 to B405).
 
-
-def default_options(network: Network) -> NetworkOptions:
-    """Return the settings without a configuration."""
-    settings, _ = _read(network, Options())
-    assert settings is not None, "a checked network needs no configuration"
-    return settings
-
-
-def _read(network: Network, options: Options) -> tuple[NetworkOptions | None, list[Problem]]:
-    """Return the settings, also of a network that is too wide for them."""
+    Without a configuration there are no problems, however wide the network is.
+    """
+    has_configuration, options = options is not None, options or Options()
     declarations, problems = read_discretisation(network, options)
-    declared = {entry.node for entry in declarations}
+    declared, names = {entry.node for entry in declarations}, network.names()
     thresholds, faults = read_thresholds(network, options, declared)
     direct = inputs_named_like_nodes(network, options, declarations)
-    reader = _OptionsReader(network, options)
-    values, names = reader.choices(), network.names()
-    foreseen = reader.nodes("observed")
-    fed = declared | {*direct} | {*(foreseen or ())}
-    observed = [name for name in names if name in fed]
-    outputs = reader.outputs(observed)
-    renamed = reader.renamed()
+    own = {key: value for key, value in options.values.items() if key in _FORM}
+    reader = EntryReader(options, entry=own)
+    values = reader.values(_FORM)
+    for key in ("outputs", "observed"):
+        for number, name in enumerate(values.get(key, ())):
+            if name not in names:
+                hint = did_you_mean(str(name), names)
+                reader.report("B303.unknown_node", key, number, hint=hint, key=key, name=name)
+    for name in values.get("renamed", ()):
+        if name not in names:
+            reader.report("B303.renamed_node", "renamed", name, name=name)
+    if values.get("outputs") == []:
+        reader.report("B303.no_output", "outputs")
     problems += [*faults, *reader.problems]
     if has_errors(problems):
         return None, problems
+    foreseen = None
+    if "observed" in values:
+        foreseen = tuple(name for name in names if name in values["observed"])
+    fed = {*declared, *direct, *(foreseen or ())}
+    observed = tuple(name for name in names if name in fed)
+    outputs = [name for name in names if name in values.get("outputs", ())]
+    if not outputs:  # those that the file marks, else leaves that nobody observes
+        children = network.children()
+        leaves = [name for name in names if not children[name]]
+        unseen = [name for name in leaves if name not in observed]
+        outputs = [node.id for node in network.nodes if node.target] or unseen or leaves
     inputs = _inputs(network, options, declarations, direct, has_thresholds=bool(thresholds))
     feeding = {*direct.values(), *(entry.input for entry in declarations)}
     by_hand = [name for name in names if name not in outputs] if foreseen is None else foreseen
+    if all(input_.id in feeding for input_ in inputs):
+        by_hand = ()
+    inferred = dict.fromkeys([*outputs, *(entry.node for entry in thresholds)])
+    groups = (inferred, observed if foreseen is None else foreseen)
     settings = NetworkOptions(
         tuple(outputs),
-        tuple(observed),
+        observed,
         tuple(declarations),
         direct,
         inputs,
-        Width(0, (), 0, 0),
-        None if foreseen is None else tuple(foreseen),
-        renamed,
-        values["evidence_mode"] == "virtual",
-        str(values["on_inconsistent"]),
-        values["explain"] is True,
+        width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups)),
+        foreseen,
+        {str(new): str(old) for new, old in values.get("renamed", {}).items()},
+        values.get("evidence_mode") != "d7.2",
+        values.get("on_inconsistent", "silent"),
+        values.get("explain", False),
         tuple(thresholds),
-        tuple(name for name in by_hand if name not in {*declared, *direct})
-        if any(input_.id not in feeding for input_ in inputs)
-        else (),
+        tuple(name for name in by_hand if name not in {*declared, *direct}),
     )
-    groups = (settings.inferred, settings.observable)
-    width = width_of(numbered(network).shape, *([*map(names.index, group)] for group in groups))
-    return replace(settings, width=width), problems
-
-
-class _OptionsReader(EntryReader):
-    def __init__(self, network: Network, options: Options) -> None:
-        super().__init__(options)
-        self._network, self._names = network, network.names()
-
-    def choices(self) -> dict[str, object]:
-        values: dict[str, object] = {
-            key: self.options.values.get(key, of[0]) for key, of in _CHOICES.items()
-        }
-        for key, value in values.items():
-            if type(value) is not type(_CHOICES[key][0]) or value not in _CHOICES[key]:
-                allowed = " or ".join(str(known).lower() for known in _CHOICES[key])
-                self.report("B404.option", key, key=key, allowed=allowed)
-        return values
-
-    def nodes(self, key: str) -> list[str] | None:
-        """Return the nodes that a key lists, in the order of the network; None without it."""
-        entries = self.options.values.get(key)
-        if entries is None:
-            return None
-        if not isinstance(entries, list):
-            self.report("B303.nodes_list", key, key=key)
-            return []
-        for number, name in enumerate(entries):
-            if name not in self._names:
-                hint = did_you_mean(str(name), self._names)
-                self.report("B303.unknown_node", key, number, hint=hint, key=key, name=name)
-        return [name for name in self._names if name in entries]
-
-    def outputs(self, observed: Sequence[str]) -> list[str]:
-        """Return the outputs: listed, else marked in the file, else leaves that nobody observes."""
-        listed = self.nodes("outputs")
-        if listed is not None:
-            if not listed and not self.problems:
-                self.report("B303.no_output", "outputs")
-            return listed
-        children = self._network.children()
-        leaves = [name for name in self._names if not children[name]]
-        unseen = [name for name in leaves if name not in observed]
-        return [node.id for node in self._network.nodes if node.target] or unseen or leaves
-
-    def renamed(self) -> dict[str, str]:
-        pairs = self.options.values.get("renamed", {})
-        if not isinstance(pairs, Mapping):
-            self.report("B404.renamed", "renamed")
-            return {}
-        for name in pairs:
-            if name not in self._names:
-                self.report("B303.renamed_node", "renamed", name, name=name)
-        return {str(new): str(old) for new, old in pairs.items()}
+    problems += _warnings(network, settings, options) if has_configuration else ()
+    return None if has_errors(problems) else settings, problems
 
 
 def inputs_named_like_nodes(
@@ -231,8 +194,9 @@ def _inputs(
             text = "for the methods in bayesian_network_config.py"
             text = f"becomes a state of {fed[0].node}" if fed else text
             input_ = ModelInput(name, type_, unit=unit, units=accepted(unit), description=text)
-        if fed and all("map" in entry.data for entry in fed):  # other values leave a node open
-            known = [value for entry in fed for value, _ in entry.data["map"]]
+        maps = [entry.values_of_map for entry in fed]
+        if maps and None not in maps:  # other values leave a node open
+            known = [value for of_map in maps for value in of_map or ()]
             input_ = replace(input_, uses=(Use(known.__contains__),))
         if has_thresholds and (fed or name in node_of):
             # Any default of what feeds a node may make evidence active before a message comes.
@@ -273,7 +237,7 @@ def _warnings(network: Network, settings: NetworkOptions, options: Options) -> I
         if entry.node in observed:
             place = entry.place
             yield problem("B305.perhaps_observed", place, threshold=entry.id, node=entry.node)
-    priors = {e.node for e in settings.declarations if e.data.get("missing") == "prior"}
+    priors = {entry.node for entry in settings.declarations if entry.reader.policy == "prior"}
     cards = {name: len(network.node(name).states) for name in observed if name not in priors}
     count = math.prod(cards.values())
     if settings.thresholds and count > COMBINATIONS:

@@ -74,22 +74,19 @@ class _Reader:
                 events, _, _ = self.document.targets(evidence, vocabulary.EVENT)
                 for node in self._ends(evidence, vocabulary.NODE):
                     self.known[self.nodes[node].name] = next(map(self._name, events), None)
-        self._count_unused()
+        states = [state for node in self.nodes.values() for state in node.states]
+        for feature, parents in (
+            (vocabulary.INFERENCES, [self.network]),
+            (vocabulary.DIMENSION, states),
+        ):
+            unused = [child for parent in parents for child in children(parent, feature)]
+            if unused:
+                fields = {"feature": feature.name, "owner": self.document.describe(self.network)}
+                self.findings.count("X014.feature", unused[0], len(unused), **fields)
         return [self._draft(node, targets) for node in self.nodes.values()]
 
     def _name(self, element: Element) -> str | None:
         return self.document.attribute(element, vocabulary.NAME)
-
-    def _count_unused(self) -> None:
-        features = (vocabulary.INFERENCES, vocabulary.DIMENSION)
-        states = [state for node in self.nodes.values() for state in node.states]
-        unused = [self.document.children(self.network, vocabulary.INFERENCES)]
-        unused += [[c for s in states for c in self.document.children(s, vocabulary.DIMENSION)]]
-        for feature, elements in zip(features, unused, strict=True):
-            if elements:
-                owner = self.document.describe(self.network)
-                fields = {"feature": feature.name, "owner": owner}
-                self.findings.count("X014.feature", elements[0], len(elements), **fields)
 
     def _ends(self, element: Element, end: Spelling) -> list[Element]:
         """Return the nodes that an element points at."""

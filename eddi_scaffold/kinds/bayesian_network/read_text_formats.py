@@ -153,12 +153,10 @@ class _BifReader:
             states.append(Named(text, self._place(first)))
         return tuple(states)
 
-    def _skip_property(self, what: str) -> None:
-        if self._next.text != "property":
-            raise self._expected(what)
-        self._skip_statement()
-
-    def _skip_statement(self) -> None:
+    def _skip_statement(self, expected: str = "") -> None:
+        """Skip all up to a semicolon: of a property, where something else is expected."""
+        if expected and self._next.text != "property":
+            raise self._expected(expected)
         while not self._skip(";"):
             if self._is_at_end():
                 raise self._expected("`;`")
@@ -182,7 +180,7 @@ class _BifReader:
         self.name = self._named("the name of the network").text
         self._mark("{")
         while not self._skip("}"):
-            self._skip_property("`property`")
+            self._skip_statement("`property`")
 
     def _variable(self) -> None:
         name = self._named("the name of a variable")
@@ -191,14 +189,22 @@ class _BifReader:
         self._mark("{")
         while not self._skip("}"):
             if self._next.text != "type":
-                self._skip_property("`type`, `property` or `}`")
+                self._skip_statement("`type`, `property` or `}`")
                 continue
             if type_:
                 raise self._fault("B201.two_types", self._next, name=name.text)
             self._take()
             type_ = self._named("the type of the variable").text
             if type_ == "discrete":
-                states = self._states()
+                self._mark("[")
+                announced, number = self._next, self._named("the number of states").text
+                self._mark("]")
+                self._mark("{")
+                states = self._states_until("}", "the name of a state")
+                self._mark(";")
+                if number != str(len(states)):
+                    fields = {"announced": number, "actual": len(states)}
+                    raise self._fault("B201.states", announced, **fields)
             else:
                 self.others.append((type_, name))
                 self._skip_statement()
@@ -207,18 +213,6 @@ class _BifReader:
             self._report("B101.duplicate_node", name.place, draft=name.text, line=line)
         else:
             self.variables[name.text] = (name.place, states)
-
-    def _states(self) -> tuple[Named, ...]:
-        self._mark("[")
-        announced = self._next
-        number = self._named("the number of states").text
-        self._mark("]")
-        self._mark("{")
-        states = self._states_until("}", "the name of a state")
-        self._mark(";")
-        if number != str(len(states)):
-            raise self._fault("B201.states", announced, announced=number, actual=len(states))
-        return states
 
     def _table(self) -> None:
         self._mark("(")
@@ -240,7 +234,7 @@ class _BifReader:
         token = self._next
         is_table, is_default = token.text == "table", token.text == "default"
         if not is_table and not is_default and not self._is_mark("("):
-            self._skip_property("`table`, `default`, `(`, `property` or `}`")
+            self._skip_statement("`table`, `default`, `(`, `property` or `}`")
             return
         is_second_default = is_default and table.default is not None
         is_second = table.table is not None or is_second_default
@@ -268,7 +262,10 @@ class _BifReader:
                 self._report("B205.unknown_variable", table.place, hint=hint, name=name)
         for name, (place, states) in self.variables.items():
             table = self.tables.get(name) or _Table(place, ())
-            values = None if table.table is None else _transposed(table.table, len(states))
+            values, width = table.table, len(states)
+            count = len(values or ()) // width if width else 0
+            if values and count * width == len(values):  # row by row
+                values = tuple(value for row in range(count) for value in values[row::count])
             rows = table.rows if table.rows or table.default is not None else None
             default = None if table.default is None else (table.default, table.place)
             drafts.append(
@@ -279,11 +276,3 @@ class _BifReader:
                 )
             )
         return drafts
-
-
-def _transposed(table: tuple[str, ...], width: int) -> tuple[str, ...]:
-    """Return the numbers of ``table`` row by row, if there is a number for each place."""
-    rows = len(table) // width if width else 0
-    if rows * width != len(table):
-        return table
-    return tuple(value for row in range(rows) for value in table[row::rows])

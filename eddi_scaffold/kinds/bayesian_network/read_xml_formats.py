@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise, product
 
 from eddi_scaffold.common.files import Source
@@ -63,13 +63,7 @@ def _text(element: Element | None) -> str:
 
 
 def read_xdsl(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:
-    """Read the network of a parsed XDSL file, whose root must be ``smile``.
-
-    Args:
-        root: document element.
-        file: name of the file, for places.
-        stem: name of a network that has none.
-    """
+    """Read the network of a parsed XDSL file, whose root must be ``smile``."""
     reader = _XdslReader(root, file)
     if feature_of(root) != "smile":
         reader.report("B201.root", root, root=feature_of(root))
@@ -146,8 +140,12 @@ class _XdslReader(_Reader):
         if min([own, *cards]) < 1:
             return None
         name = node.get("id") or ""
+        if strengths not in ([], [str(state) for card in cards for state in range(card)]):
+            reason = "the states of its parents are in an order of their own"
+            self.report("B202.noisy_max", node, hint=_GENERAL, name=name, reason=reason)
+            return None
         try:
-            values, leaks = noisy_max_table(parameters, strengths, cards, own)
+            values, leaks = noisy_max_table(parameters, cards, own)
         except NoisyMaxError as fault:
             self.report("B202.noisy_max", node, hint=_GENERAL, name=name, reason=fault)
             return None
@@ -161,20 +159,22 @@ class NoisyMaxError(ValueError):
 
 
 def noisy_max_table(
-    parameters: Sequence[str], strengths: Sequence[str], cards: Sequence[int], own: int
+    parameters: Sequence[str], cards: Sequence[int], own: int
 ) -> tuple[tuple[str, ...], bool]:
     """Return the table in the order of all tables, and whether there is a leak.
 
     Args:
         parameters: texts of the columns, one after the other.
-        strengths: for each parent, the order of its states; empty: as given.
         cards: number of states of each parent.
         own: number of states of the node.
 
     Raises:
         NoisyMaxError: something does not fit.
     """
-    numbers = [_probability(text) for text in parameters]
+    try:
+        numbers = [float(text) for text in parameters]
+    except ValueError as fault:
+        raise NoisyMaxError(f"{fault}") from None
     count, size = own * (sum(cards) + 1), own * math.prod(cards)
     if len(numbers) != count:
         message = f"{len(numbers)} parameters, expected {count} ({own} x ({sum(cards)} + 1))"
@@ -184,61 +184,25 @@ def noisy_max_table(
         raise NoisyMaxError(message)
     columns = [numbers[k : k + own] for k in range(0, count, own)]
     for column in columns:
-        if abs(math.fsum(column) - 1.0) > _TOLERANCE:
+        if not (min(column) >= 0.0 and abs(math.fsum(column) - 1.0) <= _TOLERANCE):  # nor NaN
             raise NoisyMaxError(f"a column sums to {math.fsum(column):.9g}, not to 1")
     nothing = [*[0.0] * (own - 1), 1.0]
-    *of_parents, leak = columns
-    remaining = iter(of_parents)
-    causes = []
-    for number, order in enumerate(_orders(strengths, cards), 1):
-        own_columns = [next(remaining) for _ in order]
-        if own_columns[-1] != nothing:
-            raise NoisyMaxError(f"the last column of parent {number} must be 0 ... 0 1")
-        causes.append([_at_most(own_columns[order.index(state)]) for state in range(len(order))])
-    rows = (_row([*states, _at_most(leak)]) for states in product(*causes))
-    return tuple(repr(value) for row in rows for value in row), leak != nothing
-
-
-def _probability(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 <= value <= 1.0:
-        raise NoisyMaxError(f"{text!r} is not a probability")
-    return value
-
-
-def _orders(strengths: Sequence[str], cards: Sequence[int]) -> Iterator[list[int]]:
-    """Yield, for each parent, the states from the strongest to the one that causes nothing."""
-    if strengths and len(strengths) != sum(cards):
-        raise NoisyMaxError(f"{len(strengths)} strengths, expected {sum(cards)}")
-    start = 0
+    # of each state, P(as strong as this one or weaker), from the strongest on
+    at_most = [[min(math.fsum(column[k:]), 1.0) for k in range(own)] for column in columns]
+    causes, start = [], 0
     for number, card in enumerate(cards, 1):
-        known = [str(state) for state in range(card)]
-        texts = strengths[start : start + card] or known
+        causes.append(at_most[start : start + card])
         start += card
-        if sorted(texts) != sorted(known):
-            message = f"the strengths of parent {number} are not an ordering of its states"
-            raise NoisyMaxError(message)
-        order = [int(text) for text in texts]
-        if any(order[order[state]] != state for state in order):
-            # which of two readings SMILE means shows only here, and in no file
-            raise NoisyMaxError(f"the strengths of parent {number} can be read in two ways")
-        yield order
-
-
-def _at_most(column: Sequence[float]) -> list[float]:
-    """Return P(as strong as this state or weaker) for each state, from the strongest on."""
-    return [min(math.fsum(column[state:]), 1.0) for state in range(len(column))]
-
-
-def _row(causes: Sequence[Sequence[float]]) -> list[float]:
-    """Return P(state): every cause by itself stays below what the strongest reaches."""
-    reached = [*(math.prod(of_state) for of_state in zip(*causes, strict=True)), 0.0]
-    values = [high - low for high, low in pairwise(reached)]
-    total = math.fsum(values)
-    return [max(value / total, 0.0) for value in values]
+        if columns[start - 1] != nothing:
+            raise NoisyMaxError(f"the last column of parent {number} must be 0 ... 0 1")
+    table: list[float] = []
+    for states in product(*causes):
+        # every cause by itself stays below what the strongest reaches
+        below = [math.prod(of_state) for of_state in zip(*states, at_most[-1], strict=True)]
+        row = [high - low for high, low in pairwise([*below, 0.0])]
+        total = math.fsum(row)
+        table += [max(value / total, 0.0) for value in row]
+    return tuple(map(repr, table)), columns[-1] != nothing
 
 
 def read_xmlbif(root: Element, file: str, stem: str) -> tuple[Network | None, list[Problem]]:

@@ -35,7 +35,7 @@ def diagram(network: Network, name: str, options: NetworkOptions, *, configured:
 
 def outline(network: Network, options: NetworkOptions) -> list[str]:
     """Return the nodes with states and parents, then what inference costs."""
-    bins = {entry.node: entry for entry in options.declarations if "bins" in entry.data}
+    bins = {entry.node: entry for entry in options.declarations if entry.reader.edges is not None}
     lines = []
     for node in network.nodes:
         title = f" ({node.title})" if node.title != node.id else ""
@@ -43,10 +43,10 @@ def outline(network: Network, options: NetworkOptions) -> list[str]:
         if node.parents:
             lines.append(f"  given {', '.join(node.parents)}")
         if node.id in bins:
-            entry = bins[node.id]
-            edges = [*(f" | {edge:g} | " for edge in entry.data["bins"]), ""]
-            pairs = zip(entry.data["order"], edges, strict=True)
-            lines.append(f"  from {entry.input}: {''.join(map(''.join, pairs))}")
+            reader = bins[node.id].reader
+            edges = [*(f" | {edge:g} | " for edge in reader.edges or ()), ""]
+            pairs = zip((node.states[k] for k in reader.order), edges, strict=True)
+            lines.append(f"  from {bins[node.id].input}: {''.join(map(''.join, pairs))}")
     if network.known:
         known = (f"{node} (event {event})" if event else node for node, event in network.known)
         lines.append(f"known: {', '.join(known)}")

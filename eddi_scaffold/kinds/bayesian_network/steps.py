@@ -91,7 +91,15 @@ class Steps:
         for edge, message in self._messages.items():
             same = None if edge in self._looked_up else program.alias_of(message)
             self._resolve[edge] = edge if same is None else self._resolve[same]
-        products = self._needed_products()
+        needed: set[Edge] = set()
+        waiting = [*program.answers.values(), *program.evidence]
+        while waiting:
+            edge = self._resolve[waiting.pop()]
+            message = self._messages[edge]
+            if message.inputs and edge not in needed and edge not in self._looked_up:
+                needed.add(edge)
+                waiting += message.parts
+        products = [m for edge, m in self._messages.items() if edge in needed and m.parts]
         self._order = self._layouts(products)
         for message in products:
             self._multiply(message)
@@ -103,19 +111,6 @@ class Steps:
             ones = "" if others else self._slot("o", "ones", self._size(axes[0]))
             self.rows = [f"[float(dot({row}, {ones or self._form(others[0], axes)}))]"]
 
-    def _needed_products(self) -> list[Message]:
-        needed: set[Edge] = set()
-        waiting = [*self._program.answers.values(), *self._program.evidence]
-        while waiting:
-            edge = self._resolve[waiting.pop()]
-            message = self._messages[edge]
-            if message.inputs and edge not in needed and edge not in self._looked_up:
-                needed.add(edge)
-                waiting += message.parts
-        return [
-            self._messages[e] for e in self._messages if e in needed and self._messages[e].parts
-        ]
-
     def _layouts(self, products: Sequence[Message]) -> dict[Edge, Axes]:
         """Return the order of axes of each product, slowest first."""
         computed = {message.edge for message in products}
@@ -124,7 +119,9 @@ class Steps:
             axes = order.get(message.edge, tuple(bits(message.mask)))
             parts = [self._resolve[part] for part in message.parts]
             groups = self._groups(message, parts, axes, order)
-            if groups.summed and not _are_adjacent(axes, groups):
+            places = {node: place for place, node in enumerate(axes)}
+            taken = [[places[node] for node in group] for group in groups[:3]]
+            if groups.summed and any(g and max(g) - min(g) != len(g) - 1 for g in taken):
                 axes = groups.batch + groups.left + groups.right
             order[message.edge] = axes
             for part, own in zip(parts, (groups.left, groups.right), strict=False):
@@ -140,14 +137,7 @@ class Steps:
     def _groups(
         self, message: Message, parts: Sequence[Edge], axes: Axes, order: Mapping[Edge, Axes]
     ) -> Groups:
-        """Return the groups of a product, each in the order of its result or of its parts.
-
-        Args:
-            message: the product.
-            parts: its two parts.
-            axes: of the result.
-            order: axes that are settled.
-        """
+        """Return the groups of a product, each in the order of its result or of its parts."""
         first, second = (self._messages[part].mask for part in parts)
         mask = first & second & ~message.mask
         settled = next((order[part] for part in parts if part in order), tuple(bits(mask)))
@@ -303,12 +293,3 @@ def _turned(axes: Axes, groups: Sequence[Axes]) -> tuple[int, ...]:
     """Return the order of axes that puts them in the order of the groups."""
     places = {node: place for place, node in enumerate(axes)}
     return tuple(places[node] for group in groups for node in group)
-
-
-def _are_adjacent(axes: Axes, groups: Groups) -> bool:
-    places = {node: place for place, node in enumerate(axes)}
-    for group in (groups.batch, groups.left, groups.right):
-        taken = [places[node] for node in group]
-        if taken and max(taken) - min(taken) != len(taken) - 1:
-            return False
-    return True

@@ -11,14 +11,47 @@ from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import QuantityError, duration
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.bayesian_network.discretisation import EntryReader, is_number
+from eddi_scaffold.kinds.bayesian_network.discretisation import EntryReader, Form, is_number
 from eddi_scaffold.kinds.bayesian_network.network import Network
 
-_KEYS = ("id", "node", "state", "at_most", "at_least", "release", "hold", "topic")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESERVED = ("t", "reason", "unknown", "valid")
 """Columns of what ``run --csv`` writes, and what reads as if it were about all evidence."""
 _LONGEST_S = 31_536_000.0
+
+
+def _is_id(value: object) -> bool:
+    return isinstance(value, str) and bool(_ID.fullmatch(value)) and value not in _RESERVED
+
+
+def _hold_s(value: object) -> float | None:
+    try:
+        hours, has_unit = duration(value)
+    except QuantityError:
+        return None
+    is_clear = has_unit or not hours
+    return hours * 3600.0 if is_clear and hours * 3600.0 <= _LONGEST_S else None
+
+
+def _are_states(value: object) -> bool:
+    states = value if isinstance(value, list) else [value]
+    return states != [] and all(isinstance(state, str) for state in states)
+
+
+_PROBABILITY = (lambda value: is_number(value) and 0 <= value <= 1, "a number from 0 to 1")
+_FORM: Form = {
+    "id": (_is_id, "a name such as RiskIsLow, and not t, reason, unknown or valid"),
+    "node": (lambda value: isinstance(value, str), "a node of the network"),
+    "state": (_are_states, "a state, or a list of them, yes and no in quotes"),
+    "at_most": _PROBABILITY,
+    "at_least": _PROBABILITY,
+    "release": _PROBABILITY,
+    "hold": (lambda value: _hold_s(value) is not None, "a time such as 2 s, up to a year"),
+    "topic": (
+        lambda value: isinstance(value, str) and is_ros_name(value),
+        "a ROS name: letters, digits, `_` and `/`, such as /rte/land",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -58,18 +91,13 @@ class Threshold:
 def read_thresholds(
     network: Network, options: Options, discretised: Collection[str]
 ) -> tuple[list[Threshold], list[Problem]]:
-    """Check the section ``evidence`` (B303, B305, B404).
-
-    Args:
-        network: whose nodes it names.
-        options: the configuration.
-        discretised: nodes whose states are observed.
-    """
+    """Check the section ``evidence`` (B303, B305, B404)."""
     section, reader = options.values.get("evidence"), EntryReader(options, "evidence")
     thresholds: list[Threshold] = []
+    if section is None:
+        section = []
     if not isinstance(section, list) or not all(isinstance(entry, Mapping) for entry in section):
-        if section is not None:
-            reader.report("B404.evidence_list")
+        reader.report("B404.evidence_list")
         return [], reader.problems
     for number, entry in enumerate(section):
         of_entry = _ThresholdReader(network, entry, options, number)
@@ -82,9 +110,8 @@ def read_thresholds(
             if other.id == name:
                 problems.append(problem("B404.duplicate_id", place, name=name))
             if topic and other.topic == topic:
-                problems.append(
-                    problem("B404.same_topic", place, other=other.id, name=name, topic=topic)
-                )
+                fields = {"other": other.id, "name": name, "topic": topic}
+                problems.append(problem("B404.same_topic", place, **fields))
     return thresholds, problems
 
 
@@ -94,90 +121,45 @@ class _ThresholdReader(EntryReader):
     ) -> None:
         name = entry.get("id")
         subject = f"evidence {name!r}" if isinstance(name, str) else "evidence"
-        super().__init__(options, "evidence", number, subject=subject)
-        self._network, self._entry = network, entry
+        super().__init__(options, "evidence", number, entry=entry, subject=subject)
+        self._network = network
 
     def read(self, discretised: Collection[str]) -> list[Threshold]:
         """Return the threshold; nothing after an error."""
-        entry = self._entry
-        self.check_keys(entry, _KEYS)
-        name, topic = entry.get("id"), entry.get("topic")
-        if not isinstance(name, str) or not _ID.fullmatch(name) or name in _RESERVED:
-            self.report("B404.id", "id", value=_shown(name))
-        if topic is not None and (not isinstance(topic, str) or not is_ros_name(topic)):
-            self.report("B404.topic", "topic", actual=_shown(topic))
-        node = self._node(discretised)
-        states = self._states(node)
-        key = "at_least" if "at_least" in entry else "at_most"
-        if ("at_least" in entry) == ("at_most" in entry):
-            self.report("B404.one_limit", *(["at_least"] if "at_least" in entry else []))
-            return []
-        limit = self._probability(key)
-        release = self._probability("release") if "release" in entry else limit
-        is_beyond = release > limit if key == "at_least" else release < limit
-        if is_beyond and not has_errors(self.problems):
-            side = "above" if key == "at_least" else "below"
-            self.report("B404.release", "release", release=release, side=side, key=key, limit=limit)
-        hold, place = self._hold_s(), self.options.place(*self.path, "id")
+        values = self.values(_FORM, "id", "node", "state")
+        node, states = values.get("node", ""), values.get("state", [])
+        states = [states] if isinstance(states, str) else states
+        names = self._network.names()
+        if node in discretised:
+            self.report("B305.observed", "node", name=node)
+        elif node in names:
+            self._check_states(node, states)
+        elif "node" in values:
+            hint = did_you_mean(node, names)
+            self.report("B303.threshold_node", "node", hint=hint, value=node)
+        keys = [key for key in ("at_least", "at_most") if key in self.entry]
+        if len(keys) != 1:
+            self.report("B404.one_limit", *keys[:1])
         if has_errors(self.problems):
             return []
-        return [
-            Threshold(
-                str(name), node, states, key == "at_least", limit, release, hold, topic, place
-            )
-        ]
+        (key,) = keys
+        limit, is_least = float(values[key]), key == "at_least"
+        release = float(values.get("release", limit))
+        if release > limit if is_least else release < limit:
+            side = "above" if is_least else "below"
+            self.report("B404.release", "release", release=release, side=side, key=key, limit=limit)
+            return []
+        hold_s, topic = _hold_s(values.get("hold", 0)) or 0.0, values.get("topic")
+        limits = (is_least, limit, release, hold_s, topic, self.place("id"))
+        return [Threshold(values["id"], node, tuple(states), *limits)]
 
-    def _node(self, discretised: Collection[str]) -> str:
-        name, names = self._entry.get("node"), self._network.names()
-        if name not in names:
-            hint = did_you_mean(str(name), names)
-            self.report("B303.threshold_node", "node", hint=hint, value=_shown(name))
-            return ""
-        if name in discretised:
-            self.report("B305.observed", "node", name=name)
-        return str(name)
-
-    def _states(self, node: str) -> tuple[str, ...]:
-        states = self._entry.get("state")
-        chosen = states if isinstance(states, list) else [states]
-        if states is None or not chosen:
-            self.report("B303.no_threshold_state", "state")
-            return ()
-        known = self._network.node(node).states if node else ()
-        for state in chosen if node else ():
+    def _check_states(self, node: str, states: list[str]) -> None:
+        known = self._network.node(node).states
+        for state in states:
             if state not in known:
-                hint = "quote it, if a text is meant"
-                if isinstance(state, str):
-                    hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
-                self.report("B303.threshold_state", "state", hint=hint, state=_shown(state))
-        names = tuple(map(str, chosen))
-        if len({*names}) < len(names):
+                hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
+                self.report("B303.threshold_state", "state", hint=hint, state=state)
+        if len({*states}) < len(states):
             self.report("B303.state_twice", "state")
-        elif {*names} == {*known}:
+        elif {*states} == {*known}:
             self.report("B303.every_state", "state", node=node)
-        return names
-
-    def _probability(self, key: str) -> float:
-        value = self._entry[key]
-        if not is_number(value) or not 0.0 <= value <= 1.0:
-            self.report("B404.probability", key, key=key, value=_shown(value))
-            return 0.0
-        return float(value)
-
-    def _hold_s(self) -> float:
-        hold = self._entry.get("hold", 0)
-        try:
-            hours, has_unit = duration(hold)
-        except QuantityError as failure:
-            self.report("B404.hold", "hold", hint=failure.hint, problem=failure)
-            return 0.0
-        if not has_unit and hours:
-            self.report("B404.hold_unit", "hold", actual=_shown(hold), number=hold)
-        elif hours * 3600.0 > _LONGEST_S:
-            self.report("B404.hold_long", "hold", actual=_shown(hold))
-        return hours * 3600.0
-
-
-def _shown(value: object) -> str:
-    text = "missing" if value is None else repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -17,14 +17,8 @@ from eddi_scaffold.common.problems import (
     did_you_mean,
     problem,
 )
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert import names
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    ConSert,
-    Gate,
-    NumericDimension,
-    Propagation,
-)
 from eddi_scaffold.kinds.consert.ranges import is_empty, overlap
 from eddi_scaffold.yaml_text.nodes import shown
 
@@ -32,7 +26,7 @@ _LONGEST_CYCLE = 12
 _NO_UNIT = 'write its unit, such as `uom: percent`; `uom: ""` is a ratio, 0.2 for 20 %'
 
 
-def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
+def check_consert(consert: model.ConSert) -> tuple[model.ConSert | None, list[Problem]]:
     """Check what the elements of a ConSert mean together.
 
     Returns:
@@ -50,14 +44,14 @@ def check_consert(consert: ConSert) -> tuple[ConSert | None, list[Problem]]:
     ):
         return None, problems
     leaves = set(consert.leaves)
-    edges: dict[tuple[str, str], Propagation] = {}
+    edges: dict[tuple[str, str], model.Propagation] = {}
     for edge in consert.tree_propagations:
         if edge.target not in leaves:
             edges.setdefault((edge.source, edge.target), edge)
     return replace(consert, tree_propagations=tuple(edges.values())), problems
 
 
-def _check_graph(consert: ConSert) -> Iterator[Problem]:
+def _check_graph(consert: model.ConSert) -> Iterator[Problem]:
     """Check the ids of the nodes and the edges between them."""
     for group in (consert.nodes, consert.required_services, consert.provided_services):
         yield from _repeated_ids(group)
@@ -96,7 +90,7 @@ def _where(place: Place) -> str:
     return f"line {place.line}" + ("" if place.col is None else f", column {place.col}")
 
 
-def _check_edges(consert: ConSert, kinds: dict[str, str]) -> Iterator[Problem]:
+def _check_edges(consert: model.ConSert, kinds: dict[str, str]) -> Iterator[Problem]:
     seen: set[tuple[str, str]] = set()
     similar, leaves = SimilarNames(kinds), set(consert.leaves)
     for edge in consert.tree_propagations:
@@ -115,7 +109,7 @@ def _check_edges(consert: ConSert, kinds: dict[str, str]) -> Iterator[Problem]:
         seen.add((edge.source, edge.target))
 
 
-def _check_support(consert: ConSert) -> Iterator[Problem]:
+def _check_support(consert: model.ConSert) -> Iterator[Problem]:
     """Check which nodes have inputs, and which are inputs of others."""
     inputs = consert.inputs
     for guarantee in consert.guarantees:
@@ -140,27 +134,27 @@ def _check_support(consert: ConSert) -> Iterator[Problem]:
             yield problem("C014.supports_nothing", node.place, kind=node.kind, id=shown(node.id))
 
 
-def _check_dimensions(consert: ConSert) -> Iterator[Problem]:
+def _check_dimensions(consert: model.ConSert) -> Iterator[Problem]:
     """Check every dimension of evidence, demands and guarantees."""
     of_services = {id_ for service in consert.required_services for id_ in service.members}
     for node in consert.nodes:
-        if isinstance(node, Gate):
+        if isinstance(node, model.Gate):
             continue
         what = f"{node.kind} {shown(node.id)}"
         if not node.dimensions and node.kind == "demand" and node.id not in of_services:
             yield problem("C006.asks_nothing", node.place, subject=what)
         for dimension in node.dimensions:
             place = node.place if dimension.place.line is None else dimension.place
-            if isinstance(dimension, BinaryDimension):
+            if isinstance(dimension, model.BinaryDimension):
                 continue
             if not dimension.covered:
                 type_ = shown(dimension.type)
                 yield problem("C006.covers_nothing", place, type=type_, subject=what)
-            if isinstance(dimension, NumericDimension):
+            if isinstance(dimension, model.NumericDimension):
                 yield from _check_numbers(dimension, what, place)
 
 
-def _check_numbers(dimension: NumericDimension, what: str, place: Place) -> Iterator[Problem]:
+def _check_numbers(dimension: model.NumericDimension, what: str, place: Place) -> Iterator[Problem]:
     problems = []
     for covered in dimension.covered:
         here = place if covered.place.line is None else covered.place
@@ -185,7 +179,7 @@ def _check_numbers(dimension: NumericDimension, what: str, place: Place) -> Iter
         yield problem("C016.unknown_unit", place, hint=hint, **fields)
 
 
-def _check_names(consert: ConSert) -> Iterator[Problem]:
+def _check_names(consert: model.ConSert) -> Iterator[Problem]:
     """Check that inputs can be attributes, and guarantees classes as in SESAME D7.2."""
     places = {node.id: node.place for node in consert.nodes}
     inputs = {node.id: node.place for node in consert.leaf_nodes}
@@ -211,7 +205,7 @@ def _check_names(consert: ConSert) -> Iterator[Problem]:
                 yield problem("C007.same_identifier", place, **fields, identifier=name_of(id_))
 
 
-def _check_services(consert: ConSert) -> Iterator[Problem]:
+def _check_services(consert: model.ConSert) -> Iterator[Problem]:
     """Check that services name guarantees and demands, and demands have a service."""
     ids = {"demand": {node.id for node in consert.demands}}
     ids["guarantee"] = {node.id for node in consert.guarantees}

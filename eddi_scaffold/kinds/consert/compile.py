@@ -8,18 +8,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from eddi_scaffold.common.graphs import in_order, reached
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    Bound,
-    CategoricalDimension,
-    ConSert,
-    Demand,
-    Evidence,
-    Range,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.graph import written_paths
 from eddi_scaffold.kinds.consert.options import ConSertOptions
 from eddi_scaffold.kinds.consert.ranges import exact
+from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.input_expressions import BoundInput, inlined
 from eddi_scaffold.program.instructions import (
     BOOL,
@@ -39,22 +32,6 @@ from eddi_scaffold.program.monitor_text import (
     head_lines,
 )
 from eddi_scaffold.program.python_step import Printer
-from eddi_scaffold.program.python_text import (
-    Group,
-    Item,
-    Part,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    returned,
-    statement,
-    text_literal,
-    tuple_of,
-    unpacked,
-    variables,
-)
 
 FORMAT = 3
 MODULES = ("filters", "search")
@@ -85,32 +62,27 @@ class Leaf(NamedTuple):
     type: str
     judgement: str
     covered: tuple[str, ...] | tuple[Interval, ...] | None
-    constructor: Part
+    constructor: py.Part
     about: str
 
 
 def compile_consert(
-    consert: ConSert,
+    consert: model.ConSert,
     options: ConSertOptions,
     declaration: Declaration,
     *,
     limit: int = STRAIGHT_LINE_LIMIT,
 ) -> CompiledMonitor:
-    """Compile a configured ConSert.
-
-    Args:
-        consert: what is compiled.
-        options: of its configuration.
-        declaration: of the monitor.
-        limit: size above which step and path sets are left to the runtime.
-    """
+    """Compile a ConSert; beyond the limit, step and path sets are left to the runtime."""
     return _Compilation(consert, options, declaration).compiled(limit)
 
 
 class _Compilation:
     """The elements of a ConSert by number: first the inputs, then gates and guarantees."""
 
-    def __init__(self, consert: ConSert, options: ConSertOptions, declaration: Declaration) -> None:
+    def __init__(
+        self, consert: model.ConSert, options: ConSertOptions, declaration: Declaration
+    ) -> None:
         self.consert, self.options, self.declaration = consert, options, declaration
         leaves = {node.id: node for node in consert.leaf_nodes}
         self.leaves = [_leaf(leaves[input_.id], input_) for input_ in declaration.inputs]
@@ -133,13 +105,13 @@ class _Compilation:
         size = len(self.leaves) + sum(len(self.sources[name]) + 1 for name in self.inner)
         lines = [
             *head_lines("consert.ConSert", self.declaration, self.paths),
-            *assignment("leaves", tuple_of(leaf.constructor for leaf in self.leaves), 4),
+            *py.assignment("leaves", py.tuple_of(leaf.constructor for leaf in self.leaves), 4),
             *self._guarantees(written_paths(self.consert) if size <= limit else None),
         ]
         if self.options.filter:
             filter_ = f"filters.{self.options.filter.capitalize()}"
-            made = call("super().__init__", [call(filter_, [str(self.options.filter_steps)])])
-            lines += ["", "    def __init__(self):", *statement(made, 8)]
+            made = py.call("super().__init__", [py.call(filter_, [str(self.options.filter_steps)])])
+            lines += ["", "    def __init__(self):", *py.statement(made, 8)]
         if size <= limit:
             lines += ["", *self._step(program, elements)]
         program = inlined(program, self.declaration.inputs)
@@ -147,7 +119,7 @@ class _Compilation:
 
     def _about(self, name: str) -> str:
         path = self.paths[name]
-        return comment(f"{name}: {path}" if path else name)
+        return py.comment(f"{name}: {path}" if path else name)
 
     def _program(self) -> tuple[Program, dict[int, str]]:
         """Return the program, and operation -> the element whose value it is."""
@@ -190,98 +162,98 @@ class _Compilation:
 
     def _guarantees(self, paths: Sequence[Sequence[Sequence[str]]] | None) -> Iterator[str]:
         """Yield the lines of guarantees and services; without paths, what these are searched in."""
-        sets: list[dict[str, Part]]
+        sets: list[dict[str, py.Part]]
         guarantees = self.consert.guarantees
         if paths is None:
             yield "    # Name, gate, numbers of what it reads: the inputs first, then these nodes."
-            graph = call("search.Graph", ["inputs", tuple_of(self._graph())])
-            yield from assignment("graph", graph, 4)
+            graph = py.call("search.Graph", ["inputs", py.tuple_of(self._graph())])
+            yield from py.assignment("graph", graph, 4)
             sets = [{"node": str(self.numbers[guarantee.id])} for guarantee in guarantees]
         else:
             if guarantees:
                 yield "    # Paths: the smallest sets of inputs of which each gives the guarantee."
-            sets = [{"paths": literal(tuple(path))} for path in paths]
+            sets = [{"paths": py.literal(tuple(path))} for path in paths]
         rows = []
         for guarantee, keywords in zip(guarantees, sets, strict=True):
             published = self.options.published(guarantee.id)
             if published != guarantee.id:
-                keywords["published"] = literal(published)
+                keywords["published"] = py.literal(published)
             if guarantee.default:
                 keywords["default"] = "True"
             if guarantee.ranking is not None:
-                keywords["ranking"] = literal(guarantee.ranking)
-            rows.append(call("consert.Guarantee", [text_literal(guarantee.id)], **keywords))
-        yield from assignment("guarantees", tuple_of(rows), 4)
+                keywords["ranking"] = py.literal(guarantee.ranking)
+            rows.append(py.call("consert.Guarantee", [py.text_literal(guarantee.id)], **keywords))
+        yield from py.assignment("guarantees", py.tuple_of(rows), 4)
         if services := self.consert.provided_services:
-            parts = (literal((service.id, service.members)) for service in services)
-            yield from assignment("services", tuple_of(parts), 4)
+            parts = (py.literal((service.id, service.members)) for service in services)
+            yield from py.assignment("services", py.tuple_of(parts), 4)
 
-    def _graph(self) -> Iterator[Item]:
+    def _graph(self) -> Iterator[py.Item]:
         for name in self.inner:
-            gate = text_literal("Or" if name in self.ors else "And")
-            sources = literal(tuple(self.numbers[source] for source in self.sources[name]))
-            row = tuple_of([text_literal(name), gate, sources])
-            yield Item(row, behind=str(self.numbers[name]))
+            gate = py.text_literal("Or" if name in self.ors else "And")
+            sources = py.literal(tuple(self.numbers[source] for source in self.sources[name]))
+            row = py.tuple_of([py.text_literal(name), gate, sources])
+            yield py.Item(row, behind=str(self.numbers[name]))
 
     def _step(self, program: Program, elements: dict[int, str]) -> list[str]:
-        names = dict(zip(self.names, variables(self.names, _RESERVED), strict=True))
+        names = dict(zip(self.names, py.variables(self.names, _RESERVED), strict=True))
         leaves = [names[leaf.id] for leaf in self.leaves]
         printer = Printer(program, leaves, {k: names[name] for k, name in elements.items()})
         lines = ["    def step(self, source):"]
         if leaves:
             inputs = self.declaration.inputs
-            reads = tuple_of(attribute_of("source", input_.attribute) for input_ in inputs)
-            lines += ["        try:", *assignment("raw", reads, 12)]
+            reads = py.tuple_of(attribute_of("source", input_.attribute) for input_ in inputs)
+            lines += ["        try:", *py.assignment("raw", reads, 12)]
             lines += ["        except Exception:", "            raw = self.read(source)"]
-            lines += ["        self.raw, self.source = raw, source", *unpacked(leaves, "raw")]
+            lines += ["        self.raw, self.source = raw, source", *py.unpacked(leaves, "raw")]
         lines += [*printer.operations(), *printer.flags()]
         if not self.consert.guarantees:
             return lines
         # The method that names the flags (SESAME D7.2 Fig 9).
         flags = [names[guarantee.id] for guarantee in self.consert.guarantees]
         rows = (
-            Item(
-                Group("{", (Item(text_literal(result.id), '"id": '), Item(flag, '"active": ')), "}")
+            py.Item(
+                py.Group(
+                    "{",
+                    (py.Item(py.text_literal(result.id), '"id": '), py.Item(flag, '"active": ')),
+                    "}",
+                )
             )
             for result, flag in zip(program.results, flags, strict=True)
         )
         lines += ["", "    def execute_step(self, source, t_ns=None):"]
         lines += ["        eddi_runtime.look_again(source, t_ns)"]
-        lines += unpacked(flags, "self.step(source)")
-        return [*lines, *returned(Group("[", tuple(rows), "]"), 8)]
+        lines += py.unpacked(flags, "self.step(source)")
+        return [*lines, *py.returned(py.Group("[", tuple(rows), "]"), 8)]
 
 
-def _leaf(node: Evidence | Demand, input_: BoundInput) -> Leaf:
+def _leaf(node: model.Evidence | model.Demand, input_: BoundInput) -> Leaf:
     # A demand gets whether some guarantee that fulfils it is active, whatever its dimensions.
-    dimension = node.dimension if isinstance(node, Evidence) else BinaryDimension("")
-    if isinstance(dimension, BinaryDimension):
+    dimension = node.dimension if isinstance(node, model.Evidence) else model.BinaryDimension("")
+    if isinstance(dimension, model.BinaryDimension):
         if dimension.value:
             return Leaf(node.id, BOOL, "is_true", None, "consert.Binary()", "")
         return Leaf(node.id, BOOL, "is_false", None, "consert.Binary(False)", "good: false")
-    if isinstance(dimension, CategoricalDimension):
+    if isinstance(dimension, model.CategoricalDimension):
         texts = dimension.covered
-        constructor = call("consert.Categorical", map(text_literal, texts))
+        constructor = py.call("consert.Categorical", map(py.text_literal, texts))
         return Leaf(node.id, TEXT, "is_covered", texts, constructor, f"good: {' or '.join(texts)}")
-    ranges = tuple(_interval(covered, input_.factor) for covered in dimension.covered)
+    ranges = []
+    for covered in dimension.covered:
+        start, end = _in_unit(covered.start, input_.factor), _in_unit(covered.end, input_.factor)
+        start = start if covered.start_inclusive else math.nextafter(start, math.inf)
+        ranges.append(Interval(start, end, covered.inclusive))
     text = " or ".join(covered.text() for covered in dimension.covered)
     text += f" {dimension.uom}" if dimension.uom else ""
     if input_.factor is not None:
         ends = (f"[{r.start:.9g}, {r.end:.9g}{']' if r.closed else ')'}" for r in ranges)
         text = f"{' or '.join(ends)}, which is {text}"
-    rows = (tuple_of([number(r.start), number(r.end), str(r.closed)]) for r in ranges)
-    constructor = call("consert.Numeric", [tuple_of(rows), text_literal(text)])
-    return Leaf(node.id, NUMBER, "is_within", ranges, constructor, f"good: {text}")
+    rows = (py.tuple_of([py.number(r.start), py.number(r.end), str(r.closed)]) for r in ranges)
+    constructor = py.call("consert.Numeric", [py.tuple_of(rows), py.text_literal(text)])
+    return Leaf(node.id, NUMBER, "is_within", tuple(ranges), constructor, f"good: {text}")
 
 
-def _interval(covered: Range, factor: tuple[int, int] | None) -> Interval:
-    """Return a range in the unit of the input."""
-    start, end = _in_unit(covered.start, factor), _in_unit(covered.end, factor)
-    if not covered.start_inclusive:
-        start = math.nextafter(start, math.inf)
-    return Interval(start, end, covered.inclusive)
-
-
-def _in_unit(bound: Bound, factor: tuple[int, int] | None) -> float:
+def _in_unit(bound: model.Bound, factor: tuple[int, int] | None) -> float:
     """Return a bound in the unit of the input.
 
     It is divided exactly and rounded once: ``36 km/h`` is exactly 10 m/s, and a value is never
@@ -305,5 +277,5 @@ def _read(leaf: Leaf, input_: BoundInput) -> Read:
         timeout=timeout,
         infinite=leaf.type == NUMBER,
         stamped=timeout is not None,
-        about=comment(leaf.about),
+        about=py.comment(leaf.about),
     )

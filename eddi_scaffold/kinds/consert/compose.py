@@ -6,7 +6,7 @@ not matter, and units are converted exactly.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
@@ -14,16 +14,7 @@ from operator import itemgetter
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, problem
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    CategoricalDimension,
-    ConSert,
-    Demand,
-    Dimension,
-    Guarantee,
-    NumericDimension,
-    Service,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.ranges import common, is_inside, span
 
@@ -106,11 +97,8 @@ class _Need:
         return f"{self.instance}/{self.id}"
 
 
-def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
-    """Put ConSerts together.
-
-    Args:
-        instances: name and checked model of each; a model may be there several times.
+def compose(instances: Sequence[tuple[str, model.ConSert]]) -> Composition:
+    """Put ConSerts together, each under a name; a model may be there several times.
 
     Raises:
         EddiError: two instances have one name (C007).
@@ -123,14 +111,14 @@ def compose(instances: Sequence[tuple[str, ConSert]]) -> Composition:
 
 
 class _Composer:
-    def __init__(self, instances: Sequence[tuple[str, ConSert]]) -> None:
+    def __init__(self, instances: Sequence[tuple[str, model.ConSert]]) -> None:
         self.instances = instances
         self.provided = {
             (service.functional_service_type, name)
             for name, consert in instances
             for service in consert.provided_services
         }
-        self.offers: list[tuple[str, Guarantee, Mapping[str, None]]] = []
+        self.offers: list[tuple[str, model.Guarantee, Mapping[str, None]]] = []
         for name, consert in instances:
             types, values = service_types(consert.provided_services), constants(consert)
             for guarantee in consert.guarantees:
@@ -143,11 +131,25 @@ class _Composer:
                 self.needs.append(self._demand(name, demand, types.get(demand.id, {})))
         for name, consert in instances:
             for service in consert.required_services:
-                self.needs.append(self._service(name, service.id, service.functional_service_type))
+                type_ = service.functional_service_type
+                others = sorted(name for of, name in self.provided if of == type_)
+                met_by: dict[str, list[str]] = {other: [] for other in others if other != name}
+                reason = f"required service {name}/{service.id} is not provided: "
+                reason += f"no other ConSert provides a service of type {type_}"
+                self.needs.append(_Need(name, service.id, False, [type_], reason, met_by))
         self.rounds = self._rounds()
 
     def composition(self) -> Composition:
         rounds = dict.fromkeys(dict(self.instances), len(self.instances)) | self.rounds
+        count = Counter((need.is_demand, need.id) for need in self.needs)
+        unmatched = {
+            is_demand: tuple(
+                need.id if count[is_demand, need.id] == 1 else need.name
+                for need in self.needs
+                if need.is_demand == is_demand and not need.met_by
+            )
+            for is_demand in (True, False)
+        }
         return Composition(
             composable=len(self.rounds) == len(self.instances),
             order=tuple(self.rounds),
@@ -162,13 +164,13 @@ class _Composer:
                 for need in self.needs
                 if need.is_demand and need.met_by
             },
-            unmatched_demands=tuple(self._unmatched(is_demand=True)),
-            unmatched_services=tuple(self._unmatched(is_demand=False)),
+            unmatched_demands=unmatched[True],
+            unmatched_services=unmatched[False],
             reasons=(*self._unmet_reasons(), *self._waiting_reasons()),
             problems=tuple(self._wrong_allocations()),
         )
 
-    def _demand(self, instance: str, demand: Demand, types: Mapping[str, None]) -> _Need:
+    def _demand(self, instance: str, demand: model.Demand, types: Mapping[str, None]) -> _Need:
         dimension_types = (dimension.type for dimension in demand.dimensions)
         need = _Need(instance, demand.id, is_demand=True, types=[*types, *dimension_types])
         mismatches = []
@@ -188,15 +190,6 @@ class _Composer:
         need.reason = f"demand {need.name} is not fulfilled: {reason}"
         return need
 
-    def _service(self, instance: str, id_: str, type_: str) -> _Need:
-        need = _Need(instance, id_, is_demand=False, types=[type_])
-        for other_type, other in sorted(self.provided):
-            if other_type == type_ and other != instance:
-                need.met_by[other] = []
-        reason = f"no other ConSert provides a service of type {type_}"
-        need.reason = f"required service {need.name} is not provided: {reason}"
-        return need
-
     def _rounds(self) -> dict[str, int]:
         """Accept in rounds what needs only what has been accepted; instance -> its round."""
         rounds: dict[str, int] = {}
@@ -207,13 +200,6 @@ class _Composer:
             if not ready:
                 return rounds
             rounds |= dict.fromkeys(ready, len(rounds))
-
-    def _unmatched(self, *, is_demand: bool) -> Iterator[str]:
-        needs = [need for need in self.needs if need.is_demand == is_demand]
-        ids = [need.id for need in needs]
-        for need in needs:
-            if not need.met_by:
-                yield need.id if ids.count(need.id) == 1 else need.name
 
     def _unmet_reasons(self) -> Iterator[str]:
         """Yield why needs are not met; a type that nobody has may be a slip."""
@@ -264,7 +250,7 @@ class _Composer:
                         yield problem("X009.unmet", service.place, subject=what, unmet=text)
 
 
-def service_types(services: Sequence[Service]) -> Mapping[str, Mapping[str, None]]:
+def service_types(services: Sequence[model.Service]) -> Mapping[str, Mapping[str, None]]:
     """Return demand or guarantee -> types of the services that group it."""
     types: dict[str, dict[str, None]] = defaultdict(dict)
     for service in services:
@@ -274,7 +260,7 @@ def service_types(services: Sequence[Service]) -> Mapping[str, Mapping[str, None
 
 
 def why_not_fulfilled(
-    provider: ConSert, guarantee_id: str, user: ConSert, demand_id: str
+    provider: model.ConSert, guarantee_id: str, user: model.ConSert, demand_id: str
 ) -> str | None:
     """Return why a guarantee does not fulfil a demand that it is wired to, ``None`` if it does.
 
@@ -297,7 +283,7 @@ def why_not_fulfilled(
 
 
 def _mismatch(
-    guarantee: Guarantee, demand: Demand, name: str
+    guarantee: model.Guarantee, demand: model.Demand, name: str
 ) -> tuple[tuple[int, int], str] | None:
     """Return how far a guarantee is from fulfilling a demand, and its first dimension in the way.
 
@@ -321,21 +307,23 @@ def _mismatch(
 
 
 def _difference(
-    offered: Dimension, demanded: Dimension, name: str, demand: str
+    offered: model.Dimension, demanded: model.Dimension, name: str, demand: str
 ) -> tuple[int, str] | None:
     """Explain why a dimension does not fit; the rank grows with the difference."""
     title = f"dimension {demanded.type}"
     kind = type(demanded).__name__.removesuffix("Dimension")
     if type(offered) is not type(demanded) or offered.type != demanded.type:
         return 3, f"{name} has no {kind} {title}"
-    if isinstance(demanded, BinaryDimension) or isinstance(offered, BinaryDimension):
-        value = str(not isinstance(demanded, BinaryDimension) or demanded.value).lower()
+    if isinstance(demanded, model.BinaryDimension) or isinstance(offered, model.BinaryDimension):
+        value = str(not isinstance(demanded, model.BinaryDimension) or demanded.value).lower()
         no_value = 3, f"{name} has no Binary {title} of the value {value}"
         return None if offered == demanded else no_value
     if offered.subset not in (None, demanded.subset):
         subsets = f"{offered.subset} in {name} and {demanded.subset} in {demand}"
         return 2, f"{title}: the subset is {subsets}"
-    their_units = [d.uom if isinstance(d, NumericDimension) else None for d in (offered, demanded)]
+    their_units = [
+        d.uom if isinstance(d, model.NumericDimension) else None for d in (offered, demanded)
+    ]
     if units.factor(*their_units) is None:
         texts = [f"the unit {unit}" if unit else "the ratio" for unit in their_units]
         return 2, f"{title}: {texts[0]} of {name} and {texts[1]} of {demand} do not compare"
@@ -349,11 +337,11 @@ def _difference(
 
 
 def _wrong_relation(
-    offered: CategoricalDimension | NumericDimension,
-    demanded: CategoricalDimension | NumericDimension,
+    offered: model.CategoricalDimension | model.NumericDimension,
+    demanded: model.CategoricalDimension | model.NumericDimension,
 ) -> str | None:
     """Return how the covered values lie to each other where the demand wants it otherwise."""
-    if isinstance(demanded, NumericDimension) and isinstance(offered, NumericDimension):
+    if isinstance(demanded, model.NumericDimension) and isinstance(offered, model.NumericDimension):
         needed, covered = (  # exact, in the basic unit
             [span(c, (units.find(d.uom) or units.RATIO).factor) for c in d.covered]
             for d in (demanded, offered)

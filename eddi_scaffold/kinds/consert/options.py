@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -51,60 +51,39 @@ def read_options(options: Options) -> tuple[ConSertOptions | None, list[Problem]
     names (``class``); ``debounce: n`` lets a leaf count as TRUE again in the n-th step in a
     row in which it is; ``filter`` is the general form.
     """
-    problems = list(_wrong(options))
+    problems: list[Problem] = []
+    ids, debounce, filter_ = (options.values.get(key) for key in OPTION_KEYS)
+    if ids not in (None, "source", "class"):
+        problems.append(problem("K003.guarantee_ids", options.place("guarantee_ids")))
+    place = options.place("filter" if debounce is None else "debounce")
+    if debounce is not None and filter_ is not None:
+        problems.append(problem("K003.debounce_and_filter", place))
+    if debounce is not None:
+        filter_ = {"kind": "debounce", "regain_after": debounce}
+    filter_ = {"kind": "none"} if filter_ is None else filter_
+    kind = filter_.get("kind") if isinstance(filter_, Mapping) else None
+    key = _FILTERS.get(kind) if isinstance(kind, str) else None
+    steps: Any = filter_.get(key, 1) if isinstance(filter_, Mapping) and key else 1
+    if not isinstance(filter_, Mapping):
+        problems.append(problem("K003.filter", place))
+    elif key is None and kind != "none":
+        problems.append(problem("K028.filter", place, kind=kind))
+    elif type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
+        key = key if debounce is None else "debounce"
+        problems.append(problem("K028.steps", place, key=key, limit=_MAX_SAMPLES))
     if problems:
         return None, problems
-    values: Mapping[str, Any] = options.values
-    filter_ = values.get("filter") or {"kind": "none"}
-    if values.get("debounce") is not None:
-        filter_ = {"kind": "debounce", "regain_after": values["debounce"]}
-    kind = filter_["kind"]
-    steps = filter_.get(_FILTERS.get(kind), 1)
-    ids = values.get("guarantee_ids") or "source"
-    return ConSertOptions(ids, kind if steps > 1 else "", steps), []
-
-
-def _wrong(options: Options) -> Iterator[Problem]:
-    ids, debounce, filter_ = (options.values.get(key) for key in OPTION_KEYS)
-    if ids is not None and ids not in ("source", "class"):
-        yield problem("K003.guarantee_ids", options.place("guarantee_ids"))
-    if debounce is not None and (type(debounce) is not int or debounce < 1):
-        yield problem("K003.debounce", options.place("debounce"))
-    elif isinstance(debounce, int) and debounce > _MAX_SAMPLES:
-        place = options.place("debounce")
-        yield problem("K028.steps", place, key="regain_after", limit=_MAX_SAMPLES)
-    if filter_ is None:
-        return
-    place = options.place("filter")
-    if debounce is not None:
-        yield problem("K003.debounce_and_filter", place)
-    if not isinstance(filter_, Mapping):
-        yield problem("K003.filter", place)
-        return
-    kind = filter_.get("kind")
-    key = _FILTERS.get(kind) if isinstance(kind, str) else None
-    if key is None and kind != "none":
-        yield problem("K028.filter", place, kind=kind)
-    steps = filter_.get(key, 1) if key is not None else 1
-    if type(steps) is not int or not 1 <= steps <= _MAX_SAMPLES:
-        yield problem("K028.steps", place, key=key, limit=_MAX_SAMPLES)
+    return ConSertOptions(str(ids or "source"), str(kind) if steps > 1 else "", steps), []
 
 
 def with_default_guarantees(
     conserts: Sequence[ConSert], marks: Sequence[str], file: str
 ) -> tuple[tuple[ConSert, ...], list[Problem]]:
-    """Mark guarantees as default ones, before the ConSerts are checked.
+    """Mark guarantees of a file as default ones, before the ConSerts are checked.
 
     DEIS 2019 knows default guarantees, which hold always; neither the EDDI nor the YAML of SESAME
-    D7.2 can mark them, and not everybody may change the file.
-
-    Args:
-        conserts: all ConSerts of a file.
-        marks: ``ID``, or ``CONSERT/ID`` where several ConSerts have that id.
-        file: the file, for messages.
-
-    Returns:
-        The ConSerts with their marks; an error (C008) for each mark that fits none or several.
+    D7.2 can mark them, and not everybody may change the file. A mark is ``ID``, or ``CONSERT/ID``
+    where several ConSerts have that id; one that fits none or several is an error (C008).
     """
     chosen: set[tuple[str, str]] = set()
     problems: list[Problem] = []
@@ -131,12 +110,7 @@ def with_default_guarantees(
 
 
 def marks_elsewhere(files: Sequence[Sequence[ConSert]], marks: Sequence[str]) -> set[str]:
-    """Return what is reported of marks that a file lacks and another one of these files has.
-
-    Args:
-        files: the ConSerts of each file.
-        marks: all of the command line.
-    """
+    """Return what is reported of marks that a file lacks and another one of these files has."""
     known = [mark for mark in marks if any(_named(conserts, mark) for conserts in files)]
     fields = ({"mark": mark, "guarantee": shown(mark)} for mark in known)
     return {problem("C008.no_guarantee", **each).message for each in fields}

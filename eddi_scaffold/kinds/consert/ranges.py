@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from itertools import product
 from typing import NamedTuple
 
 from eddi_scaffold.kinds.consert.consert import Bound, Range
@@ -94,11 +95,9 @@ def is_inside(inner: Iterable[Interval], outer: Iterable[Interval]) -> bool:
 
 def common(first: Iterable[Interval], second: Iterable[Interval]) -> bool:
     """Return whether some number lies in both."""
-    others = list(second)
-    return any(_meet(interval, other) for interval in first for other in others)
-
-
-def _meet(first: Interval, second: Interval) -> bool:
-    start, is_open = max(first[:2], second[:2])
-    end, is_end_open = min((first.end, not first.closed), (second.end, not second.closed))
-    return start < end or (start == end and not is_open and not is_end_open)
+    for interval, other in product(first, second):
+        start, is_open = max(interval[:2], other[:2])
+        end, is_end_open = min((interval.end, not interval.closed), (other.end, not other.closed))
+        if start < end or (start == end and not is_open and not is_end_open):
+            return True
+    return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
@@ -10,47 +10,28 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, stray_texts
 from eddi_scaffold.eddi_xml.vocabulary import Spelling, is_misprint, local_name
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    ConSert,
-    Demand,
-    Dimension,
-    Evidence,
-    Gate,
-    GateFunction,
-    Guarantee,
-    Propagation,
-    ProvidedService,
-    RequiredService,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.options import with_default_guarantees
 from eddi_scaffold.kinds.consert.read_eddi_dimensions import DimensionReader
 
 MAX_NODES = 100_000
 MAX_EDGES = 1_000_000
-_FUNCTIONS: dict[str, GateFunction] = {"and": "And", "or": "Or"}
+_FUNCTIONS: dict[str, model.GateFunction] = {"and": "And", "or": "Or"}
 _IDS = Spelling("Id"), Spelling("gid")
-_COMMON = (*_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS)
-"""Every object of an ODE model may have these; they are known and not used."""
 _NODES = (names.GUARANTEES, names.DEMANDS, names.EVIDENCE, names.GATES, names.INVARIANT)
 
 
 def read_eddi(
     document: EddiDocument, source: Source, default_guarantees: Sequence[str] = ()
-) -> tuple[tuple[ConSert, ...], list[Problem]]:
-    """Read every ConSert of a document, in document order.
-
-    Args:
-        document: the parsed file.
-        source: the same file; its stem names a ConSert without a name.
-        default_guarantees: ids, or ``CONSERT/ID``, of guarantees that are marked as default.
+) -> tuple[tuple[model.ConSert, ...], list[Problem]]:
+    """Read every ConSert of a document; the file's stem names one without a name.
 
     Returns:
         The ConSerts without an error of the XML form, and all problems found. A file without
         ConSerts gives neither.
     """
     findings = EddiFindings(document)
-    conserts: list[ConSert] = []
+    conserts: list[model.ConSert] = []
     parts: list[Element] = []
     first: dict[str, Element] = {}
     for package in document.packages():
@@ -110,7 +91,7 @@ class _ConSertReader:
         self.ids: dict[Element, str] = {}  # of all nodes; holding elements keeps their identity
         self.services: list[Element] = []
 
-    def read(self, name: str) -> ConSert | None:
+    def read(self, name: str) -> model.ConSert | None:
         """Return the ConSert, ``None`` when it has an error."""
         errors = self.findings.errors
         children = {part: self.document.children(self.element, part) for part in _NODES}
@@ -118,8 +99,22 @@ class _ConSertReader:
         if number > MAX_NODES:
             self.findings.report("X003.nodes", self.element, number=number, limit=MAX_NODES)
             return None
-        guarantees = [self._guarantee(element) for element in children[names.GUARANTEES]]
-        demands = [self._demand(element) for element in children[names.DEMANDS]]
+        place, dimensions = self.document.place, self.dimensions
+        guarantees = [
+            model.Guarantee(
+                self._id(element),
+                dimensions.read(element),
+                self._description(element),
+                bool(dimensions.boolean(element, names.DEFAULT)),
+                self._ranking(element),
+                place(element),
+            )
+            for element in children[names.GUARANTEES]
+        ]
+        demands = [
+            model.Demand(self._id(e), dimensions.read(e), self._description(e), place(e))
+            for e in children[names.DEMANDS]
+        ]
         evidence = [self._evidence(element) for element in children[names.EVIDENCE]]
         gates = [self._gate(element) for element in children[names.GATES]]
         invariants = [self._gate(element, "Invariant") for element in children[names.INVARIANT]]
@@ -133,7 +128,7 @@ class _ConSertReader:
             self.findings.count("X006.invariant", element, id=gate.id)
             gates.append(gate)
             edges += [
-                Propagation(gate.id, guarantee.id, gate.place)
+                model.Propagation(gate.id, guarantee.id, gate.place)
                 for guarantee in guarantees
                 if not guarantee.default and guarantee.id in supported
             ]
@@ -151,14 +146,14 @@ class _ConSertReader:
             names.GUARANTEES,
             (names.ALLOCATED, names.REQUIRED_SERVICES),
         )
-        required_services = tuple(RequiredService(*row) for row in required)
-        provided_services = tuple(ProvidedService(*row) for row in provided)
+        required_services = tuple(model.RequiredService(*row) for row in required)
+        provided_services = tuple(model.ProvidedService(*row) for row in provided)
         if self.findings.errors > errors:
             return None
         link, ends = names.SERVICE_CONFIGURATION, names.SERVICE_CONFIGURATIONS
         targets = self.findings.targets(self.element, link, ends)
         systems = [system for end in targets if (system := end.getparent()) is not None]
-        return ConSert(
+        return model.ConSert(
             name,
             tuple(guarantees),
             tuple(demands),
@@ -186,16 +181,6 @@ class _ConSertReader:
     def _description(self, element: Element) -> str | None:
         return self.document.attribute(element, names.DESCRIPTION) or None
 
-    def _guarantee(self, element: Element) -> Guarantee:
-        return Guarantee(
-            self._id(element),
-            self.dimensions.read(element),
-            self._description(element),
-            bool(self.dimensions.boolean(element, names.DEFAULT)),
-            self._ranking(element),
-            self.document.place(element),
-        )
-
     def _ranking(self, element: Element) -> int | None:
         text = self.document.attribute(element, names.RANKING)
         digits = (text or "0").strip().removeprefix("-").removeprefix("+")
@@ -205,25 +190,21 @@ class _ConSertReader:
             return None
         return None if text is None else int(text)
 
-    def _demand(self, element: Element) -> Demand:
-        id_, dimensions = self._id(element), self.dimensions.read(element)
-        return Demand(id_, dimensions, self._description(element), self.document.place(element))
-
-    def _evidence(self, element: Element) -> Evidence:
+    def _evidence(self, element: Element) -> model.Evidence:
         id_, place = self._id(element), self.document.place(element)
         dimensions = self.dimensions.read(element) or self._described(element)
         has_property = bool(self.document.children(element, names.PROPERTY))
         if not dimensions and not has_property and not (element.text or "").strip():
             self.findings.report("X014.no_property", element, name=id_)
-            dimensions = (BinaryDimension(id_, place),)
+            dimensions = (model.BinaryDimension(id_, place),)
         if not dimensions:
             self.findings.report("C006.no_dimension", element, name=id_)
         elif len(dimensions) > 1:
             self.findings.report("C002.dimensions", element, name=id_, number=len(dimensions))
-        dimension = dimensions[0] if dimensions else BinaryDimension("")
-        return Evidence(id_, dimension, self._description(element), place)
+        dimension = dimensions[0] if dimensions else model.BinaryDimension("")
+        return model.Evidence(id_, dimension, self._description(element), place)
 
-    def _described(self, element: Element) -> tuple[Dimension, ...]:
+    def _described(self, element: Element) -> tuple[model.Dimension, ...]:
         """Read the English description: only the older dialect has a dimension there."""
         if self._configuration() is None:
             return ()
@@ -233,7 +214,7 @@ class _ConSertReader:
             self.findings.report("X014.no_description", element, text=text)
         return (self.dimensions.english(text, element),) if text.strip() else ()
 
-    def _gate(self, element: Element, default_name: str = "") -> Gate:
+    def _gate(self, element: Element, default_name: str = "") -> model.Gate:
         id_ = self.document.attribute(element, names.NAME) or default_name or self._name(element)
         self.ids[element] = id_
         # EMF omits the first literal of an enumeration, which is AND here (OR in fault trees).
@@ -242,11 +223,11 @@ class _ConSertReader:
         if function is None:
             subject = f'{self.document.attribute_name(element, names.GATE_TYPE)} is "{text}"'
             self.findings.report("X011.operator", element, subject=subject)
-        return Gate(id_, function or "And", self.document.place(element))
+        return model.Gate(id_, function or "And", self.document.place(element))
 
-    def _edges(self) -> list[Propagation]:
+    def _edges(self) -> list[model.Propagation]:
         """Read an edge from each source to each target of each propagation, unless too many."""
-        edges: list[Propagation] = []
+        edges: list[model.Propagation] = []
         for element in self.document.children(self.element, names.PROPAGATIONS):
             sources, targets = self._ends(element, names.SOURCE), self._ends(element, names.TARGET)
             number = len(edges) + len(sources) * len(targets)
@@ -255,7 +236,7 @@ class _ConSertReader:
                 break
             place = self.document.place(element)
             edges += [
-                Propagation(source, target, place) for source in sources for target in targets
+                model.Propagation(source, target, place) for source in sources for target in targets
             ]
         return edges
 
@@ -286,12 +267,8 @@ class _ConSertReader:
     ) -> Iterator[tuple[str, str, tuple[str, ...], Place, tuple[Place, ...]]]:
         """Yield id, type, members, place of services, and to what they are allocated.
 
-        Args:
-            elements: demands or guarantees, which may refer to their services.
-            link: the feature with which they do.
-            feature: where services stand, also those of the configuration around a ConSert.
-            member: the feature in which these list their members.
-            allocations: what refers to services of the other kind, and where these stand.
+        Demands or guarantees refer to their services with ``link``; services, also those of the
+        configuration around a ConSert, list these in ``member``.
         """
         members: dict[Element, list[str]] = {}
         for element in elements:
@@ -329,66 +306,41 @@ class _ConSertReader:
         return owner if is_older else None
 
 
-_PROPERTY_PARTS = (names.PROPERTY, names.SAFETY_PROPERTIES, names.INTEGRITY_LEVEL)
-_ENDS = (names.START, names.END)
-_DIMENSION_TYPES = (names.DIMENSION_TYPE, names.PUBLIC_TYPE)
-_UNITS = (names.UNIT, names.PUBLIC_UNIT)
-_KNOWN: Mapping[Spelling, tuple[Spelling, ...]] = {
-    names.CONSERTS: (
-        *(*_NODES, names.PROPAGATIONS),
-        *(names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES),
-    ),
-    names.GUARANTEES: (
-        *(names.PROVIDED_SERVICE, names.DEFAULT, names.RANKING, names.REQUIREMENT),
-        *_PROPERTY_PARTS,
-    ),
-    names.DEMANDS: (
-        *(names.REQUIRED_SERVICE, names.RELATIONS, names.REQUIREMENT),
-        *_PROPERTY_PARTS,
-    ),
-    names.EVIDENCE: (names.EVENTS, names.REQUIREMENT, *_PROPERTY_PARTS),
-    names.GATES: (names.GATE_TYPE,),
-    names.INVARIANT: (names.GATE_TYPE,),
-    names.PROPAGATIONS: (names.SOURCE, names.TARGET),
-    names.PROPERTY: (names.PROPERTY_TYPE, names.DIMENSION, names.REQUIREMENT),
-    names.SAFETY_PROPERTIES: (names.REFINEMENT, names.INTEGRITY_LEVEL),
-    names.DIMENSION: (
-        *(*_DIMENSION_TYPES, names.COVERED, names.SUBSET, *_UNITS, names.VALUE),
-        *_ENDS,
-    ),
-    names.COVERED: (names.VALUE, *_ENDS, names.INCLUSIVE),
-    names.START: (names.INCLUSIVE, names.VALUE),
-    names.END: (names.INCLUSIVE, names.VALUE),
-    names.VALUE: (names.NUMBER, names.NUMBER_TYPE, names.EPSILON),
-    names.RELATIONS: (names.RELATION_TYPE, names.DIMENSION),
-    names.DIMENSION_TYPE: (),
-    names.PUBLIC_TYPE: (),
-    names.REFINEMENT: (),
-}
-"""Feature -> what an object there may have besides the common names."""
+_OBJECTS = (
+    *_NODES, names.PROPAGATIONS, names.PROPERTY, names.SAFETY_PROPERTIES, names.DIMENSION,
+    names.COVERED, names.START, names.END, names.VALUE, names.RELATIONS, names.DIMENSION_TYPE,
+    names.PUBLIC_TYPE, names.REFINEMENT,
+)  # fmt: skip
+_KNOWN = (
+    *_OBJECTS, *_IDS, names.NAME, names.DESCRIPTION, names.KEY_VALUE_MAPS,
+    names.SERVICE_CONFIGURATION, names.PROPERTY_TYPES, names.PROVIDED_SERVICE, names.DEFAULT,
+    names.RANKING, names.REQUIREMENT, names.INTEGRITY_LEVEL, names.REQUIRED_SERVICE, names.EVENTS,
+    names.GATE_TYPE, names.SOURCE, names.TARGET, names.PROPERTY_TYPE, names.SUBSET, names.UNIT,
+    names.PUBLIC_UNIT, names.INCLUSIVE, names.NUMBER, names.NUMBER_TYPE, names.EPSILON,
+    names.RELATION_TYPE,
+)  # fmt: skip
 
 
 def _check_names(consert: Element, findings: EddiFindings) -> None:
     """Report names below a ConSert that are misspelt or unknown, once per name and file."""
-    waiting: list[tuple[Element, Spelling]] = [(consert, names.CONSERTS)]
+    waiting = [consert]
     while waiting:
-        element, feature = waiting.pop()
-        known = (*_KNOWN[feature], *_COMMON)
+        element = waiting.pop()
         keys = [key for key in map(str, element.attrib) if not key.startswith("{")]
         parts = [("attribute", key, element) for key in keys]
         parts += [("child", local_name(str(child.tag)), child) for child in element.iterchildren()]
-        children: list[tuple[Element, Spelling]] = []
+        children: list[Element] = []
         for kind, name, part in parts:
-            match = next((spelling for spelling in known if spelling.accepts(name)), None)
-            if match is None:
+            matches = [spelling for spelling in _KNOWN if spelling.accepts(name)]
+            if not matches:
                 owner = feature_of(element)
                 findings.count("X006.unknown", part, subject=kind, name=name, owner=owner)
-                continue
-            if not match.is_exact(name):
-                case = "X006.misprint" if is_misprint(name) else "X006.spelling"
-                findings.count(case, part, subject=kind, name=name, meant=match.name)
-            if kind == "child" and match in _KNOWN:
-                children.append((part, match))
+            elif not any(spelling.is_exact(name) for spelling in matches):
+                case, meant = "X006.spelling", matches[0].name
+                case = "X006.misprint" if is_misprint(name) else case
+                findings.count(case, part, subject=kind, name=name, meant=meant)
+            if kind == "child" and not {*matches}.isdisjoint(_OBJECTS):
+                children.append(part)
         waiting += reversed(children)
 
 

@@ -19,20 +19,12 @@ from eddi_scaffold.eddi_xml import vocabulary as names
 from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import Spelling
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    Bound,
-    CategoricalDimension,
-    Dimension,
-    NumericDimension,
-    Range,
-    Subset,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.names import class_name
 
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _INFINITE = re.compile(r"(?i)([-+]?)\.?inf(?:inity)?")
-_SUBSETS: dict[str, Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
+_SUBSETS: dict[str, model.Subset] = {"guarantee": "Guarantee", "demand": "Demand"}
 _PUBLIC_UNITS = {
     "MPS": "m/s",
     "KMH": "km/h",
@@ -41,7 +33,7 @@ _PUBLIC_UNITS = {
     "SECOND": "s",
     "NEWTON": "N",
 }
-_RELATIONS: dict[str, Subset] = {
+_RELATIONS: dict[str, model.Subset] = {
     "DinG": "Demand",
     "GinD": "Guarantee",
     "Equals": "Equals",
@@ -49,7 +41,7 @@ _RELATIONS: dict[str, Subset] = {
 }
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 _CLASSES = "BinaryDimension, CategoricalDimension, NumericDimension, NumericRangeDimension"
-_PLACEHOLDER = BinaryDimension("")
+_PLACEHOLDER = model.BinaryDimension("")
 # The first of this order that occurs anywhere wins, as in conserts-rs.
 _OPERATORS = ("<=", ">=", "<", ">", "bound to")
 _ENGLISH_BOUND = re.compile(r"([0-9]+(?:\.[0-9]*)?|\.[0-9]+)\s*(\S+)?")
@@ -62,9 +54,9 @@ class DimensionReader:
         self.findings = findings
         self.document = findings.document
 
-    def read(self, element: Element) -> tuple[Dimension, ...]:
+    def read(self, element: Element) -> tuple[model.Dimension, ...]:
         """Read the dimensions of all properties of an element."""
-        dimensions: dict[Element, Dimension] = {}
+        dimensions: dict[Element, model.Dimension] = {}
         for part in self.document.children(element, names.PROPERTY):
             self.findings.targets(part, names.PROPERTY_TYPE, names.PROPERTY_TYPES)
             for child in self.document.children(part, names.DIMENSION):
@@ -72,11 +64,11 @@ class DimensionReader:
         relations = self._relations(element, dimensions)
         if names.DEMANDS.accepts(feature_of(element)):
             for child, dimension in dimensions.items():
-                if not isinstance(dimension, BinaryDimension):
+                if not isinstance(dimension, model.BinaryDimension):
                     dimensions[child] = self._related(child, dimension, relations.get(child))
         return (*dimensions.values(), *self._refinements(element))
 
-    def _refinements(self, element: Element) -> Iterator[Dimension]:
+    def _refinements(self, element: Element) -> Iterator[model.Dimension]:
         for part in self.document.children(element, names.SAFETY_PROPERTIES):
             for refinement in self.document.children(part, names.REFINEMENT):
                 text = self.document.attribute(refinement, names.NAME)
@@ -85,7 +77,7 @@ class DimensionReader:
                 else:
                     yield self.english(text, refinement)
 
-    def english(self, text: str, element: Element) -> Dimension:
+    def english(self, text: str, element: Element) -> model.Dimension:
         """Read one English text."""
         dimension, remark = read_english(text)
         if remark is not None:
@@ -104,7 +96,7 @@ class DimensionReader:
             self.findings.report("X011.boolean", element, subject=name, value=_shortened(text))
         return bool(value)
 
-    def _dimension(self, element: Element) -> Dimension:
+    def _dimension(self, element: Element) -> model.Dimension:
         class_of = self.document.class_of(element)
         shape = class_of.name.removesuffix("dimension").removesuffix("range")
         if not class_of.name:
@@ -116,22 +108,24 @@ class DimensionReader:
             return _PLACEHOLDER
         type_, place = self._type(element), self.document.place(element)
         if shape == "binary":
-            return BinaryDimension(type_, place, self._binary_value(element, type_))
+            return model.BinaryDimension(type_, place, self._binary_value(element, type_))
         parts = self.document.children(element, names.COVERED)
         is_public = self._is_public(element, parts)
         subset = self._subset(element, is_public=is_public)
         if shape == "categorical":
             spelling = names.NAME if is_public else names.VALUE
             categories = tuple(self._mandatory(part, spelling) for part in parts)
-            return CategoricalDimension(type_, categories, subset, place)
+            return model.CategoricalDimension(type_, categories, subset, place)
         if is_public:
             start, is_start_inside = self._boundary(element, names.START, "-inf")
             end, is_end_inside = self._boundary(element, names.END, "inf")
-            ranges: tuple[Range, ...] = (Range(start, end, is_end_inside, place, is_start_inside),)
+            ranges: tuple[model.Range, ...] = (
+                model.Range(start, end, is_end_inside, place, is_start_inside),
+            )
         else:
             ranges = tuple(self._range(part) for part in parts)
         unit = self._unit(element, type_, is_public=is_public)
-        return NumericDimension(type_, ranges, subset, unit, place)
+        return model.NumericDimension(type_, ranges, subset, unit, place)
 
     def _is_public(self, element: Element, covered: Sequence[Element]) -> bool:
         """Tell whether a dimension is written with names of the public metamodel of SESAME.
@@ -168,7 +162,7 @@ class DimensionReader:
             return False
         return value is not False
 
-    def _subset(self, element: Element, *, is_public: bool) -> Subset | None:
+    def _subset(self, element: Element, *, is_public: bool) -> model.Subset | None:
         text = self.document.attribute(element, names.SUBSET)
         if text is not None:
             subset = _SUBSETS.get(text.strip().casefold())
@@ -181,10 +175,10 @@ class DimensionReader:
         return "Guarantee"
 
     def _relations(
-        self, owner: Element, dimensions: Mapping[Element, Dimension]
-    ) -> dict[Element, Subset]:
+        self, owner: Element, dimensions: Mapping[Element, model.Dimension]
+    ) -> dict[Element, model.Subset]:
         """Return what the relation elements of a demand say of its dimensions."""
-        relations: dict[Element, Subset] = {}
+        relations: dict[Element, model.Subset] = {}
         for part in self.document.children(owner, names.RELATIONS):
             # EMF omits the first literal of an enumeration.
             text = self.document.attribute(part, names.RELATION_TYPE)
@@ -209,9 +203,9 @@ class DimensionReader:
     def _related(
         self,
         element: Element,
-        dimension: CategoricalDimension | NumericDimension,
-        relation: Subset | None,
-    ) -> Dimension:
+        dimension: model.CategoricalDimension | model.NumericDimension,
+        relation: model.Subset | None,
+    ) -> model.Dimension:
         """Return a dimension of a demand with its relation to what fulfils it."""
         if dimension.subset is not None and relation is not None:
             self.findings.report("X011.subset_or_relation", element)
@@ -228,16 +222,18 @@ class DimensionReader:
             return _PUBLIC_UNITS["MPS"]
         return None if text is None else _PUBLIC_UNITS.get(text.strip(), text)
 
-    def _boundary(self, element: Element, spelling: Spelling, unbounded: str) -> tuple[Bound, bool]:
+    def _boundary(
+        self, element: Element, spelling: Spelling, unbounded: str
+    ) -> tuple[model.Bound, bool]:
         """Return one end of a range and whether it lies inside; absent, there is no bound."""
         part = self.findings.only(element, spelling)
         if part is None:
-            return Bound(unbounded, float(unbounded)), True
+            return model.Bound(unbounded, float(unbounded)), True
         is_inside = bool(self.boolean(part, names.INCLUSIVE))
         value = self.findings.only(part, names.VALUE)
         if value is None:
             self.findings.report("X010.nil", part, feature=spelling.name)
-            return Bound("nan", math.nan), is_inside
+            return model.Bound("nan", math.nan), is_inside
         epsilon = self.document.attribute(value, names.EPSILON)
         if epsilon is not None and epsilon.strip() not in ("0", "0.0"):
             self.findings.count("X014.epsilon", value, epsilon=_shortened(epsilon))
@@ -246,7 +242,7 @@ class DimensionReader:
         number = self.document.attribute(value, names.NUMBER)
         return self._number("0" if number is None else number, names.NUMBER, value), is_inside
 
-    def _range(self, part: Element) -> Range:
+    def _range(self, part: Element) -> model.Range:
         start, end = (
             self._number(self._mandatory(part, spelling), spelling, part)
             for spelling in (names.START, names.END)
@@ -254,9 +250,9 @@ class DimensionReader:
         is_inside = self.boolean(part, names.INCLUSIVE)
         if is_inside is None:
             self.findings.report("X014.inclusive", part)
-        return Range(start, end, is_inside is not False, self.document.place(part))
+        return model.Range(start, end, is_inside is not False, self.document.place(part))
 
-    def _number(self, text: str, spelling: Spelling, part: Element) -> Bound:
+    def _number(self, text: str, spelling: Spelling, part: Element) -> model.Bound:
         text = text.strip()
         infinite = _INFINITE.fullmatch(text)
         if infinite:
@@ -264,8 +260,8 @@ class DimensionReader:
         elif not _NUMBER.fullmatch(text) or math.isinf(float(text)):
             fields = {"attribute": spelling.name, "text": _shortened(text)}
             self.findings.report("X011.decimal", part, **fields)
-            return Bound("nan", math.nan)
-        return Bound(text, float(text))
+            return model.Bound("nan", math.nan)
+        return model.Bound(text, float(text))
 
     def _mandatory(self, element: Element, spelling: Spelling) -> str:
         value = self.document.attribute(element, spelling)
@@ -279,11 +275,11 @@ def _shortened(text: str) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def read_english(text: str) -> tuple[Dimension, str | None]:
+def read_english(text: str) -> tuple[model.Dimension, str | None]:
     """Read a dimension from English text, and return why a bound of it could not be read."""
     statement = text.partition(":")[0].strip()  # an integrity level follows, which is not used
     operator = next((operator for operator in _OPERATORS if operator in statement), None)
-    binary = BinaryDimension(class_name(statement) or statement)
+    binary = model.BinaryDimension(class_name(statement) or statement)
     if operator is None:
         remark = "there is no operator <=, >=, <, > or bound to"
         return binary, remark if "=" in statement else None
@@ -295,15 +291,15 @@ def read_english(text: str) -> tuple[Dimension, str | None]:
         return binary, f'the unit "{bound[2]}" is unknown'
     if not class_name(subject):
         return binary, "there is nothing before the operator"
-    covered = _english_range(operator, Bound(bound[1], float(bound[1])))
-    return NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), None
+    covered = _english_range(operator, model.Bound(bound[1], float(bound[1])))
+    return model.NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), None
 
 
-def _english_range(operator: str, bound: Bound) -> Range:
+def _english_range(operator: str, bound: model.Bound) -> model.Range:
     if operator not in (">", ">="):
-        return Range(Bound("0.0", 0.0), bound, inclusive=operator != "<")
+        return model.Range(model.Bound("0.0", 0.0), bound, inclusive=operator != "<")
     if operator == ">":
         # A range always contains its start, so it starts at the next double.
         above = math.nextafter(bound.value, math.inf)
-        bound = Bound(repr(above), above)
-    return Range(bound, Bound("inf", math.inf), inclusive=True)
+        bound = model.Bound(repr(above), above)
+    return model.Range(bound, model.Bound("inf", math.inf), inclusive=True)

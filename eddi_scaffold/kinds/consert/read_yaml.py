@@ -11,27 +11,13 @@ from typing import Any, NamedTuple
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_similar, problem
-from eddi_scaffold.kinds.consert.consert import (
-    BinaryDimension,
-    Bound,
-    CategoricalDimension,
-    ConSert,
-    Demand,
-    Evidence,
-    Gate,
-    Guarantee,
-    NumericDimension,
-    Propagation,
-    ProvidedService,
-    Range,
-    RequiredService,
-)
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
 _MOST_UNKNOWN_KEYS = 100
 """Unknown keys of one map that are compared with a missing one."""
-_UNREADABLE = BinaryDimension("")
+_UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 
 Read = Callable[["_Reader", y.Node, str, str], Any]
@@ -64,12 +50,10 @@ class _Form(NamedTuple):
     kind: str = ""
 
 
-def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, list[Problem]]:
+def read_yaml(
+    source: Source, name: str | None = None
+) -> tuple[model.ConSert | None, list[Problem]]:
     """Read one ConSert as far as possible, so that checking can go on behind a faulty part.
-
-    Args:
-        source: the YAML file.
-        name: name of the ConSert; the stem of the file when ``None``.
 
     Returns:
         A ConSert in which faulty parts are replaced, ``None`` when an id or an edge could not be
@@ -79,7 +63,7 @@ def read_yaml(source: Source, name: str | None = None) -> tuple[ConSert | None, 
     if root is None:
         return None, problems
     reader = _Reader()
-    form = _Form(partial(ConSert, source.stem if name is None else name), _SECTIONS)
+    form = _Form(partial(model.ConSert, source.stem if name is None else name), _SECTIONS)
     consert = reader.element(root, "the ConSert", form)
     return consert, [*problems, *reader.problems]
 
@@ -189,24 +173,20 @@ def _or_null(read: Read) -> Read:
     return read_or_null
 
 
-def _boolean(reader: _Reader, node: y.Node, what: str, _owner: str) -> bool | None:
-    value = y.as_bool(node)
-    if value is None:
-        reader.report("C002.boolean", node, subject=what, node=y.describe(node))
-    return value
+def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
+    def read_scalar(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
+        value = convert(node)
+        if value is None:
+            reader.report(case, node, subject=what, node=y.describe(node))
+        return value
+
+    return read_scalar
 
 
-def _integer(reader: _Reader, node: y.Node, what: str, _owner: str) -> int | None:
-    value = y.as_integer(node)
-    if value is None:
-        reader.report("C002.integer", node, subject=what, node=y.describe(node))
-    return value
-
-
-def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> Bound | None:
+def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound | None:
     number = y.as_number(node)
     if number is not None:
-        return Bound(number.text, number.value)
+        return model.Bound(number.text, number.value)
     hint = None
     if isinstance(node, y.Scalar) and y.as_number(y.Scalar(node.text, plain=True)) is not None:
         hint = f"write {node.text} without quotes"
@@ -229,13 +209,9 @@ def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None
 def _list_of(
     read: Read, item: str, *, may_be_empty: bool = False, substitute: object = None
 ) -> Read:
-    """Return what reads a list, of which a faulty item is replaced, or makes all of it faulty.
+    """Return what reads a list; a faulty item is substituted, or makes all of it faulty.
 
-    Args:
-        read: reads an item.
-        item: what it is, by its ``number``, by ``what`` the list is, or by what the list is in.
-        may_be_empty: it may have no item.
-        substitute: of a faulty item.
+    An item is named by its ``number``, by ``what`` the list is, or by what the list is in.
     """
 
     def read_list(reader: _Reader, node: y.Node, what: str, owner: str) -> tuple[Any, ...] | None:
@@ -287,8 +263,8 @@ _ENDS = (_Field("start", _bound), _Field("end", _bound))
 _RANGE = _variant_of(
     "kind of range",
     {
-        "Inclusive": _Form(partial(Range, inclusive=True), _ENDS),
-        "Exclusive": _Form(partial(Range, inclusive=False), _ENDS),
+        "Inclusive": _Form(partial(model.Range, inclusive=True), _ENDS),
+        "Exclusive": _Form(partial(model.Range, inclusive=False), _ENDS),
     },
 )
 _CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
@@ -297,9 +273,9 @@ _UOM = _Field("uom", _or_null(_text), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": _Form(BinaryDimension, (_TYPE,)),
-        "Categorical": _Form(CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
-        "Numeric": _Form(NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
+        "Binary": _Form(model.BinaryDimension, (_TYPE,)),
+        "Categorical": _Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
+        "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
 _ID = _Field("id", _id)
@@ -309,8 +285,8 @@ _DIMENSIONS = _Field(
     _list_of(_DIMENSION, "a dimension of {owner}", substitute=_UNREADABLE),
     substitute=(_UNREADABLE,),
 )
-_DEFAULT = _Field("default", _boolean, is_optional=True, substitute=False)
-_RANKING = _Field("ranking", _or_null(_integer), is_optional=True)
+_DEFAULT = _Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
+_RANKING = _Field("ranking", _or_null(_scalar(y.as_integer, "C002.integer")), is_optional=True)
 _NO_NEGATION = "a ConSert has no negation: describe the negated property as evidence"
 _FUNCTION = _word_of(
     "gate function", ("And", "Or"), dict.fromkeys(("not", "xor", "nand", "nor"), _NO_NEGATION)
@@ -319,21 +295,21 @@ _SERVICE_TYPE = _Field("functional_service_type", _text)
 _IDS = _list_of(_text, "a member of {what}", may_be_empty=True)
 _ELEMENTS = {
     "guarantees": _Form(
-        Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
+        model.Guarantee, (_ID, _DIMENSIONS, _DESCRIPTION, _DEFAULT, _RANKING), "guarantee"
     ),
-    "demands": _Form(Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
+    "demands": _Form(model.Demand, (_ID, _DIMENSIONS, _DESCRIPTION), "demand"),
     "evidence": _Form(
-        Evidence,
+        model.Evidence,
         (_ID, _Field("dimension", _DIMENSION, substitute=_UNREADABLE), _DESCRIPTION),
         "evidence",
     ),
-    "gates": _Form(Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
-    "tree_propagations": _Form(Propagation, (_Field("from", _text), _Field("to", _text))),
+    "gates": _Form(model.Gate, (_ID, _Field("function", _FUNCTION, substitute="And")), "gate"),
+    "tree_propagations": _Form(model.Propagation, (_Field("from", _text), _Field("to", _text))),
     "required_services": _Form(
-        RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
+        model.RequiredService, (_ID, _SERVICE_TYPE, _Field("demands", _IDS)), "service"
     ),
     "provided_services": _Form(
-        ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
+        model.ProvidedService, (_ID, _SERVICE_TYPE, _Field("guarantees", _IDS)), "service"
     ),
 }
 

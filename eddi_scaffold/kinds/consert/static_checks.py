@@ -33,7 +33,14 @@ _MOST_GUARANTEES = 64
 
 def static_checks(consert: ConSert) -> list[Problem]:
     """Return the findings about a checked ConSert that need no run."""
-    return list(_StaticChecks(consert).problems())
+    checks = _StaticChecks(consert)
+    return [
+        *checks.constants(),
+        *checks.redundant_leaves(),
+        *checks.redundant_gates(),
+        *checks.equal_guarantees(),
+        *checks.services(),
+    ]
 
 
 class _StaticChecks:
@@ -42,14 +49,7 @@ class _StaticChecks:
         self.sets = path_sets(consert)
         self.supporting = reached(consert.inputs, (node.id for node in consert.guarantees))
 
-    def problems(self) -> Iterator[Problem]:
-        yield from self._constants()
-        yield from self._redundant_leaves()
-        yield from self._redundant_gates()
-        yield from self._equal_guarantees()
-        yield from self._services()
-
-    def _constants(self) -> Iterator[Problem]:
+    def constants(self) -> Iterator[Problem]:
         values = constants(self.consert)
         for guarantee in self.consert.guarantees:
             value, name = values[guarantee.id], shown(guarantee.id)
@@ -61,7 +61,7 @@ class _StaticChecks:
             if self.sets[guarantee.id] is None:
                 yield problem("S000", guarantee.place, name=f"guarantee {name}", limit=MOST_SETS)
 
-    def _redundant_leaves(self) -> Iterator[Problem]:
+    def redundant_leaves(self) -> Iterator[Problem]:
         sets_of_guarantees = {node.id: self.sets[node.id] for node in self.consert.guarantees}
         used = reduce(or_, (mask for sets in sets_of_guarantees.values() for mask in sets or ()), 0)
         unknown = [id_ for id_, sets in sets_of_guarantees.items() if sets is None]
@@ -70,7 +70,7 @@ class _StaticChecks:
             if leaf.id in compared and not used >> index & 1:
                 yield problem("S002.element", leaf.place, id=shown(leaf.id))
 
-    def _redundant_gates(self) -> Iterator[Problem]:
+    def redundant_gates(self) -> Iterator[Problem]:
         inputs, work = self.consert.inputs, Work()
         ors = {gate.id for gate in self.consert.gates if gate.function == "Or"}
         redundant = {
@@ -84,7 +84,7 @@ class _StaticChecks:
             if supported and inputs[gate.id] and is_redundant:
                 yield problem("S002.gate", gate.place, gate=shown(gate.id))
 
-    def _equal_guarantees(self) -> Iterator[Problem]:
+    def equal_guarantees(self) -> Iterator[Problem]:
         first: dict[Sets, Guarantee] = {}
         for guarantee in self.consert.guarantees:
             sets = self.sets[guarantee.id]
@@ -95,7 +95,7 @@ class _StaticChecks:
                 names = f"{shown(before.id)} and {shown(guarantee.id)}"
                 yield problem("S003.same", guarantee.place, names=names)
 
-    def _services(self) -> Iterator[Problem]:
+    def services(self) -> Iterator[Problem]:
         guarantees = {guarantee.id: guarantee for guarantee in self.consert.guarantees}
         for service in self.consert.provided_services:
             members = [guarantees[id_] for id_ in service.members]
@@ -108,7 +108,11 @@ class _StaticChecks:
                 )
             for strong, weak in permutations(others[:_MOST_GUARANTEES], 2):
                 yield from self._implication(strong, weak)
-            for id_ in self._single_points(others):
+            sets = [self.sets[guarantee.id] for guarantee in others]
+            masks = [mask for masks in sets for mask in masks or ()]
+            # the leaves without which none of these guarantees is active
+            common = reduce(and_, masks) if masks and None not in sets else 0
+            for id_ in leaves_in(self.consert, common):
                 yield problem("S007", service.place, service=name, id=shown(id_))
 
     def _implication(self, strong: Guarantee, weak: Guarantee) -> Iterator[Problem]:
@@ -121,9 +125,3 @@ class _StaticChecks:
             rankings = (weak.ranking, strong.ranking)
             if None not in rankings and (weak.ranking or 0) < (strong.ranking or 0):
                 yield problem("S005.dominated", strong.place, **ids)
-
-    def _single_points(self, guarantees: list[Guarantee]) -> list[str]:
-        """Return the leaves without which none of these guarantees is active."""
-        sets = [self.sets[guarantee.id] for guarantee in guarantees]
-        masks = [mask for masks in sets for mask in masks or ()]
-        return leaves_in(self.consert, reduce(and_, masks)) if masks and None not in sets else []

@@ -79,14 +79,7 @@ class Events:
 def read_text(
     text: str, name: str, placed: EddiLines | None = None, rate: float | None = None
 ) -> tuple[Events | None, list[Problem]]:
-    """Read a text of events.
-
-    Args:
-        text: the declarations.
-        name: of the file.
-        placed: where they stand in an EDDI.
-        rate: steps per second without a configuration.
-    """
+    """Read a text of events, perhaps of an EDDI, with their rate without a configuration."""
     analysis, problems = analysed(text, name, placed, None)
     place = placed.place if placed is not None else Place(name, 1, 1)
     problems += [

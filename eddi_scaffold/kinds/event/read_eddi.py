@@ -88,11 +88,6 @@ def _rate(text: str) -> float | None:
 def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[tuple[str, str]]]:
     """Return the map that holds the events of a file.
 
-    Args:
-        name: of the model.
-        events: of the file.
-        place: in the file.
-
     Raises:
         EddiError: a comment is not on a line of its own, or there is a bare expression (X031).
     """
@@ -112,18 +107,12 @@ def as_eddi_map(name: str, events: Events, place: Place) -> tuple[str, Sequence[
         start, end = tokens[first].end, tokens[last - 1].end
         words = re.sub(r"[ \t]*[\r\n]\s*", " ", text[start:end]).strip()
         entries.append((tokens[first].start, tokens[first].keyword, words))
-        _refuse_comments(place.file, text, tokens[first].start, end)
+        line = text.find("\n", end)
+        for at, _ in comments_of(text):  # inside of the declaration, or behind it on its line
+            if tokens[first].start < at < (line if line >= 0 else len(text)):
+                raise EddiError(problem("X031.comment_behind", in_text(text, place.file)(at)))
     for start, end in comments_of(text):
         entries.append((start, COMMENT, text[start + 2 : end].strip()))
     rate = [(FREQUENCY, f"{events.rate:g}")] if events.rate != DEFAULT_RATE else []
     declared = [(tag, value) for _, tag, value in sorted(entries)]
     return EVENTS, [(MODEL, name), *rate, *declared]
-
-
-def _refuse_comments(file: str, text: str, start: int, end: int) -> None:
-    """Refuse a comment inside of a declaration, or behind it on its line."""
-    line = text.find("\n", end)
-    for at, _ in comments_of(text):
-        if start < at < (line if line >= 0 else len(text)):
-            place = in_text(text, file)(at)
-            raise EddiError(problem("X031.comment_behind", place))

@@ -18,16 +18,7 @@ from functools import cache
 from math import fsum, inf
 from typing import NamedTuple
 
-from eddi_scaffold.program.python_text import (
-    WIDTH,
-    Item,
-    Part,
-    assignment,
-    comment,
-    literal,
-    number,
-    tuple_of,
-)
+from eddi_scaffold.program import python_text as py
 
 Arc = tuple[int, int, float]
 Matrix = list[list[float]]
@@ -255,20 +246,22 @@ def chain_table_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
     yield f"    count = {len(chain.states)}"
     if chain.initial:
         yield f"    initial = {chain.initial}"
-    yield from assignment("fail", literal(chain.fail), 4)
+    yield from py.assignment("fail", py.literal(chain.fail), 4)
     if endless:
-        yield from assignment("endless", literal(tuple(endless)), 4)
+        yield from py.assignment("endless", py.literal(tuple(endless)), 4)
     if chain.age:
-        yield f"    age = {number(chain.age)}  # h"
-    yield f"    hours = {number(time.quantum)}  # one quantum"
-    yield f"    horizon = {number(time.horizon / GRID if time.moving else time.horizon)}"
+        yield f"    age = {py.number(chain.age)}  # h"
+    yield f"    hours = {py.number(time.quantum)}  # one quantum"
+    yield f"    horizon = {py.number(time.horizon / GRID if time.moving else time.horizon)}"
     if time.moving:
         yield f"    steps = {GRID}"
     arcs = (
-        Item(literal(arc), behind=comment(f"{chain.states[arc[0]]} to {chain.states[arc[1]]}"))
+        py.Item(
+            py.literal(arc), behind=py.comment(f"{chain.states[arc[0]]} to {chain.states[arc[1]]}")
+        )
         for arc in chain.arcs
     )
-    yield from assignment("arcs", tuple_of(arcs), 4)
+    yield from py.assignment("arcs", py.tuple_of(arcs), 4)
 
 
 def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
@@ -282,32 +275,34 @@ def rows_ahead(chain: Chain, hours: float) -> list[tuple[float, float, float]]:
     return rows
 
 
-def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...]]) -> Part:
+def rows_of_states(chain: Chain, rows: Iterable[tuple[float, ...]]) -> py.Part:
     """Return a row for each state as a tuple, with its name behind it."""
     pairs = zip(rows, chain.states, strict=True)
-    return tuple_of(Item(literal(row), behind=comment(state)) for row, state in pairs)
+    return py.tuple_of(py.Item(py.literal(row), behind=py.comment(state)) for row, state in pairs)
 
 
 def chain_lines(name: str, chain: Chain, time: Time) -> Iterator[str]:
     """Yield the class of a chain with its numbers: one quantum, and what lies ahead."""
     rates, states = rates_of(chain), range(len(chain.states))
     yield f"class {name}(chain.Chain):"
-    yield from assignment("fail", literal(chain.fail), 4)
-    yield from assignment("first", literal(tuple(propagator(rates, chain.age)[chain.initial])), 4)
+    yield from py.assignment("fail", py.literal(chain.fail), 4)
+    yield from py.assignment(
+        "first", py.literal(tuple(propagator(rates, chain.age)[chain.initial])), 4
+    )
     yield "    # Failed and alive at the horizon, mean life in hours."
     ahead = rows_ahead(chain, 0.0 if time.moving else time.horizon)
-    yield from assignment("ahead", rows_of_states(chain, ahead), 4)
+    yield from py.assignment("ahead", rows_of_states(chain, ahead), 4)
     if time.moving:
         grid = map(tuple, propagator(rates, time.horizon / GRID))
         yield f"    # Transitions in one of {GRID} parts of the longest horizon."
-        yield from assignment("grid", rows_of_states(chain, grid), 4)
+        yield from py.assignment("grid", rows_of_states(chain, grid), 4)
         yield f"    steps = {GRID}"
     names = [f"b{i}" for i in states]
     unpacked = f"        {', '.join(names)}{',' if len(names) == 1 else ''} = belief"
     step = propagator(rates, time.quantum)
     yield from ("", "    def quantum(self, belief):", unpacked)
     yield from sums(
-        ([row[state] for row in step], comment(chain.states[state])) for state in states
+        ([row[state] for row in step], py.comment(chain.states[state])) for state in states
     )
     if not time.moving:
         failed, alive, lives = zip(*ahead, strict=True)
@@ -328,17 +323,17 @@ def sums(rows: Iterable[tuple[Sequence[float], str]]) -> Iterator[str]:
     yield "        return ("
     for weights, about in rows:
         parts = [
-            f"b{i}" if weight == 1.0 else f"b{i} * {number(weight)}"
+            f"b{i}" if weight == 1.0 else f"b{i} * {py.number(weight)}"
             for i, weight in enumerate(weights)
             if weight != 0.0
         ] or ["0.0"]
         flat = f"            {' + '.join(parts)},"
         behind = f"  # {about}" if about else ""
-        if len(flat) > WIDTH:
+        if len(flat) > py.WIDTH:
             yield f"            {parts[0]}"
             yield from (f"            + {part}" for part in parts[1:-1])
             yield f"            + {parts[-1]},{behind}"
-        elif len(flat + behind) > WIDTH:
+        elif len(flat + behind) > py.WIDTH:
             yield from (f"            # {about}", flat)
         else:
             yield flat + behind

@@ -51,23 +51,18 @@ def _references(system: ReliabilitySystem) -> Iterator[Problem]:
     names = list(system.components)
     similar = SimilarNames(names, "there are")
     for name, component in system.components.items():
+        tree = component.content
+        events = [*tree.events.values()] if isinstance(tree, FaultTree) else []
         for used in component.below:
             if used not in system.components:
-                place, hint = _place_of_use(component, used), similar.hint(used)
+                users = (event.place for event in events if event.law and event.law.model == used)
+                place, hint = next(users, component.place), similar.hint(used)
                 yield problem("R001.unknown_model", place, hint=hint, model=name, used=used)
     below = {name: component.below for name, component in system.components.items()}
     cycle = order(_ALL, {_ALL: names, **below})[1]
     if cycle:
         place = system.components[cycle[0]].place
         yield problem("R012.models", place, cycle=_shown_cycle(cycle))
-
-
-def _place_of_use(component: ComponentModel, model: str) -> Place:
-    if isinstance(component.content, FaultTree):
-        for event in component.content.events.values():
-            if event.law is not None and event.law.model == model:
-                return event.place
-    return component.place
 
 
 def _shown_cycle(cycle: Sequence[str]) -> str:
@@ -87,7 +82,21 @@ def _contents(system: ReliabilitySystem) -> Iterator[Problem]:
 
 
 def _chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
-    errors = list(_errors_of_chain(name, chain, place))
+    count, initial, errors = len(chain.states), chain.initial, []
+    if len(initial) != 1:
+        actual = f"the initial states {', '.join(initial)}" if initial else "none"
+        errors.append(problem("R007.initial", place, name=name, actual=actual))
+    elif initial[0] in chain.fail:
+        errors.append(problem("R007.starts_failed", place, state=initial[0]))
+    if not chain.fail:
+        errors.append(problem("R007.no_fail_state", place, name=name))
+    if count > MAX_STATES:
+        errors.append(problem("R002.states", place, name=name, states=count, limit=MAX_STATES))
+    for arc in chain.arcs:
+        if arc.rate > _LARGEST_RATE:
+            fields = {"source": arc.source, "target": arc.target, "name": name}
+            fault = problem("R002.rate", arc.place, rate=arc.rate, limit=_LARGEST_RATE, **fields)
+            errors.append(fault)
     yield from errors
     if errors:
         return
@@ -100,29 +109,11 @@ def _chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
     if lost:
         yield problem("R013.unreached", place, name=name, states=_first_few(lost))
     if lowered.initial not in chains.reaching(lowered, lowered.fail):
-        yield problem("R013.cannot_fail", place, name=name, initial=chain.initial[0])
+        yield problem("R013.cannot_fail", place, name=name, initial=initial[0])
     elif lowered.initial not in chains.certain(lowered):
         yield problem("R013.may_stay", place, name=name)
-    count = len(chain.states)
     if count > _LARGE:
         yield problem("R013.large", place, name=name, states=count, size=8e-6 * count**2)
-
-
-def _errors_of_chain(name: str, chain: Chain, place: Place) -> Iterator[Problem]:
-    if len(chain.initial) != 1:
-        actual = f"the initial states {', '.join(chain.initial)}" if chain.initial else "none"
-        yield problem("R007.initial", place, name=name, actual=actual)
-    elif chain.initial[0] in chain.fail:
-        yield problem("R007.starts_failed", place, state=chain.initial[0])
-    if not chain.fail:
-        yield problem("R007.no_fail_state", place, name=name)
-    count = len(chain.states)
-    if count > MAX_STATES:
-        yield problem("R002.states", place, name=name, states=count, limit=MAX_STATES)
-    for arc in chain.arcs:
-        if arc.rate > _LARGEST_RATE:
-            fields = {"source": arc.source, "target": arc.target, "name": name}
-            yield problem("R002.rate", arc.place, rate=arc.rate, limit=_LARGEST_RATE, **fields)
 
 
 def _first_few(names: Sequence[str]) -> str:
@@ -172,31 +163,26 @@ def _gate(tree: FaultTree, gate: Gate, uses: Counter[str]) -> Iterator[Problem]:
         elif number < 2:
             yield problem("R009.one_input", place, gate=name, type=gate.type)
         for key in gate.of:
-            reason = _why_not_in_order(tree, key, uses)
+            event = tree.events.get(key)
+            law = event.law if event else None
+            reasons = {
+                "is a gate": event is None,
+                "is observed": event and event.observed,
+                "is not exponential": law and law.kind != "exponential",
+                "has an age of its own": event and event.age not in (None, tree.age),
+                "occurs elsewhere too": uses[key] > 1,
+            }
+            reason = next((reason for reason, holds in reasons.items() if holds), None)
             if reason:
                 fields = {"gate": name, "type": gate.type, "key": key}
                 yield problem("R009.dynamic", place, reason=reason, **fields)
-
-
-def _why_not_in_order(tree: FaultTree, key: str, uses: Counter[str]) -> str | None:
-    """Return why an input of a dynamic gate cannot be analysed, None where it can."""
-    event = tree.events.get(key)
-    if event is None:
-        return "is a gate"
-    reasons = {
-        "is observed": event.observed,
-        "is not exponential": event.law is not None and event.law.kind != "exponential",
-        "has an age of its own": event.age is not None and event.age != tree.age,
-        "occurs elsewhere too": uses[key] > 1,
-    }
-    return next((reason for reason, holds in reasons.items() if holds), None)
 
 
 def _size_and_cut_sets(component: ComponentModel, tree: FaultTree) -> Iterator[Problem]:
     name, place = component.name, component.place
     lowered = lower_tree(name, tree)
     if tree.approximate and lowered.cut_sets is None:
-        for gate in (tree.gates[key] for key in tree.reached()[0] if key in tree.gates):
+        for gate in tree.used_gates():
             if gate.type in ("NOT", "XOR"):
                 sentence = f"gate {gate.name!r} of tree {name!r} is {gate.type}, so that cut sets"
                 sentence += " do not bound"
@@ -233,11 +219,15 @@ def _shown_sets(sets: Iterable[frozenset[str]]) -> str:
 
 
 def _combination(system: ReliabilitySystem) -> Iterator[Problem]:
-    if system.thresholds:
-        yield from _open_ports(system)
+    used = system.without_unused().components.values()
+    for tree in (component.content for component in used if system.thresholds):
+        # evidence from trees that leave out unconnected ports
+        for gate in tree.used_gates() if isinstance(tree, FaultTree) else ():
+            if not gate.of:
+                yield problem("R005.port", gate.place, gate=gate.name, top=system.top)
     yield from _dependence(system)
     types: dict[str, str] = {MISSION_END: "float"} if system.mission_end else {}
-    for component in system.without_unused().components.values():
+    for component in used:
         alone = ReliabilitySystem({component.name: component}, component.name)
         # a verdict may serve several chains
         shared = "bool" if isinstance(component.content, Chain) else ""
@@ -245,16 +235,6 @@ def _combination(system: ReliabilitySystem) -> Iterator[Problem]:
             if types.get(input_.id, shared) != shared:
                 yield problem("R001.same_input", component.place, input=input_.id)
             types[input_.id] = input_.type
-
-
-def _open_ports(system: ReliabilitySystem) -> Iterator[Problem]:
-    """Refuse evidence from trees that leave out unconnected ports."""
-    for component in system.without_unused().components.values():
-        tree = component.content
-        if isinstance(tree, FaultTree):
-            for gate in (tree.gates[key] for key in tree.reached()[0] if key in tree.gates):
-                if not gate.of:
-                    yield problem("R005.port", gate.place, gate=gate.name, top=system.top)
 
 
 def _dependence(system: ReliabilitySystem) -> Iterator[Problem]:

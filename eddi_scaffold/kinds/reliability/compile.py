@@ -5,54 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from eddi_scaffold.kinds.reliability.chains import (
-    STATES_WRITTEN_OUT,
-    Chain,
-    Time,
-    chain_lines,
-    chain_table_lines,
-    mean_times,
-    order_chain,
-    rows_ahead,
-    rows_of_states,
-)
+from eddi_scaffold.kinds.reliability import chains, lowering
 from eddi_scaffold.kinds.reliability.decision_diagram import FALSE, TRUE, Diagram
-from eddi_scaffold.kinds.reliability.lowering import (
-    Battery,
-    Component,
-    Event,
-    FaultTree,
-    Heat,
-    KOutOfN,
-    LoweredSystem,
-    Markov,
-    Processor,
-    Propulsion,
-    Rule,
-    Series,
-    lower,
-)
 from eddi_scaffold.kinds.reliability.system import DYNAMIC, MISSION_END, ReliabilitySystem
+from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import (
     CompiledMonitor,
     Declaration,
     attribute_of,
     head_lines,
-)
-from eddi_scaffold.program.python_text import (
-    WIDTH,
-    Group,
-    Item,
-    Part,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    returned,
-    text_literal,
-    tuple_of,
 )
 
 FORMAT = 2
@@ -68,9 +30,9 @@ MODULES = (
 def compile_system(
     system: ReliabilitySystem,
     declaration: Declaration,
-    lowered: LoweredSystem | None = None,
+    lowered: lowering.LoweredSystem | None = None,
     *,
-    states: int = STATES_WRITTEN_OUT,
+    states: int = chains.STATES_WRITTEN_OUT,
     nodes: int = NODES_WRITTEN_OUT,
 ) -> CompiledMonitor:
     """Return the compiled monitor of a checked system, or of these models in place of its own.
@@ -78,67 +40,71 @@ def compile_system(
     Sums are written out of chains and diagrams with at most so many states and nodes; with 0 states
     no number is of one horizon.
     """
-    lowered = lowered or lower(system)
-    time = Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
+    lowered = lowered or lowering.lower(system)
+    time = chains.Time(system.quantum / 3600.0, system.horizon, moving=system.mission_end)
     lines: list[str] = []
     models = []
     for place, (name, component) in enumerate(lowered.components.items()):
-        about = comment(f"{type(component).__name__} {name}: {lowered.places[name]}".rstrip(": "))
+        about = py.comment(
+            f"{type(component).__name__} {name}: {lowered.places[name]}".rstrip(": ")
+        )
         classes = _Classes(place, about, time, states, nodes)
         constructor = classes.constructor(component)
         lines += classes.lines
-        models.append(Item(constructor, f"{text_literal(name)}: ", above=about))
+        models.append(py.Item(constructor, f"{py.text_literal(name)}: ", above=about))
     lines += [*_monitor(system, lowered, declaration), "", "    def _models(self):"]
-    lines += returned(Group("{", tuple(models), "}"), 8)
+    lines += py.returned(py.Group("{", tuple(models), "}"), 8)
     return CompiledMonitor(FORMAT, lines, MODULES)
 
 
 def _monitor(
-    system: ReliabilitySystem, lowered: LoweredSystem, declaration: Declaration
+    system: ReliabilitySystem, lowered: lowering.LoweredSystem, declaration: Declaration
 ) -> Iterator[str]:
     owners = {key: lowered.places[name] for key, name in lowered.owners.items()}
     yield from head_lines("reliability.Reliability", declaration, owners)
     inputs = [input_ for input_ in declaration.inputs if input_.id in lowered.rules]
     rules = {input_.id: _rule(lowered.rules[input_.id]) for input_ in inputs}
-    yield from assignment("rules", _map(rules), 4)
-    yield f"    top = {text_literal(system.top)}"
-    yield from assignment("uses", literal(lowered.uses[system.top]), 4)
-    yield f"    horizon = {number(system.horizon)}  # h"
+    yield from py.assignment("rules", _map(rules), 4)
+    yield f"    top = {py.text_literal(system.top)}"
+    yield from py.assignment("uses", py.literal(lowered.uses[system.top]), 4)
+    yield f"    horizon = {py.number(system.horizon)}  # h"
     if system.mission_end:
         yield f"    moving = True  # {MISSION_END}"
     yield f"    quantum_ns = {round(system.quantum * 1e9)}"
     yield f"    max_gap_ns = {round(system.usual_gap * 1e9)}"
     if system.thresholds:
         fields = ((t.id, t.activate, t.release, round(t.hold * 1e9)) for t in system.thresholds)
-        thresholds = (call("reliability.Threshold", map(literal, values)) for values in fields)
-        yield from assignment("thresholds", tuple_of(thresholds), 4)
+        thresholds = (
+            py.call("reliability.Threshold", map(py.literal, values)) for values in fields
+        )
+        yield from py.assignment("thresholds", py.tuple_of(thresholds), 4)
     if system.worst_case:
         yield "    worst_case = True"
     yield from ("", "    def _read(self, source):")
     yield from _values([(input_, lowered.rules[input_.id]) for input_ in inputs])
 
 
-def _rule(rule: Rule) -> Part:
-    usual = Rule(rule.type)._asdict()
-    fields = {key: literal(v) for key, v in rule._asdict().items() if v != usual[key]}
-    return call("reliability.Rule", [text_literal(rule.type)], **fields)
+def _rule(rule: lowering.Rule) -> py.Part:
+    usual = lowering.Rule(rule.type)._asdict()
+    fields = {key: py.literal(v) for key, v in rule._asdict().items() if v != usual[key]}
+    return py.call("reliability.Rule", [py.text_literal(rule.type)], **fields)
 
 
-def _map(entries: dict[str, Part]) -> Group:
-    rows = (Item(part, f"{text_literal(key)}: ") for key, part in entries.items())
-    return Group("{", tuple(rows), "}")
+def _map(entries: dict[str, py.Part]) -> py.Group:
+    rows = (py.Item(part, f"{py.text_literal(key)}: ") for key, part in entries.items())
+    return py.Group("{", tuple(rows), "}")
 
 
-def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
+def _values(inputs: list[tuple[BoundInput, lowering.Rule]]) -> Iterator[str]:
     """Yield the body that reads the inputs and takes usual values as they are."""
     if not inputs:
         yield "        return {}"
         return
     names = [f"v{k}" for k in range(len(inputs))]
-    attributes = tuple_of(attribute_of("source", input_.attribute) for input_, _ in inputs)
+    attributes = py.tuple_of(attribute_of("source", input_.attribute) for input_, _ in inputs)
     yield "        try:"
     unpacked = ", ".join(names) if len(names) > 1 else "(v0,)"
-    yield from assignment(f"raw = {unpacked}", attributes, 12)
+    yield from py.assignment(f"raw = {unpacked}", attributes, 12)
     yield from ("        except Exception:", "            return super()._read(source)")
     usual: list[str] = []
     for name, (input_, rule) in zip(names, inputs, strict=True):
@@ -146,18 +112,18 @@ def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
             usual.append(f"type({name}) is bool")
         elif rule.type == "float" and input_.factor is None:
             usual.append(f"type({name}) is float")
-            usual.append(f"{number(rule.low)} <= {name} <= {number(rule.high)}")
+            usual.append(f"{py.number(rule.low)} <= {name} <= {py.number(rule.high)}")
         else:  # its value always has to be looked at
             yield "        return self._believed(raw)"
             return
     flat = f"        if {' and '.join(usual)}:"
-    if len(flat) <= WIDTH:
+    if len(flat) <= py.WIDTH:
         yield flat
     else:
         yield from ("        if (", f"            {usual[0]}")
         yield from (*(f"            and {term}" for term in usual[1:]), "        ):")
     ids = [input_.id for input_, _ in inputs]
-    yield from returned(_map(dict(zip(ids, names, strict=True))), 12)
+    yield from py.returned(_map(dict(zip(ids, names, strict=True))), 12)
     yield "        return self._believed(raw)"
 
 
@@ -167,72 +133,69 @@ class _Classes:
 
     place: int
     about: str
-    time: Time
+    time: chains.Time
     states: int
     nodes: int
     lines: list[str] = field(default_factory=list)
 
-    def constructor(self, component: Component) -> Part:
-        repair: dict[str, Part] = {"repair": "True"} if getattr(component, "repair", 0) else {}
+    def constructor(self, component: lowering.Component) -> py.Part:
+        repair: dict[str, py.Part] = {"repair": "True"} if getattr(component, "repair", 0) else {}
         match component:
-            case Markov():
-                seen = {"observe": literal(component.observe)} if component.observe else {}
+            case lowering.Markov():
+                seen = {"observe": py.literal(component.observe)} if component.observe else {}
                 chain = self._chain("Chain", component.chain, self.about)
-                return call("observed.MarkovChain", [chain], **seen, **repair)
-            case Propulsion():
-                sets = tuple_of(
-                    Item(literal(failed), behind=str(state))
+                return py.call("observed.MarkovChain", [chain], **seen, **repair)
+            case lowering.Propulsion():
+                sets = py.tuple_of(
+                    py.Item(py.literal(failed), behind=str(state))
                     for state, failed in enumerate(component.sets)
                 )
-                ahead = self._ahead(component.chain)
-                return call("rotors.Propulsion", [ahead, sets, literal(component.inputs)], **repair)
-            case Battery():
-                return self._battery(component, repair)
-            case Processor():
-                load = {} if component.load is None else {"load": literal(component.load)}
-                age = {"age": number(component.age)} if component.age else {}
-                numbers = [number(component.mean), number(component.shape)]
-                return call("processor.Processor", numbers, **_heat(component.heat), **load, **age)
-            case KOutOfN():
-                fields = (component.k, component.rate, component.largest, component.available)
-                return call("units.KOutOfN", map(literal, fields))
-            case Series():
-                return call("series.Series", map(text_literal, component.parts))
-            case FaultTree():
+                if self.time.moving or not self.states:  # the chain finds what lies ahead
+                    ahead: py.Part = self._chain("Chain", component.chain, self.about)
+                else:
+                    rows = chains.rows_ahead(component.chain, self.time.horizon)
+                    ahead = py.call("rotors.Rows", [chains.rows_of_states(component.chain, rows)])
+                return py.call(
+                    "rotors.Propulsion", [ahead, sets, py.literal(component.inputs)], **repair
+                )
+            case lowering.Battery():
+                states, level = component.chain.states, py.text_literal(component.level)
+                arcs = py.tuple_of(
+                    py.Item(py.literal(arc), behind=f"{states[arc[0]]} to {states[arc[1]]}")
+                    for arc in component.chain.arcs
+                )
+                pairs = zip(states, chains.mean_times(component.chain), strict=True)
+                lives = py.tuple_of(py.Item(py.number(life), behind=state) for state, life in pairs)
+                fields: list[py.Part] = [level, arcs, lives, py.number(self.time.horizon)]
+                return py.call("battery.Battery", fields, **repair, **_heat(component.heat))
+            case lowering.Processor():
+                load = {} if component.load is None else {"load": py.literal(component.load)}
+                age = {"age": py.number(component.age)} if component.age else {}
+                numbers = [py.number(component.mean), py.number(component.shape)]
+                return py.call(
+                    "processor.Processor", numbers, **_heat(component.heat), **load, **age
+                )
+            case lowering.KOutOfN():
+                return py.call("units.KOutOfN", map(py.literal, component))
+            case lowering.Series():
+                return py.call("series.Series", map(py.text_literal, component.parts))
+            case lowering.FaultTree():
                 return self._tree(component)
 
-    def _ahead(self, chain: Chain) -> Part:
-        """Return what lies ahead of each state; where the horizon changes, the chain finds it."""
-        if self.time.moving or not self.states:
-            return self._chain("Chain", chain, self.about)
-        rows = rows_ahead(chain, self.time.horizon)
-        return call("rotors.Rows", [rows_of_states(chain, rows)])
-
-    def _chain(self, name: str, chain: Chain, about: str) -> str:
+    def _chain(self, name: str, chain: chains.Chain, about: str) -> str:
         """Write the class of a chain; return the call that constructs one."""
         name = f"{name}{self.place}"
-        write = chain_lines if len(chain.states) <= self.states else chain_table_lines
+        write = chains.chain_lines if len(chain.states) <= self.states else chains.chain_table_lines
         self.lines += [f"# {about}"] if about else []
         self.lines += [*write(name, chain, self.time), "", ""]
         return f"{name}()"
 
-    def _battery(self, battery: Battery, repair: dict[str, Part]) -> Part:
-        states = battery.chain.states
-        arcs = tuple_of(
-            Item(literal(arc), behind=f"{states[arc[0]]} to {states[arc[1]]}")
-            for arc in battery.chain.arcs
-        )
-        pairs = zip(states, mean_times(battery.chain), strict=True)
-        lives = tuple_of(Item(number(life), behind=state) for state, life in pairs)
-        fields: list[Part] = [text_literal(battery.level), arcs, lives, number(self.time.horizon)]
-        return call("battery.Battery", fields, **repair, **_heat(battery.heat))
-
-    def _tree(self, tree: FaultTree) -> Part:
+    def _tree(self, tree: lowering.FaultTree) -> py.Part:
         orders = []
         for i, event in enumerate(tree.events):
             if event.law in DYNAMIC:
-                about = comment(f"{event.law} {event.name}: {event.place}".rstrip(": "))
-                chain = order_chain(event.law, event.values, event.age)
+                about = py.comment(f"{event.law} {event.name}: {event.place}".rstrip(": "))
+                chain = chains.order_chain(event.law, event.values, event.age)
                 orders.append((i, self._chain(f"Order{i}of", chain, about).removesuffix("()")))
         name = f"Tree{self.place}"
         lines = tree_lines(name, tree, orders, self.nodes)
@@ -240,16 +203,16 @@ class _Classes:
         return f"{name}()"
 
 
-def _heat(heat: Heat | None) -> dict[str, Part]:
+def _heat(heat: lowering.Heat | None) -> dict[str, py.Part]:
     if heat is None:
         return {}
-    numbers = map(number, (heat.energy, heat.reference, heat.hottest))
-    law = call("laws.Arrhenius", numbers)
-    return {"heat": law, "temperature": text_literal(heat.temperature)}
+    numbers = map(py.number, (heat.energy, heat.reference, heat.hottest))
+    law = py.call("laws.Arrhenius", numbers)
+    return {"heat": law, "temperature": py.text_literal(heat.temperature)}
 
 
 def tree_lines(
-    name: str, tree: FaultTree, orders: Sequence[tuple[int, str]], limit: int
+    name: str, tree: lowering.FaultTree, orders: Sequence[tuple[int, str]], limit: int
 ) -> Iterator[str]:
     """Yield the class of a tree; sums are written out of up to ``limit`` nodes.
 
@@ -259,27 +222,39 @@ def tree_lines(
     is_written_out = diagram is not None and diagram.size <= limit
     exact = "tree.FaultTree" if is_written_out else "large_tree.LargeTree"
     yield f"class {name}({exact if diagram else 'cut_sets.BoundedTree'}):"
-    yield from assignment("names", tuple_of(text_literal(event.name) for event in events), 4)
+    yield from py.assignment(
+        "names", py.tuple_of(py.text_literal(event.name) for event in events), 4
+    )
     observed = tuple((i, event.input) for i, event in enumerate(events) if event.input is not None)
     models = tuple((i, event.model) for i, event in enumerate(events) if event.law == "model")
     for key, rows in (("observed", observed), ("models", models)):
         if rows:
-            yield from assignment(key, literal(rows), 4)
+            yield from py.assignment(key, py.literal(rows), 4)
     if orders:
-        yield from assignment("orders", tuple_of(tuple_of([str(i), c]) for i, c in orders), 4)
+        yield from py.assignment(
+            "orders", py.tuple_of(py.tuple_of([str(i), c]) for i, c in orders), 4
+        )
     if tree.repair:
         yield "    repair = True"
     if tree.cut_sets is not None:
         yield "    # Minimal cut sets, by the numbers of the events."
-        sets = (literal(tuple(sorted(cut_set))) for cut_set in tree.cut_sets)
-        yield from assignment("sets", tuple_of(sets), 4)
+        sets = (py.literal(tuple(sorted(cut_set))) for cut_set in tree.cut_sets)
+        yield from py.assignment("sets", py.tuple_of(sets), 4)
     elif diagram is not None:
         if not diagram.coherent:
             yield "    grows = False"
         if not is_written_out or (not diagram.coherent and (observed or models)):
             yield "    # Nodes (variable, high, low) of each module, and its root."
-            yield from assignment("modules", literal(table(diagram)), 4)
-    yield from _laws(events)
+            yield from py.assignment("modules", py.literal(table(diagram)), 4)
+    values = [_law(event) for event in events]
+    yield from ("", "    def laws(self, age, horizon):")
+    if any("until" in text for text in values):
+        yield "        until = age + horizon"
+    if any("expm1" in text for text in values):
+        yield "        expm1 = tree.expm1"
+    abouts = [_about(event.name, event.place) for event in events]
+    laws = (py.Item(text, behind=about) for text, about in zip(values, abouts, strict=True))
+    yield from py.returned(py.Group("[", tuple(laws), "]"), 8)
     if diagram is not None and is_written_out:
         for method, of_failure in (("failure", True), ("survival", False)):
             yield from ("", f"    def {method}(self, q):")
@@ -295,41 +270,29 @@ def table(diagram: Diagram) -> tuple[object, ...]:
     )
 
 
-def _laws(events: Sequence[Event]) -> Iterator[str]:
-    values = [_law(event) for event in events]
-    yield from ("", "    def laws(self, age, horizon):")
-    if any("until" in text for text in values):
-        yield "        until = age + horizon"
-    if any("expm1" in text for text in values):
-        yield "        expm1 = tree.expm1"
-    rows = (
-        Item(text, behind=_about(event.name, event.place))
-        for text, event in zip(values, events, strict=True)
-    )
-    yield from returned(Group("[", tuple(rows), "]"), 8)
-
-
-def _law(event: Event) -> str:
-    before = number(event.age)
+def _law(event: lowering.Event) -> str:
+    before = py.number(event.age)
     if event.law == "exponential":
-        rate = number(-event.values[0])
+        rate = py.number(-event.values[0])
         if event.input is not None:
             return f"-expm1({rate} * horizon)"
         return f"-expm1({rate} * {f'({before} + until)' if event.age else 'until'})"
     if event.law == "weibull":
-        scale, shape = map(number, event.values)
+        scale, shape = map(py.number, event.values)
         age = f"{before} + age" if event.age else "age"
         if event.input is None:
             return f"tree.weibull(0.0, {age} + horizon, {scale}, {shape})"
         return f"tree.weibull({age}, horizon, {scale}, {shape})"
-    return number(event.values[0]) if event.law == "fixed" else "0.0"
+    return py.number(event.values[0]) if event.law == "fixed" else "0.0"
 
 
 def _about(name: str, place: str) -> str:
-    return comment(f"{name}: {place}" if place else name)
+    return py.comment(f"{name}: {place}" if place else name)
 
 
-def _sums_of_products(tree: FaultTree, diagram: Diagram, *, of_failure: bool) -> Iterator[str]:
+def _sums_of_products(
+    tree: lowering.FaultTree, diagram: Diagram, *, of_failure: bool
+) -> Iterator[str]:
     """Yield sums of products of what is not negative: nothing cancels, 1e-27 keeps its digits."""
     named = [(event.name, event.place) for event in tree.events]
     named += [
@@ -359,11 +322,11 @@ def _sums_of_products(tree: FaultTree, diagram: Diagram, *, of_failure: bool) ->
                 for weight, branch in ((f"q{variable}", high), (f"w{variable}", low))
                 if value[branch] != "0.0"
             ]
-            about = comment(named[variable][0]) if variable < len(named) else ""
+            about = py.comment(named[variable][0]) if variable < len(named) else ""
             text = " + ".join(products) or "0.0"
-            yield from assignment(value[i + 2], text, 8, about)
+            yield from py.assignment(value[i + 2], text, 8, about)
         gate = _about(*named[module.variable]) if module.variable < len(named) else ""
         if module is last:
-            yield from returned(value[module.root], 8, gate)
+            yield from py.returned(value[module.root], 8, gate)
         else:
-            yield from assignment(f"q{module.variable}", value[module.root], 8, gate)
+            yield from py.assignment(f"q{module.variable}", value[module.root], 8, gate)

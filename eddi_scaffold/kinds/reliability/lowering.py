@@ -227,27 +227,28 @@ def connected(
 
 def _reads(component: Component) -> list[tuple[str, Rule | None]]:
     """Return the inputs of a model with what they may hold, and the models that it uses."""
+    reads: list[tuple[str, Rule | None]] = []
     match component:
         case Markov():
-            return [(input_, _BOOL) for _, input_, _ in component.observe]
+            reads += [(input_, _BOOL) for _, input_, _ in component.observe]
         case Propulsion():
             of_list = Rule("bool[]", length=len(component.inputs))
-            return [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
+            reads += [(id_, _BOOL if at is None else of_list) for id_, at in component.inputs]
         case Battery():
-            heat = [] if component.heat is None else [(component.heat.temperature, _TEMPERATURE)]
-            return [(component.level, _LEVEL), *heat]
+            reads.append((component.level, _LEVEL))
+            reads += [(component.heat.temperature, _TEMPERATURE)] if component.heat else []
         case Processor():
-            load = [] if component.load is None else [(component.load[0], _LOAD)]
-            return [(component.heat.temperature, _TEMPERATURE), *load]
+            reads.append((component.heat.temperature, _TEMPERATURE))
+            reads += [(component.load[0], _LOAD)] if component.load else []
         case KOutOfN():
             most = 10_000.0 if component.largest is None else float(component.largest)
-            return [(component.available, Rule("int", 0.0, most))]
+            reads.append((component.available, Rule("int", 0.0, most)))
         case Series():
-            return [(part, None) for part in component.parts]
-    reads: list[tuple[str, Rule | None]] = []
-    for event in component.events:
-        reads += [(event.model, None)] if event.model else []
-        reads += [(event.input, _BOOL)] if event.input is not None else []
+            reads += [(part, None) for part in component.parts]
+        case FaultTree():
+            for event in component.events:
+                reads += [(event.model, None)] if event.model else []
+                reads += [(event.input, _BOOL)] if event.input is not None else []
     return reads
 
 
@@ -313,8 +314,13 @@ def lower_tree(name: str, tree: TreeModel) -> FaultTree:
             if number[key] == len(events):
                 events.append(event)
     for key in dynamic:
+        gate = tree.gates[key]
         number[key] = len(events)
-        events.append(_dynamic(key, tree))
+        rates = tuple(law.values[0] for below in gate.of if (law := tree.events[below].law))
+        # SAND: independent continuous events never happen at the same instant
+        never = Event(key, "fixed", (0.0,))
+        is_never = gate.type == "SAND"
+        events.append(never if is_never else Event(key, gate.type, rates, age=tree.age))
     gates: list[Gate] = []
     shown: list[Named] = []
     for key in names:
@@ -337,11 +343,3 @@ def _event(name: str, key: str, tree: TreeModel) -> Event:
     seen = input_id(name, key) if event.observed else None
     age = tree.age if event.age is None else event.age
     return Event(event.name, law.kind, law.values, law.model, seen, age, place)
-
-
-def _dynamic(key: str, tree: TreeModel) -> Event:
-    gate = tree.gates[key]
-    if gate.type == "SAND":  # independent continuous events never happen at the same instant
-        return Event(key, "fixed", (0.0,))
-    rates = tuple(law.values[0] for name in gate.of if (law := tree.events[name].law))
-    return Event(key, gate.type, rates, age=tree.age)

@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from eddi_scaffold.common.units import duration, rate
-from eddi_scaffold.kinds.reliability.system import (
-    GATES,
-    Arc,
-    BasicEvent,
-    Chain,
-    FaultTree,
-    Gate,
-    Law,
-    Observation,
-)
+from eddi_scaffold.kinds.reliability import system
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 _NO_INPUTS = ("not", "and", "or", "xor", "implies", "true", "false", "unknown")
 """What an input of ``observe`` cannot be called: it was meant otherwise."""
 
 
-def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
+def read_chain(name: str, entry: Values, before: system.Chain | None) -> system.Chain:
     """Read a chain; of that of an EDDI, ``before``, only what follows its arcs may change."""
     errors = entry.errors
     keys = ("type", "model", "states", "initial", "fail", "arcs", "observe", "repair", "age")
@@ -37,9 +27,9 @@ def read_chain(name: str, entry: Values, before: Chain | None) -> Chain:
     return chain if age is None else replace(chain, age=age)
 
 
-def _chain(entry: Values, errors: int) -> Chain:
+def _chain(entry: Values, errors: int) -> system.Chain:
     """Read a chain of an entry that had so many errors before anything of it was looked at."""
-    arcs: list[Arc] = []
+    arcs: list[system.Arc] = []
     for map_ in entry.maps("arcs"):
         map_.only("from", "to", "rate")
         source, target = map_.text("from", required=True), map_.text("to", required=True)
@@ -49,14 +39,14 @@ def _chain(entry: Values, errors: int) -> Chain:
         if source == target:
             map_.report("X020.arc_itself", source=source)
         else:
-            arcs.append(Arc(source, target, value, map_.place()))
+            arcs.append(system.Arc(source, target, value, map_.place()))
     named = [name for arc in arcs for name in (arc.source, arc.target)]
     states = entry.texts("states") or tuple(dict.fromkeys(named))
     for i, arc in enumerate(arcs):
         for key, state in (("from", arc.source), ("to", arc.target)):
             if state not in states:
                 entry.report("R001.state", "arcs", i, key, key=key, state=state)
-    chain = Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
+    chain = system.Chain(states, entry.texts("initial"), entry.texts("fail"), tuple(arcs))
     if entry.errors == errors or entry.has("states"):
         for key, names in (("initial", chain.initial), ("fail", chain.fail)):
             for state in names:
@@ -67,11 +57,11 @@ def _chain(entry: Values, errors: int) -> Chain:
     return chain
 
 
-def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
+def _observe(name: str, entry: Values, chain: system.Chain) -> tuple[system.Observation, ...]:
     observe, errors = entry.map("observe"), entry.errors
     if observe is None:
         return ()
-    observations: list[Observation] = []
+    observations: list[system.Observation] = []
     for state in map(str, observe.data):
         text = observe.text(state)
         if state not in chain.states:
@@ -82,7 +72,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
             if (words and not is_negated) or input_.casefold() in ("", *_NO_INPUTS):
                 observe.report("R002.input", state, value=text)
             else:
-                observations.append(Observation(state, input_, is_negated))
+                observations.append(system.Observation(state, input_, is_negated))
     seen = {observation.state for observation in observations}
     unseen = [state for state in chain.fail if state not in seen]
     if observations and unseen and entry.errors == errors:
@@ -93,7 +83,7 @@ def _observe(name: str, entry: Values, chain: Chain) -> tuple[Observation, ...]:
     return tuple(observations)
 
 
-def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree | None:
+def read_tree(name: str, entry: Values, before: system.FaultTree | None) -> system.FaultTree | None:
     """Read a tree; of that of an EDDI, ``before``, its events and what follows may change."""
     errors = entry.errors
     keys = ("type", "model", "top", "gates", "events", "repair", "node_limit", "approximation")
@@ -108,12 +98,25 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
             events[id_] = _event(id_, map_, events.get(id_))
     if not has_own_keys:
         return before  # gates or events may be missing only because their key is misspelt
-    top = before.top if before else entry.text("top") or _only_top(name, entry, gates)
+    top = before.top if before else entry.text("top")
     if top is None:
-        return None
+        used = {below for gate in gates.values() for below in gate.of}
+        tops = [gate for gate in gates if gate not in used]
+        if len(tops) != 1:
+            shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
+            entry.report("R012.top", name=name, tops=shown)
+            return None
+        (top,) = tops
     if not before:
-        _report_undefined(entry, gates, events, top)
-    tree = before or FaultTree(top, events, gates)
+        if top not in gates and top not in events:
+            entry.unknown("gate", top, [*gates, *events], "top")
+        for gate in gates.values():
+            for i, below in enumerate(gate.of):
+                if below not in gates and below not in events:
+                    entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
+        for both in sorted(set(gates) & set(events)):
+            entry.report("R001.gate_and_event", "events", both, KEY, name=both)
+    tree = before or system.FaultTree(top, events, gates)
     age = entry.quantity("age", duration)
     limit = entry.whole("node_limit", 1, 10_000_000)
     approximation = entry.choice("approximation", ("cut_sets",))
@@ -128,44 +131,21 @@ def read_tree(name: str, entry: Values, before: FaultTree | None) -> FaultTree |
     )
 
 
-def _gates(entry: Values) -> dict[str, Gate]:
-    gates: dict[str, Gate] = {}
+def _gates(entry: Values) -> dict[str, system.Gate]:
+    gates: dict[str, system.Gate] = {}
     for name, map_ in entry.entries("gates"):
         map_.only("type", "of", "k")
         kind = (map_.text("type") or "OR").upper()
-        if kind not in GATES:
-            map_.unknown("type of gate", kind, GATES, "type")
+        if kind not in system.GATES:
+            map_.unknown("type of gate", kind, system.GATES, "type")
         k = map_.whole("k", -(10**9), 10**9)
-        gates[name] = Gate(name, kind, map_.texts("of"), k, map_.place())
+        gates[name] = system.Gate(name, kind, map_.texts("of"), k, map_.place())
     return gates
 
 
-def _only_top(name: str, entry: Values, gates: Mapping[str, Gate]) -> str | None:
-    used = {below for gate in gates.values() for below in gate.of}
-    tops = [gate for gate in gates if gate not in used]
-    if len(tops) == 1:
-        return tops[0]
-    shown = f"several tops: {', '.join(tops)}" if tops else "no gate that no other one uses"
-    entry.report("R012.top", name=name, tops=shown)
-    return None
-
-
-def _report_undefined(
-    entry: Values, gates: Mapping[str, Gate], events: Mapping[str, BasicEvent], top: str
-) -> None:
-    if top not in gates and top not in events:
-        entry.unknown("gate", top, [*gates, *events], "top")
-    for gate in gates.values():
-        for i, below in enumerate(gate.of):
-            if below not in gates and below not in events:
-                entry.report("R001.unknown_part", "gates", gate.name, "of", i, part=below)
-    for name in sorted(set(gates) & set(events)):
-        entry.report("R001.gate_and_event", "events", name, KEY, name=name)
-
-
-def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
+def _event(name: str, entry: Values, before: system.BasicEvent | None) -> system.BasicEvent:
     entry.only("rate", "scale", "shape", "p", "model", "observed", "age")
-    event = before or BasicEvent(name, None, place=entry.place())
+    event = before or system.BasicEvent(name, None, place=entry.place())
     value = entry.quantity("rate", rate)
     scale = entry.quantity("scale", duration, positive=True)
     shape = entry.number("shape", 1e-6, 1e6, default=1.0)
@@ -176,13 +156,13 @@ def _event(name: str, entry: Values, before: BasicEvent | None) -> BasicEvent:
         entry.report("R002.several", laws[1], name=name, listed=" and ".join(laws))
     law = event.law
     if value is not None:
-        law = Law("exponential", (value,))
+        law = system.Law("exponential", (value,))
     elif scale is not None and shape is not None:
-        law = Law("weibull", (scale, shape))
+        law = system.Law("weibull", (scale, shape))
     elif p is not None:
-        law = Law("fixed", (p,))
+        law = system.Law("fixed", (p,))
     elif model is not None:
-        law = Law("model", model=model)
+        law = system.Law("model", model=model)
     observed = entry.boolean("observed") if entry.has("observed") else event.observed
     age = entry.quantity("age", duration)
     if age is not None and law is not None and law.kind in ("fixed", "model"):

@@ -12,19 +12,8 @@ from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiDocument, EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES, Spelling, fold
+from eddi_scaffold.kinds.reliability import system
 from eddi_scaffold.kinds.reliability.read_eddi_laws import CommonCauses, Laws
-from eddi_scaffold.kinds.reliability.system import (
-    GATES,
-    Arc,
-    BasicEvent,
-    Chain,
-    ComponentModel,
-    FaultTree,
-    Gate,
-    Law,
-    ReliabilitySystem,
-    order,
-)
 
 _EVENTS = ("basicevent", "normalevent")
 _CAUSE_TYPES = ("InputEvent", "OutputEvent", "BasicEvent", "NormalEvent", "Gate")
@@ -34,7 +23,7 @@ _K = ("k", "voteThreshold", "vote", "n")
 
 def read_eddi(
     document: EddiDocument, source: Source
-) -> tuple[list[ReliabilitySystem], list[Problem]]:
+) -> tuple[list[system.ReliabilitySystem], list[Problem]]:
     """Return a system for every chain and every top event of a document, in its order."""
     findings = EddiFindings(document)
     systems = _Reader(document, source, findings).systems()
@@ -48,44 +37,52 @@ class _Reader:
         self.document, self.source, self.findings = document, source, findings
         self.laws, self.common_causes = Laws(findings), CommonCauses(findings)
         self.names: dict[Element, str] = {}  # of chains and trees
-        self.chains: dict[str, ComponentModel] = {}  # also those of which only a state counts
+        self.chains: dict[
+            str, system.ComponentModel
+        ] = {}  # also those of which only a state counts
         self.states: dict[Element, tuple[str, str]] = {}  # state -> its chain, its name there
         self.states_of: dict[Element, list[Element]] = {}  # failure -> the states that are it
         self.tree_of: dict[Element, Element] = {}  # cause -> its tree
         self.below: dict[Element, list[Element]] = {}  # cause -> those that it refers to
 
-    def systems(self) -> list[ReliabilitySystem]:
+    def systems(self) -> list[system.ReliabilitySystem]:
         elements = [e for root in self.document.roots for e in select(root, CHAINS_AND_TREES)]
         for element in elements:
             kind = self.document.kind_of(element)
             if kind in ("markov_chain", "fault_tree"):
-                self.names[element] = self._unique_name(element)
+                name = unique = self.name_of(element, self.source.stem)
+                numbers = count(2)
+                while unique in self.names.values():
+                    unique = f"{name}#{next(numbers)}"
+                if unique != name:
+                    self.findings.report("R013.same_name", element, name=name)
+                self.names[element] = unique
             if kind == "markov_chain":
                 self._read_chain(element, self.names[element])
             elif kind == "fault_tree":
                 causes = self.document.children(element, word.CAUSES)
                 self.tree_of.update(dict.fromkeys(causes, element))
             elif kind == "state_machine":
-                self._warn_of_machine(element)
+                transitions = self.document.children(element, word.TRANSITIONS)
+                rates = [t for t in transitions if self.document.has_rate(t)]
+                if rates:  # it is no chain by its rates alone
+                    machine, number = self.document.describe(element), len(transitions)
+                    self.findings.report(
+                        "X014.no_chain", rates[0], machine=machine, rates=len(rates), number=number
+                    )
+                self._warn_of_unused(element)
         self.below = {cause: self.targets_of(cause, word.CAUSES) for cause in self.tree_of}
         used = {b for cause, below in self.below.items() for b in below if b is not cause}
-        systems: list[ReliabilitySystem] = []
+        systems: list[system.ReliabilitySystem] = []
         for element, name in self.names.items():
             if name in self.chains:
                 place = self.document.place(element)
-                systems.append(ReliabilitySystem({name: self.chains[name]}, name, place=place))
+                systems.append(
+                    system.ReliabilitySystem({name: self.chains[name]}, name, place=place)
+                )
             else:
                 systems += self._systems_of_tree(element, name, used)
         return systems
-
-    def _unique_name(self, element: Element) -> str:
-        name = self.document.attribute(element, word.NAME) or self.source.stem
-        taken = set(self.names.values())
-        numbered = (f"{name}#{number}" for number in count(2))
-        if name in taken:
-            self.findings.report("R013.same_name", element, name=name)
-            return next(other for other in numbered if other not in taken)
-        return name
 
     def targets_of(self, element: Element, spelling: Spelling) -> list[Element]:
         elements, problems, _ = self.document.targets(element, spelling)
@@ -123,9 +120,9 @@ class _Reader:
             initial += [label] if self._is(state, word.IS_INITIAL) else []
         self._warn_of_unused(element)
         starts, fails = tuple(initial), tuple(fail or fail_by_failures)
-        chain = Chain(tuple(states.values()), starts, fails, tuple(arcs))
+        chain = system.Chain(tuple(states.values()), starts, fails, tuple(arcs))
         place = self.document.place(element)
-        self.chains[name] = ComponentModel(name, "markov", chain, place=place)
+        self.chains[name] = system.ComponentModel(name, "markov", chain, place=place)
 
     def _warn_of_unused(self, machine: Element) -> None:
         """Warn of what would change the probabilities of a chain, and is not used."""
@@ -136,18 +133,7 @@ class _Reader:
             for child in self.document.children(parent, feature):
                 self.findings.count("X014.of_machine", child, machine=subject, feature=feature.name)
 
-    def _warn_of_machine(self, element: Element) -> None:
-        """Warn of a state machine that is none by its rates alone."""
-        transitions = self.document.children(element, word.TRANSITIONS)
-        rates = [transition for transition in transitions if self.document.has_rate(transition)]
-        if rates:
-            machine, number = self.document.describe(element), len(transitions)
-            self.findings.report(
-                "X014.no_chain", rates[0], machine=machine, rates=len(rates), number=number
-            )
-        self._warn_of_unused(element)
-
-    def _arcs(self, transition: Element, states: Mapping[Element, str]) -> Iterator[Arc]:
+    def _arcs(self, transition: Element, states: Mapping[Element, str]) -> Iterator[system.Arc]:
         sources = self.targets_of(transition, word.FROM_STATES)
         targets = self.targets_of(transition, word.TO_STATES)
         subject = self.document.describe(transition)
@@ -165,13 +151,13 @@ class _Reader:
                 self.findings.report("X020.itself", transition, subject=subject, state=state)
             elif rate is not None:
                 place = self.document.place(transition)
-                yield Arc(states[source], states[target], rate, place)
+                yield system.Arc(states[source], states[target], rate, place)
 
     def chain_with(self, states: Sequence[Element]) -> str:
         """Return the chain that fails in these of its states: the chain itself, or another one."""
         name = self.states[states[0]][0]
         component, labels = self.chains[name], [self.states[state][1] for state in states]
-        assert isinstance(component.content, Chain)
+        assert isinstance(component.content, system.Chain)
         fail = tuple(state for state in component.content.states if state in labels)
         if fail == component.content.fail:
             return name
@@ -180,16 +166,9 @@ class _Reader:
         self.chains[variant] = replace(component, name=variant, content=content)
         return variant
 
-    def chain_of(self, failure: Element) -> str | None:
-        states = self.states_of.get(failure, [])
-        if len({self.states[state][0] for state in states}) > 1:
-            subject = self.document.describe(failure)
-            self.findings.report("X011.several_chains", failure, failure=subject)
-        return self.chain_with(states) if states else None
-
     def _systems_of_tree(
         self, tree: Element, name: str, used: set[Element]
-    ) -> Iterator[ReliabilitySystem]:
+    ) -> Iterator[system.ReliabilitySystem]:
         causes = self.document.children(tree, word.CAUSES)
         free = [cause for cause in causes if cause not in used]
         stated, problems, is_stated = self.document.targets(tree, word.TOP_EVENT)
@@ -198,22 +177,22 @@ class _Reader:
             if not problems:
                 self.findings.report("X009.top_event", tree, tree=self.document.describe(tree))
             return
-        tops = stated or [cause for cause in free if self._is_output(cause)]
+        outputs = []
+        for cause in free:
+            failures = self.failures_of(cause, word.FAILURE)
+            origins = (self.document.attribute(f, word.ORIGIN_TYPE) or "" for f in failures)
+            outputs += [cause] if "output" in map(fold, origins) else []
+        tops = stated or outputs
         tops = tops or [cause for cause in free if self.is_gate(cause)]
-        if not tops and not free and any(order(cause, self.below)[1] for cause in causes):
+        if not tops and not free and any(system.order(cause, self.below)[1] for cause in causes):
             tops = causes[:1]  # check names the cycle
         for top in tops:
             full = name if len(tops) == 1 else f"{name}/{self.name_of(top, 'top0')}"
             content = _TreeReader(self, tree, top).tree()
             place = self.document.place(tree if len(tops) == 1 else top)
-            component = ComponentModel(full, "fault_tree", content, place=place)
+            component = system.ComponentModel(full, "fault_tree", content, place=place)
             chains = {use: self.chains[use] for use in component.below}
-            yield ReliabilitySystem({**chains, full: component}, full, place=place)
-
-    def _is_output(self, cause: Element) -> bool:
-        failures = self.failures_of(cause, word.FAILURE)
-        origins = (self.document.attribute(f, word.ORIGIN_TYPE) or "" for f in failures)
-        return "output" in map(fold, origins)
+            yield system.ReliabilitySystem({**chains, full: component}, full, place=place)
 
     def is_gate(self, cause: Element) -> bool:
         return self.document.class_of(cause).name == "gate"
@@ -226,11 +205,11 @@ class _TreeReader:
         self.reader, self.element, self.top = reader, element, top
         self.document, self.findings = reader.document, reader.findings
         self.ids: dict[Element, str] = {}
-        self.events: dict[str, BasicEvent] = {}
-        self.gates: dict[str, Gate] = {}
+        self.events: dict[str, system.BasicEvent] = {}
+        self.gates: dict[str, system.Gate] = {}
         self.failures: dict[Element, list[str]] = {}  # failure -> its events
 
-    def tree(self) -> FaultTree:
+    def tree(self) -> system.FaultTree:
         reached: dict[Element, None] = {}
         waiting = [self.top]
         while waiting:
@@ -258,10 +237,15 @@ class _TreeReader:
             else:
                 self.events[id_] = self._event(cause, id_)
         top = self._join_common_causes().get(self.ids[self.top], self.ids[self.top])
-        self._check_independence()
-        return FaultTree(top, self.events, self.gates, cut_sets=self._cut_sets())
+        laws, first = [event.law for event in self.events.values()], dict[Place, str]()
+        for name in dict.fromkeys(law.model for law in laws if law and law.model):
+            other = first.setdefault(self.reader.chains[name].place, name)
+            if other != name:  # two states of one chain are not independent
+                fields = {"subject": self.document.describe(self.element), "first": other}
+                self.findings.report("R009.one_chain", self.element, **fields, second=name)
+        return system.FaultTree(top, self.events, self.gates, cut_sets=self._cut_sets())
 
-    def _gate(self, cause: Element, id_: str) -> Gate:
+    def _gate(self, cause: Element, id_: str) -> system.Gate:
         below = []
         for target in self.reader.below.get(cause, []):
             if target in self.ids:
@@ -272,13 +256,13 @@ class _TreeReader:
         stated = (self.document.attribute(cause, word.TREE_GATE_TYPE) or "OR").strip()
         is_port = stated.upper() in ("INPUTEVENT", "OUTPUTEVENT")
         is_port = is_port or not (below or self.reader.is_gate(cause))
-        kind = stated.upper() if stated.upper() in GATES else "OR"
+        kind = stated.upper() if stated.upper() in system.GATES else "OR"
         if kind != stated.upper() and not is_port:
             self.findings.report("X011.gate_type", cause, subject=subject, value=stated)
         if is_port and not below:
             self.findings.count("X014.no_input", cause, subject=subject)
         k = self._votes(cause) if kind == "VOTE" else None
-        return Gate(id_, kind, tuple(below), k, self.document.place(cause), is_port)
+        return system.Gate(id_, kind, tuple(below), k, self.document.place(cause), is_port)
 
     def _votes(self, cause: Element) -> int | None:
         texts = {key: text for key in _K if (text := self.reader.laws.key_value(cause, key))}
@@ -289,7 +273,7 @@ class _TreeReader:
         text = next(iter(texts.values()), "")
         return int(text) if text.isdecimal() and len(text) < 10 else None
 
-    def _event(self, cause: Element, id_: str) -> BasicEvent:
+    def _event(self, cause: Element, id_: str) -> system.BasicEvent:
         place, subject = self.document.place(cause), self.document.describe(cause)
         failures = self.reader.failures_of(cause, word.FAILURE)
         if len(failures) > 1:
@@ -299,17 +283,25 @@ class _TreeReader:
         if others or len(states) > 1:
             state = self.document.describe([*others, *states][0])
             self.findings.report("X009.state_of_chain", cause, cause=subject, subject=state)
-            return BasicEvent(id_, None, place=place)
+            return system.BasicEvent(id_, None, place=place)
         failure = failures[0] if failures else None if states else self._failure_of_name(cause)
         chain = self.reader.chain_with(states) if states else None
         if failure is None:
-            return BasicEvent(id_, Law("model", model=chain) if chain else None, place=place)
+            return system.BasicEvent(
+                id_, system.Law("model", model=chain) if chain else None, place=place
+            )
         self.failures.setdefault(failure, []).append(id_)
         self.reader.common_causes.warn_alone(failure, f"event {id_!r}")
-        return BasicEvent(id_, self._law(failure, id_, chain), place=place)
+        return system.BasicEvent(id_, self._law(failure, id_, chain), place=place)
 
-    def _law(self, failure: Element, id_: str, chain: str | None = None) -> Law | None:
-        return self.reader.laws.of_failure(failure, id_, chain or self.reader.chain_of(failure))
+    def _law(self, failure: Element, id_: str, chain: str | None = None) -> system.Law | None:
+        states = self.reader.states_of.get(failure, [])
+        if chain is None and states:
+            if len({self.reader.states[state][0] for state in states}) > 1:
+                subject = self.document.describe(failure)
+                self.findings.report("X011.several_chains", failure, failure=subject)
+            chain = self.reader.chain_with(states)
+        return self.reader.laws.of_failure(failure, id_, chain)
 
     def _failure_of_name(self, cause: Element) -> Element | None:
         name = self.document.attribute(cause, word.NAME)
@@ -329,9 +321,15 @@ class _TreeReader:
         for failure, ids in list(self.failures.items()):
             for cause in self.reader.common_causes.of(failure):
                 members.setdefault(cause, []).extend(ids)
-                common = self._event_of_common_cause(cause)
+                if cause not in self.failures:  # it may be an event of the tree already
+                    name = self.reader.name_of(cause, "common cause0")
+                    while name in self.events or name in self.gates:
+                        name += "'"
+                    place = self.document.place(cause)
+                    self.events[name] = system.BasicEvent(name, self._law(cause, name), place=place)
+                    self.failures[cause] = [name]
                 for id_ in ids:
-                    shared.setdefault(id_, []).append(common)
+                    shared.setdefault(id_, []).append(self.failures[cause][0])
         for cause, ids in members.items():
             subject = self.document.describe(cause)
             self.findings.report("R013.common_cause", cause, cause=subject, events=", ".join(ids))
@@ -346,29 +344,8 @@ class _TreeReader:
             self.gates[key] = replace(gate, of=of)
         for id_, name in instead.items():
             place = self.events[id_].place
-            self.gates[name] = Gate(name, "OR", (id_, *shared[id_]), place=place)
+            self.gates[name] = system.Gate(name, "OR", (id_, *shared[id_]), place=place)
         return instead
-
-    def _event_of_common_cause(self, failure: Element) -> str:
-        """Return the event that is a common cause, which may be one of the tree already."""
-        if failure not in self.failures:
-            name = self.reader.name_of(failure, "common cause0")
-            while name in self.events or name in self.gates:
-                name += "'"
-            place = self.document.place(failure)
-            self.events[name] = BasicEvent(name, self._law(failure, name), place=place)
-            self.failures[failure] = [name]
-        return self.failures[failure][0]
-
-    def _check_independence(self) -> None:
-        """Refuse two states of one chain in a tree, which are not independent."""
-        laws = [event.law for event in self.events.values()]
-        first: dict[Place, str] = {}
-        for name in dict.fromkeys(law.model for law in laws if law and law.model):
-            other = first.setdefault(self.reader.chains[name].place, name)
-            if other != name:
-                fields = {"subject": self.document.describe(self.element), "first": other}
-                self.findings.report("R009.one_chain", self.element, **fields, second=name)
 
     def _cut_sets(self) -> frozenset[frozenset[str]] | None:
         """Return the cut sets that the file states for the top; None: they cannot be compared."""

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from eddi_scaffold.common.units import (
-    Quantity,
-    QuantityError,
-    duration,
-    is_time_unit,
-    number,
-    rate,
-    rate_factor,
-)
+from eddi_scaffold.common import units
 from eddi_scaffold.eddi_xml import vocabulary as word
 from eddi_scaffold.eddi_xml.document import EddiFindings
 from eddi_scaffold.eddi_xml.parsing import Element, only, select
@@ -86,7 +78,7 @@ class Laws:
                     self.findings.report("X014.rate", distribution, subject=subject, rate=name)
                 return self._distribution(distribution, subject)
             return Law("exponential", (self._rate(element, text, subject),)) if text else None
-        except QuantityError as fault:
+        except units.QuantityError as fault:
             case = case_of(fault)
             self.findings.report(case, element, hint=fault.hint, subject=subject, reason=fault)
             return None
@@ -104,17 +96,17 @@ class Laws:
         }
         match kind.casefold():
             case "fit" | "constant" if "value" in texts:
-                return Law("exponential", (rate(texts["value"], "FIT").value,))
+                return Law("exponential", (units.rate(texts["value"], "FIT").value,))
             case "fixed" | "constant" if "p" in texts:
-                return Law("fixed", (number(texts["p"], 0.0, 1.0),))
+                return Law("fixed", (units.number(texts["p"], 0.0, 1.0),))
             case "exponential" if texts.get("lambda"):
                 return Law("exponential", (self._rate(element, texts["lambda"], subject),))
             case "weibull" if (scale := texts.get("scale")) and (shape := texts.get("shape")):
-                hours = duration(scale, self._unit(element, of_rate=False))
+                hours = units.duration(scale, self._unit(element, of_rate=False))
                 self._warn_of_unit(hours, element, subject, "h")
                 if hours.value <= 0.0:
-                    raise QuantityError(f"the scale {scale!r} is not above 0")
-                return Law("weibull", (hours.value, number(shape, 1e-6, 1e6)))
+                    raise units.QuantityError(f"the scale {scale!r} is not above 0")
+                return Law("weibull", (hours.value, units.number(shape, 1e-6, 1e6)))
         laws = ", ".join(f"{name}={text}" for name, text in texts.items())
         self.findings.report(
             "X014.distribution", element, subject=subject, distribution=kind, laws=laws
@@ -122,11 +114,13 @@ class Laws:
         return None
 
     def _rate(self, element: Element, text: str, subject: str) -> float:
-        value = rate(text, self._unit(element, of_rate=True))
+        value = units.rate(text, self._unit(element, of_rate=True))
         self._warn_of_unit(value, element, subject, "1/h")
         return value.value
 
-    def _warn_of_unit(self, value: Quantity, element: Element, subject: str, unit: str) -> None:
+    def _warn_of_unit(
+        self, value: units.Quantity, element: Element, subject: str, unit: str
+    ) -> None:
         if not value.has_unit:
             self.findings.report(
                 "R004.no_unit_in_eddi", element, subject=subject, value=value.value, unit=unit
@@ -138,8 +132,8 @@ class Laws:
         while node is not None:
             unit = self.key_value(node, "unit")
             if unit:
-                is_of_rate = rate_factor(unit) is not None
-                if is_of_rate == of_rate or not (is_of_rate or is_time_unit(unit)):
+                is_of_rate = units.rate_factor(unit) is not None
+                if is_of_rate == of_rate or not (is_of_rate or units.is_time_unit(unit)):
                     return unit  # an unknown unit is reported
             time = self.key_value(node, "timeUnit")
             if time:

@@ -9,15 +9,7 @@ from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, SimilarNames, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, select
-from eddi_scaffold.kinds.reliability.system import (
-    BasicEvent,
-    ComponentModel,
-    FaultTree,
-    Gate,
-    Law,
-    ReliabilitySystem,
-    order,
-)
+from eddi_scaffold.kinds.reliability import system
 
 _CONNECTIVES = {"and": "AND", "or": "OR", "xor": "XOR", "not": "NOT", "atleast": "VOTE"}
 _NEGATED = {"nand": "AND", "nor": "OR", "iff": "XOR"}
@@ -66,7 +58,7 @@ class _Definition(NamedTuple):
 
 def read_open_psa(
     root: Element, file: str, stem: str
-) -> tuple[list[ReliabilitySystem], list[Problem]]:
+) -> tuple[list[system.ReliabilitySystem], list[Problem]]:
     """Read every top event of a parsed file: one system for each gate that no other one uses."""
     reader = _Reader(file, stem)
     reader.declare(root, (), private=False)
@@ -117,8 +109,8 @@ class _Reader:
         self.values: dict[Element, float] = {}
         self.problems: list[Problem] = []
         self.doubts: dict[str, Problem] = {}
-        self.gates: dict[str, Gate] = {}
-        self.events: dict[str, BasicEvent] = {}
+        self.gates: dict[str, system.Gate] = {}
+        self.events: dict[str, system.BasicEvent] = {}
 
     def _place(self, element: Element) -> Place:
         return Place(self.file, line_of(element))
@@ -171,7 +163,7 @@ class _Reader:
                     self._formula(key, formulas[0], path, 0)
                 else:
                     law = self._law(element, path, key)
-                    self.events[key] = BasicEvent(key, law, place=self._place(element))
+                    self.events[key] = system.BasicEvent(key, law, place=self._place(element))
             except EddiError as fault:
                 self.problems += [p for p in fault.problems if is_complete or p.code != "R001"]
 
@@ -183,7 +175,7 @@ class _Reader:
         if depth > _DEEPEST:
             raise self._fault("R017.depth", element)
         if kind in _REFERENCES:
-            self.gates[key] = Gate(key, "OR", (self._reference(element, path),), place=place)
+            self.gates[key] = system.Gate(key, "OR", (self._reference(element, path),), place=place)
             return
         if kind not in {*_CONNECTIVES, *_NEGATED, "imply"}:
             raise self._fault("R017.formula", element, type=kind)
@@ -195,22 +187,22 @@ class _Reader:
                 below.append(f"{key} {number}")
                 self._formula(below[-1], part, path, depth + 1)
         if kind == "imply" and below:
-            self.gates[f"{key} not"] = Gate(f"{key} not", "NOT", (below[0],), place=place)
+            self.gates[f"{key} not"] = system.Gate(f"{key} not", "NOT", (below[0],), place=place)
             below[0] = f"{key} not"
         if kind in _NEGATED:
-            self.gates[key] = Gate(key, "NOT", (f"{key} not",), place=place)
+            self.gates[key] = system.Gate(key, "NOT", (f"{key} not",), place=place)
             key = f"{key} not"
         type_ = _CONNECTIVES.get(kind) or _NEGATED.get(kind) or "OR"
         least = (element.get("min") or "").strip()
         k = int(least) if type_ == "VOTE" and least.isdecimal() and len(least) < 10 else None
-        self.gates[key] = Gate(key, type_, tuple(below), k, place)
+        self.gates[key] = system.Gate(key, type_, tuple(below), k, place)
 
     def _reference(self, element: Element, path: _Path) -> str:
         if feature_of(element) == "constant":
             is_true = element.get("value") == "true"
             constant = f"constant {str(is_true).lower()}"
-            law, place = Law("fixed", (float(is_true),)), self._place(element)
-            self.events.setdefault(constant, BasicEvent(constant, law, place=place))
+            law, place = system.Law("fixed", (float(is_true),)), self._place(element)
+            self.events.setdefault(constant, system.BasicEvent(constant, law, place=place))
             return constant
         name = (element.get("name") or "").strip()
         key = self.names.find(name, path)
@@ -219,7 +211,7 @@ class _Reader:
             raise self._fault("R001.unknown_gate", element, hint=hint, name=name)
         return key
 
-    def systems(self) -> Iterator[ReliabilitySystem]:
+    def systems(self) -> Iterator[system.ReliabilitySystem]:
         used = {below for gate in self.gates.values() for below in gate.of}
         tops: dict[str, list[str]] = {}
         for key, (_, path) in self.names.defined.items():
@@ -232,82 +224,50 @@ class _Reader:
         for tree, keys in tops.items():
             for top in keys:
                 name = tree if len(keys) == 1 else f"{tree}/{top}"
-                reached, cycle = order(top, below)
+                reached, cycle = system.order(top, below)
                 ids = [*self.gates, *self.events] if cycle else reached[::-1]
                 gates = {id_: self.gates[id_] for id_ in ids if id_ in self.gates}
                 events = {id_: self.events[id_] for id_ in ids if id_ in self.events}
-                content, place = FaultTree(top, events, gates), self.gates[top].place
-                component = ComponentModel(name, "fault_tree", content, place=place)
-                yield ReliabilitySystem({name: component}, name, place=place)
+                content, place = system.FaultTree(top, events, gates), self.gates[top].place
+                component = system.ComponentModel(name, "fault_tree", content, place=place)
+                yield system.ReliabilitySystem({name: component}, name, place=place)
 
     # numbers
 
-    def _law(self, element: Element, path: _Path, name: str) -> Law | None:
+    def _law(self, element: Element, path: _Path, name: str) -> system.Law | None:
         """Return the law of a basic event or a house event; None where nothing is given."""
         parts = _parts(element)
         if len(parts) > 1:
             raise self._fault("R017.event", parts[1], name=name, number=len(parts))
         if feature_of(element) == "define-house-event":
             is_true = any(feature_of(p) == "constant" and p.get("value") == "true" for p in parts)
-            return Law("fixed", (float(is_true),))
+            return system.Law("fixed", (float(is_true),))
         if not parts:
             return None
         kind, values = feature_of(parts[0]).lower(), _parts(parts[0])
-        missions = self._missions(values[-1], path) if values else None
+        missions = None  # how many mission times the last value is
+        if values:
+            factors = _parts(values[-1]) if feature_of(values[-1]) == "mul" else [values[-1]]
+            others = [factor for factor in factors if feature_of(factor) != "system-mission-time"]
+            if len(others) == len(factors) - 1:
+                missions = math.prod(self._number(other, path, least=0.0) for other in others)
         if kind == "exponential" and len(values) == 2:
-            rate = self._not_negative(values[0], path)
+            rate = self._number(values[0], path, least=0.0)
             if missions is not None:
                 self._warn_of_unit(values[0], path, "1/h")
-                return Law("exponential", (rate * missions,))
-            time = self._not_negative(values[1], path)
-            return Law("fixed", (-math.expm1(-rate * time),))
+                return system.Law("exponential", (rate * missions,))
+            time = self._number(values[1], path, least=0.0)
+            return system.Law("fixed", (-math.expm1(-rate * time),))
         if kind == "weibull" and len(values) == 4 and missions == 1.0:
             scale, shape, start = (self._number(value, path) for value in values[:3])
             if scale <= 0.0 or not 1e-6 <= shape <= 1e6 or start != 0.0:
                 raise self._fault("R002.weibull", parts[0], name=name)
             self._warn_of_unit(values[0], path, "h")
-            return Law("weibull", (scale, shape))
+            return system.Law("weibull", (scale, shape))
         probability = self._number(parts[0], path)
         if not 0.0 <= probability <= 1.0:
             raise self._fault("R002.probability", parts[0], name=name, probability=probability)
-        return Law("fixed", (probability,))
-
-    def _missions(self, element: Element, path: _Path) -> float | None:
-        """Return how many mission times an expression is, ``None`` where it is not so many."""
-        factors = _parts(element) if feature_of(element) == "mul" else [element]
-        others = [factor for factor in factors if feature_of(factor) != "system-mission-time"]
-        if len(others) != len(factors) - 1:
-            return None
-        return math.prod(self._not_negative(other, path) for other in others)
-
-    def _number(self, element: Element, path: _Path, depth: int = 0) -> float:
-        """Return the value of an expression, in hours and 1/h where it has a unit."""
-        kind = feature_of(element)
-        if depth > _DEEPEST:
-            raise self._fault("R012.expressions", element)
-        if kind == "parameter":
-            return self._value_of_parameter(self._parameter(element, path), depth)
-        if kind in ("float", "int"):
-            text = (element.get("value") or "").strip()
-            try:
-                value = float(text) if text.isascii() and "_" not in text else math.nan
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
-                raise self._fault("R002.number", element, value=text)
-            return value
-        if kind not in _OPERATIONS:
-            raise self._fault("R017.expression", element, type=kind)
-        if kind.endswith("-deviate"):
-            self.doubts.setdefault("deviate", problem("R018.deviates", self._place(element)))
-        values = [self._number(part, path, depth + 1) for part in _parts(element)]
-        try:
-            value = _OPERATIONS[kind](values)
-        except (ArithmeticError, ValueError, IndexError, TypeError):
-            value = math.nan
-        if not math.isfinite(value):
-            raise self._fault("R002.no_number", element, expression=kind)
-        return value
+        return system.Law("fixed", (probability,))
 
     def _parameter(self, element: Element, path: _Path) -> _Definition:
         name = (element.get("name") or "").strip()
@@ -316,27 +276,52 @@ class _Reader:
             raise self._fault("R001.parameter", element, name=name)
         return self.parameters.defined[key]
 
-    def _value_of_parameter(self, definition: _Definition, depth: int) -> float:
-        element, path = definition
-        if element not in self.values:
-            parts, unit = _parts(element), (element.get("unit") or "").strip()
-            if len(parts) != 1:
-                raise self._fault("R017.parameter", element, number=len(parts))
-            if unit not in _UNITS and unit not in _NO_UNITS:
-                known = ", ".join([*_UNITS, *_NO_UNITS[1:]])
-                raise self._fault("R004.unit", element, unit=unit, known=known)
-            self.values[element] = self._number(parts[0], path, depth + 1) * _UNITS.get(unit, 1.0)
-        return self.values[element]
-
-    def _not_negative(self, element: Element, path: _Path) -> float:
-        value = self._number(element, path)
-        if value < 0.0:
-            raise self._fault("R002.negative", element, value=value)
-        return value
-
     def _warn_of_unit(self, element: Element, path: _Path, assumed: str) -> None:
         """Say once for the file that a unit is assumed (R004)."""
         is_parameter = feature_of(element) == "parameter"
         if not is_parameter or self._parameter(element, path).element.get("unit") not in _UNITS:
             doubt = problem("R004.no_unit_in_file", self._place(element), assumed=assumed)
             self.doubts.setdefault("unit", doubt)
+
+    def _number(
+        self, element: Element, path: _Path, depth: int = 0, least: float = -math.inf
+    ) -> float:
+        """Return the value of an expression, in hours and 1/h where it has a unit."""
+        kind = feature_of(element)
+        if depth > _DEEPEST:
+            raise self._fault("R012.expressions", element)
+        if kind == "parameter":
+            defined, inside = self._parameter(element, path)
+            if defined not in self.values:
+                parts, unit = _parts(defined), (defined.get("unit") or "").strip()
+                if len(parts) != 1:
+                    raise self._fault("R017.parameter", defined, number=len(parts))
+                if unit not in _UNITS and unit not in _NO_UNITS:
+                    known = ", ".join([*_UNITS, *_NO_UNITS[1:]])
+                    raise self._fault("R004.unit", defined, unit=unit, known=known)
+                number = self._number(parts[0], inside, depth + 1)
+                self.values[defined] = number * _UNITS.get(unit, 1.0)
+            value = self.values[defined]
+        elif kind in ("float", "int"):
+            text = (element.get("value") or "").strip()
+            try:
+                value = float(text) if text.isascii() and "_" not in text else math.nan
+            except ValueError:
+                value = math.nan
+            if not math.isfinite(value):
+                raise self._fault("R002.number", element, value=text)
+        elif kind in _OPERATIONS:
+            if kind.endswith("-deviate"):
+                self.doubts.setdefault("deviate", problem("R018.deviates", self._place(element)))
+            values = [self._number(part, path, depth + 1) for part in _parts(element)]
+            try:
+                value = _OPERATIONS[kind](values)
+            except (ArithmeticError, ValueError, IndexError, TypeError):
+                value = math.nan
+            if not math.isfinite(value):
+                raise self._fault("R002.no_number", element, expression=kind)
+        else:
+            raise self._fault("R017.expression", element, type=kind)
+        if value < least:
+            raise self._fault("R002.negative", element, value=value)
+        return value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -40,8 +40,7 @@ def read_system(
 ) -> tuple[ReliabilitySystem | None, list[Problem]]:
     """Read the keys of a monitor, which change ``base``; ``model: NAME`` names one of the library.
 
-    Returns:
-        The system, None after an error (R001, R002, R004, R005), and all problems.
+    The system is None after an error (R001, R002, R004, R005).
     """
     before = base or ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)
@@ -51,51 +50,45 @@ def read_system(
         else:
             components.update(_component(name, entry, library, before))
     values.only(*KEYS, "file", "parameters")
-    horizon, mission_end = _horizon(values, before)
+    longest = values.quantity("mission_time", units.duration, positive=True)
+    horizon, mission_end = before.horizon, before.mission_end
+    if values.text("horizon") == "mission_end":
+        if longest is None:
+            values.report("R001.no_mission_time", "horizon")
+        horizon, mission_end = longest or 1.0, True
+    else:
+        if longest is not None:
+            values.report("R001.useless_mission_time", "mission_time", KEY)
+        own = values.quantity("horizon", units.duration, positive=True)
+        horizon, mission_end = (horizon, mission_end) if own is None else (own, False)
     on_unknown = values.choice("on_unknown", ("inactive", "worst_case"))
     gap = values.quantity("max_gap", units.duration, needs_unit=True, positive=True)
     thresholds = _thresholds(values) if values.has("thresholds") else before.thresholds
     if values.errors:  # components that cannot be read would be missed by what uses them
         return None, values.problems
+    top = values.text("top") or before.top
+    used = {name for component in components.values() for name in component.below}
+    free = [name for name in components if name not in used] or list(components)
+    if not top and len(free) > 1:  # several that no other uses become a series
+        top = "all" if "all" not in components else "all_models"
+        components[top] = ComponentModel(top, "series", uses=tuple(free), place=values.place())
+    elif not top and free:
+        top = free[0]
+    elif not top:
+        values.report("R001.no_model")
+    elif top not in components:
+        values.unknown("model", top, components, "top")
     system = replace(
         before,
         components=components,
-        top=values.text("top") or before.top or _top(components, values),
+        top=top,
         horizon=horizon,
         mission_end=mission_end,
         thresholds=thresholds,
         worst_case=on_unknown == "worst_case" if on_unknown else before.worst_case,
         max_gap=before.max_gap if gap is None else gap * 3600.0,
     )
-    if not values.errors and system.top not in components:
-        values.unknown("model", system.top, components, "top")
     return (None if values.errors else system), values.problems
-
-
-def _top(components: dict[str, ComponentModel], values: Values) -> str:
-    """Return the one model that no other uses; several become a series."""
-    used = {name for component in components.values() for name in component.below}
-    free = [name for name in components if name not in used] or list(components)
-    if len(free) == 1:
-        return free[0]
-    if not free:
-        values.report("R001.no_model")
-        return ""
-    name = "all" if "all" not in components else "all_models"
-    components[name] = ComponentModel(name, "series", uses=tuple(free), place=values.place())
-    return name
-
-
-def _horizon(values: Values, before: ReliabilitySystem) -> tuple[float, bool]:
-    longest = values.quantity("mission_time", units.duration, positive=True)
-    if values.text("horizon") == "mission_end":
-        if longest is None:
-            values.report("R001.no_mission_time", "horizon")
-        return longest or 1.0, True
-    if longest is not None:
-        values.report("R001.useless_mission_time", "mission_time", KEY)
-    horizon = values.quantity("horizon", units.duration, positive=True)
-    return (before.horizon, before.mission_end) if horizon is None else (horizon, False)
 
 
 def _thresholds(values: Values) -> tuple[Threshold, ...]:
@@ -156,7 +149,7 @@ def _component(
     elif kind not in TYPES:
         entry.unknown("type", kind, TYPES, "type")
     else:
-        values = _READY_MADE[kind](entry, name)
+        values = _ready_made(kind, entry, name)
         return {name: ComponentModel(name, kind, values=values, place=entry.place())}
     return {}
 
@@ -190,6 +183,42 @@ def _content(
     return {**{n: parts[n] for n in component.below if n in parts}, name: component}
 
 
+def _ready_made(kind: str, entry: Values, name: str) -> Mapping[str, Any]:
+    """Return the numbers of a model that is made of a few."""
+    match kind:
+        case "propulsion":
+            return _propulsion(entry, name)
+        case "battery":
+            keys = ("failure_rate", "alpha", "beta", "degradation")
+            entry.only("type", *keys, *_HEAT, "repair")
+            values: dict[str, Any] = {}
+            for key in keys:
+                values[key] = entry.quantity(key, units.rate, required=True)
+            if any(entry.has(key) for key in _HEAT):
+                values["t_ref"] = entry.temperature("t_ref")
+                values["t_max"] = entry.temperature("t_max")
+                energy = entry.number("activation_energy", 0.0, 10.0, required=True)
+                values["activation_energy"] = energy
+            return {**values, "repair": entry.boolean("repair")}
+        case "processor":
+            entry.only("type", "mttf_ref", *_HEAT, "u_max", "shape", "age")
+            age = entry.quantity("age", units.duration)
+            mttf = entry.quantity("mttf_ref", units.duration, required=True, positive=True)
+            return {
+                "mttf_ref": mttf,
+                "t_ref": entry.temperature("t_ref"),
+                "t_max": entry.temperature("t_max"),
+                "u_max": entry.number("u_max", 0.0, 1e6, required=True),
+                "activation_energy": entry.number("activation_energy", 0.0, 10.0, default=0.3),
+                "shape": entry.number("shape", 0.01, 100.0, default=1.0),
+                **({"age": age} if age is not None else {}),
+            }
+    entry.only("type", "k", "rate", "max")
+    k = entry.whole("k", 1, 10_000, required=True)
+    rate = entry.quantity("rate", units.rate, required=True)
+    return {"k": k, "rate": rate, "max": entry.whole("max", k or 1, 10_000)}
+
+
 def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     entry.only("type", "configuration", "rate", "rates", "positions", "status", "repair")
     configuration = entry.text("configuration", required=True)
@@ -217,43 +246,3 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
         "status": entry.choice("status", ("motors", "list")) or "motors",
         "repair": entry.boolean("repair"),
     }
-
-
-def _battery(entry: Values, _: str) -> Mapping[str, Any]:
-    keys = ("failure_rate", "alpha", "beta", "degradation")
-    entry.only("type", *keys, *_HEAT, "repair")
-    values: dict[str, Any] = {key: entry.quantity(key, units.rate, required=True) for key in keys}
-    if any(entry.has(key) for key in _HEAT):
-        values["t_ref"] = entry.temperature("t_ref")
-        values["t_max"] = entry.temperature("t_max")
-        values["activation_energy"] = entry.number("activation_energy", 0.0, 10.0, required=True)
-    return {**values, "repair": entry.boolean("repair")}
-
-
-def _processor(entry: Values, _: str) -> Mapping[str, Any]:
-    entry.only("type", "mttf_ref", *_HEAT, "u_max", "shape", "age")
-    age = entry.quantity("age", units.duration)
-    return {
-        "mttf_ref": entry.quantity("mttf_ref", units.duration, required=True, positive=True),
-        "t_ref": entry.temperature("t_ref"),
-        "t_max": entry.temperature("t_max"),
-        "u_max": entry.number("u_max", 0.0, 1e6, required=True),
-        "activation_energy": entry.number("activation_energy", 0.0, 10.0, default=0.3),
-        "shape": entry.number("shape", 0.01, 100.0, default=1.0),
-        **({"age": age} if age is not None else {}),
-    }
-
-
-def _k_out_of_n(entry: Values, _: str) -> Mapping[str, Any]:
-    entry.only("type", "k", "rate", "max")
-    k = entry.whole("k", 1, 10_000, required=True)
-    rate = entry.quantity("rate", units.rate, required=True)
-    return {"k": k, "rate": rate, "max": entry.whole("max", k or 1, 10_000)}
-
-
-_READY_MADE: Mapping[str, Callable[[Values, str], Mapping[str, Any]]] = {
-    "propulsion": _propulsion,
-    "battery": _battery,
-    "processor": _processor,
-    "k_out_of_n": _k_out_of_n,
-}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import ClassVar
 
+from eddi_scaffold import kinds
 from eddi_scaffold.common.claims import Claim, Element, Meanings
 from eddi_scaffold.common.files import Source, next_to, read_source
 from eddi_scaffold.common.identifiers import TODO
@@ -15,15 +16,6 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import read_document, recognises
-from eddi_scaffold.kinds import (
-    JsonValue,
-    Model,
-    ModelDraft,
-    ModelInput,
-    ModelOutput,
-    Options,
-    ReadResult,
-)
 from eddi_scaffold.kinds.reliability import MEANINGS, show
 from eddi_scaffold.kinds.reliability.checks import check_system
 from eddi_scaffold.kinds.reliability.compile import compile_system
@@ -49,20 +41,20 @@ _MOST_NAMES = 12
 
 
 @dataclass(frozen=True)
-class ReliabilityModel(Model):
+class ReliabilityModel(kinds.Model):
     """A system of chains and trees; the configuration's keys go into the system itself."""
 
     kind: ClassVar[str] = NAME
     data: ReliabilitySystem = field(kw_only=True)
 
     @classmethod
-    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:
+    def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> kinds.ReadResult:
         """Read ``reliability_config.yml`` and the EDDI that it may name, or an Open-PSA file."""
         if not source.name.lower().endswith((".yml", ".yaml")):
             with source.open() as stream:
                 element, problems = load(stream, source.name)
             if element is None:
-                return ReadResult((), tuple(problems))
+                return kinds.ReadResult((), tuple(problems))
             systems, more = read_open_psa(element, source.name, source.stem)
             return cls._result(systems, source, in_order([*problems, *more]))
         root, problems = read_map(source, "R001")
@@ -72,21 +64,21 @@ class ReliabilityModel(Model):
             system, problems = read_system(values, _library(values, source), None)
             if system is not None:
                 models = (cls(source.stem, source, root.place, data=system),)
-        return ReadResult(models, tuple(in_order(problems)))
+        return kinds.ReadResult(models, tuple(in_order(problems)))
 
     @classmethod
     def read_eddi(
         cls, document: EddiDocument, source: Source, default_guarantees: Sequence[str]
-    ) -> ReadResult:
+    ) -> kinds.ReadResult:
         systems, problems = read_eddi(document, source)
         return cls._result([] if has_errors(problems) else systems, source, problems)
 
     @classmethod
     def _result(
         cls, systems: Sequence[ReliabilitySystem], source: Source, problems: Sequence[Problem]
-    ) -> ReadResult:
+    ) -> kinds.ReadResult:
         models = (cls(system.top, source, system.place, data=system) for system in systems)
-        return ReadResult(tuple(models), tuple(problems))
+        return kinds.ReadResult(tuple(models), tuple(problems))
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
@@ -111,18 +103,18 @@ class ReliabilityModel(Model):
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)
 
-    def draft(self, options: Options) -> ModelDraft:
+    def draft(self, options: kinds.Options) -> kinds.ModelDraft:
         """Return what a model of an EDDI leaves open; a reliability_config.yml says it itself."""
         configured, _ = self.configure(replace(options, values=_decided(options.values)))
         inputs = () if configured is None else configured.inputs()
         if not recognises(self.source):
-            return ModelDraft(inputs)
-        models: dict[str, JsonValue] = {}
+            return kinds.ModelDraft(inputs)
+        models: dict[str, kinds.JsonValue] = {}
         notes: dict[tuple[str, ...], str] = {("horizon",): "how far ahead, for instance 30 min"}
         for name, key, note in self._observable():
             models[name] = {key: TODO}
             notes["models", name, key] = note
-        return ModelDraft(
+        return kinds.ModelDraft(
             inputs, {"horizon": TODO, **({"models": models} if models else {})}, notes
         )
 
@@ -140,7 +132,7 @@ class ReliabilityModel(Model):
                     names = ", ".join(free[:_MOST_NAMES])
                     yield name, "events", f"{{EVENT: {{observed: true}}}} of {names}; {{}} for none"
 
-    def configure(self, options: Options) -> tuple[ReliabilityModel | None, list[Problem]]:
+    def configure(self, options: kinds.Options) -> tuple[ReliabilityModel | None, list[Problem]]:
         """Take the keys of ``Model:`` into the system: horizon, thresholds, what is observed."""
         system: ReliabilitySystem | None = self.data
         chosen = {key: value for key, value in options.values.items() if key in KEYS}
@@ -163,12 +155,12 @@ class ReliabilityModel(Model):
             problems.append(problem("R014.max_gap", system.place, max_gap=gap, period=period))
         return replace(self, data=system, name=options.id or self.name), problems
 
-    def inputs(self) -> Sequence[ModelInput]:
+    def inputs(self) -> Sequence[kinds.ModelInput]:
         return inputs_of(self.data.without_unused())
 
-    def own_topics(self) -> Sequence[ModelOutput]:
+    def own_topics(self) -> Sequence[kinds.ModelOutput]:
         return [
-            ModelOutput(t.id, t.topic, ("evidence", ("id", t.id), "active"), t.place)
+            kinds.ModelOutput(t.id, t.topic, ("evidence", ("id", t.id), "active"), t.place)
             for t in self.data.thresholds
             if t.topic is not None
         ]
@@ -195,7 +187,7 @@ class ReliabilityModel(Model):
         ]
 
 
-def _decided(values: Mapping[str, JsonValue]) -> dict[str, JsonValue]:
+def _decided(values: Mapping[str, kinds.JsonValue]) -> dict[str, kinds.JsonValue]:
     """Return options without what is still to be decided."""
     return {
         key: _decided(value) if isinstance(value, Mapping) else value

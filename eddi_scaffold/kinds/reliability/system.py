@@ -99,6 +99,10 @@ class FaultTree:
         """Return what the top reaches, as ``order`` does."""
         return order(self.top, {key: gate.of for key, gate in self.gates.items()})
 
+    def used_gates(self) -> list[Gate]:
+        """Return the gates that the top reaches, each behind those that it refers to."""
+        return [self.gates[key] for key in self.reached()[0] if key in self.gates]
+
 
 @dataclass(frozen=True)
 class Arc:
@@ -235,11 +239,9 @@ class ReliabilitySystem:
 
 
 def order(top: T, below: Mapping[T, Sequence[T]]) -> tuple[list[T], tuple[T, ...]]:
-    """Return all that the top reaches, each behind what it uses, and a cycle if there is one.
+    """Return all that the top reaches, each behind what it uses, and the members of a cycle.
 
-    Returns:
-        The order, incomplete when there is a cycle, and the members of the first cycle, each
-        using the next one and the last the first; empty for none.
+    Each member uses the next one and the last the first; then the order is incomplete.
     """
     done: dict[T, None] = {}
     path: dict[T, None] = {}
@@ -286,15 +288,30 @@ def input_id(model: str, rest: str) -> str:
 
 def _inputs(model: ComponentModel) -> Iterator[ModelInput]:
     name, content, values = model.name, model.content, model.values
+
+    def truth(
+        id_: str, text: str, sample: bool, is_good: Callable[[object], bool] | None = None
+    ) -> ModelInput:
+        text, covered = re.sub(r"[\s\"'\\]+", " ", text)[:120], "true" if sample else "false"
+        return ModelInput(
+            id_, "bool", description=text, covered=covered, sample=sample, is_good=is_good
+        )
+
+    def number(
+        rest: str, text: str, sample: float, covered: str, unit: str | None = None
+    ) -> ModelInput:
+        input_ = ModelInput(input_id(name, rest), "float", unit=unit, units=accepted(unit))
+        return replace(input_, description=text, covered=covered, sample=sample)
+
     if isinstance(content, Chain):
         for seen in content.observe:
             text = f"{'True' if seen.negated else 'False'}: {name} is not in state {seen.state}"
-            yield _truth(seen.input, text, (seen.state in content.initial) is not seen.negated)
+            yield truth(seen.input, text, (seen.state in content.initial) is not seen.negated)
     elif isinstance(content, FaultTree):
         for key, event in content.events.items():
             if event.observed:
                 text = f"Has the event {event.name} happened?"
-                yield _truth(input_id(name, key), text, False, lambda value: value is False)
+                yield truth(input_id(name, key), text, False, lambda value: value is False)
     elif model.type == "propulsion":
         count = len(values["rates"])
         if values["status"] == "list":
@@ -304,38 +321,17 @@ def _inputs(model: ComponentModel) -> Iterator[ModelInput]:
             return
         for i in range(count):
             id_ = input_id(name, f"motor_{i}")
-            yield _truth(id_, f"Does motor {i} work?", True, lambda value: value is True)
-    elif model.type == "battery":
-        text = "State of charge in percent"
-        yield _number(name, "level", text, 100.0, "above 25", "percent")
-        if "t_ref" in values:
-            yield _temperature(name, "Temperature of the battery", values)
-    elif model.type == "processor":
-        yield _temperature(name, "Temperature of the processor", values)
-        text, most = "Load of the processor, 1 for full", values["u_max"]
-        yield _number(name, "utilisation", text, min(1.0, most), f"0 to {most:g}")
+            yield truth(id_, f"Does motor {i} work?", True, lambda value: value is True)
     elif model.type == "k_out_of_n":
         text = f"How many units are available, {values['k']} are needed"
         units, good = values["max"] or values["k"], f"at least {values['k']}"
-        yield replace(_number(name, "available", text, units, good), type="int")
-
-
-def _truth(
-    id_: str, text: str, sample: bool, is_good: Callable[[object], bool] | None = None
-) -> ModelInput:
-    text, covered = re.sub(r"[\s\"'\\]+", " ", text)[:120], "true" if sample else "false"
-    return ModelInput(
-        id_, "bool", description=text, covered=covered, sample=sample, is_good=is_good
-    )
-
-
-def _temperature(model: str, text: str, values: Mapping[str, Any]) -> ModelInput:
-    usual, most = values["t_ref"], values["t_max"]
-    return _number(model, "temperature", text, min(usual, most), f"at most {most:g}", "degC")
-
-
-def _number(
-    model: str, rest: str, text: str, sample: float, covered: str, unit: str | None = None
-) -> ModelInput:
-    input_ = ModelInput(input_id(model, rest), "float", unit=unit, units=accepted(unit))
-    return replace(input_, description=text, covered=covered, sample=sample)
+        yield replace(number("available", text, units, good), type="int")
+    if model.type == "battery":
+        yield number("level", "State of charge in percent", 100.0, "above 25", "percent")
+    if "t_ref" in values:
+        usual, most = values["t_ref"], values["t_max"]
+        text, good = f"Temperature of the {model.type}", f"at most {most:g}"
+        yield number("temperature", text, min(usual, most), good, "degC")
+    if model.type == "processor":
+        text, most = "Load of the processor, 1 for full", values["u_max"]
+        yield number("utilisation", text, min(1.0, most), f"0 to {most:g}")

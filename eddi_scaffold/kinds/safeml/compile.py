@@ -14,18 +14,8 @@ from eddi_scaffold.kinds.safeml.scope import (
     SafeMLOptions,
 )
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
+from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
-from eddi_scaffold.program.python_text import (
-    Item,
-    Part,
-    assignment,
-    call,
-    comment,
-    literal,
-    number,
-    text_literal,
-    tuple_of,
-)
 
 FORMAT = 1
 MOST_IN_TEXT = 2000
@@ -48,7 +38,7 @@ def compile_safeml(
     )
     lines += _thresholds(plan)
     hold, backend = settings.on_omission == "hold", settings.array_backend
-    lines += _constants(hold=hold, max_age=options.max_age, single=plan.spec.single)
+    lines += _constants(hold=hold, max_age=options.max_age, single=plan.single)
     if backend != "numpy":
         lines += _constants(array_backend=backend)
     rows, features = reference.rows.shape
@@ -57,16 +47,18 @@ def compile_safeml(
         what = "Rows"
         names = [f"component {k}" for k in range(len(design.table) - 2)]
         table = _table("axes.bin", design.table, tables, ["means", "divisors", *names])
-        limit = {} if design.floor is None else {"floor": number(design.floor)}
-        lines += assignment("axes", call("safeml.Axes", [table], **limit), 4)
-    about = comment(f"{reference.source.file_name}: {rows} rows, {features} features")
+        limit = {} if design.floor is None else {"floor": py.number(design.floor)}
+        lines += py.assignment("axes", py.call("safeml.Axes", [table], **limit), 4)
+    about = py.comment(f"{reference.source.file_name}: {rows} rows, {features} features")
     lines.append(f"    # {what}: {about}")
-    lines += assignment("reference", _table("reference.bin", design.sample, tables), 4)
+    lines += py.assignment("reference", _table("reference.bin", design.sample, tables), 4)
     return CompiledMonitor(FORMAT, lines, tables=tables)
 
 
 def _constants(**values: object) -> list[str]:
-    return [line for name, value in values.items() for line in assignment(name, literal(value), 4)]
+    return [
+        line for name, value in values.items() for line in py.assignment(name, py.literal(value), 4)
+    ]
 
 
 def _thresholds(plan: Plan) -> Iterator[str]:
@@ -82,8 +74,8 @@ def _thresholds(plan: Plan) -> Iterator[str]:
         return
     points, slope = critical_values(metric, n, m)
     yield "    # Critical values with their levels, and the slope beyond"
-    law = call("safeml.Interpolated", [literal(tuple(points)), number(slope)])
-    yield from assignment("tail", law, 4)
+    law = py.call("safeml.Interpolated", [py.literal(tuple(points)), py.number(slope)])
+    yield from py.assignment("tail", law, 4)
 
 
 def upwards(value: float, digits: int = 9) -> float:
@@ -97,14 +89,16 @@ def upwards(value: float, digits: int = 9) -> float:
     return float(f"{value + unit / 2:.{digits - 1}e}")
 
 
-def _table(file: str, rows: Rows, tables: dict[str, bytes], names: Sequence[str] = ()) -> Part:
+def _table(file: str, rows: Rows, tables: dict[str, bytes], names: Sequence[str] = ()) -> py.Part:
     """Return a table, or where its file is, which goes to the others."""
     if rows.size > MOST_IN_TEXT:
         # Doubles, least significant byte first, row by row.
         tables[file] = rows.astype("<f8").tobytes()
         digest = hashlib.sha256(tables[file]).hexdigest()
-        shape = literal(rows.shape)
-        return call("safeml.Table", ["__spec__", text_literal(file), text_literal(digest), shape])
-    texts = (tuple_of(map(number, row)) for row in rows.tolist())
+        shape = py.literal(rows.shape)
+        return py.call(
+            "safeml.Table", ["__spec__", py.text_literal(file), py.text_literal(digest), shape]
+        )
+    texts = (py.tuple_of(map(py.number, row)) for row in rows.tolist())
     above = names or [""] * len(rows)
-    return tuple_of(Item(row, above=name) for row, name in zip(texts, above, strict=True))
+    return py.tuple_of(py.Item(row, above=name) for row, name in zip(texts, above, strict=True))

@@ -12,25 +12,17 @@ from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
+from eddi_scaffold.kinds.safeml import thresholds
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate
 from eddi_scaffold.kinds.safeml.scope import (
     METRIC_NAMES,
     Design,
-    DesignSpec,
     Plan,
-    Planned,
     ReferenceSample,
     Rows,
     SafeMLSettings,
     principal_axes,
     split,
-)
-from eddi_scaffold.kinds.safeml.thresholds import (
-    can_fire,
-    largest_possible,
-    limit_quantile,
-    smallest_window,
-    theoretical,
 )
 
 ROWS_PER_WINDOW = 20
@@ -45,15 +37,12 @@ _LISTED = 10
 
 
 @lru_cache(maxsize=8)
-def plan(settings: SafeMLSettings, reference: ReferenceSample, *, single: bool) -> Planned:
-    """Find tests and thresholds; ``single``: samples come as float32.
-
-    Returns:
-        The plan, ``None`` when a problem is an error (L004 to L008), and all problems (to L013).
-    """
+def plan(
+    settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
+) -> tuple[Plan | None, tuple[Problem, ...]]:
+    """Find tests and thresholds (L004 to L013); ``single``: samples come as float32."""
     planner = _Planner(settings, reference, single=single)
-    plan = planner.plan()
-    return Planned(plan, tuple(planner.problems))
+    return planner.plan(), tuple(planner.problems)
 
 
 class _Planner:
@@ -77,7 +66,7 @@ class _Planner:
             return None
         halves = self.streams or settings.n_components is not None
         _, other = split(self.rows, halves=halves)
-        constant = self._check_features()
+        self._check_features()
         if self.streams and len(other) < (needed := max(2 * m, (m - 1) * settings.stride + 1)):
             self._report("L008", "calibration", needed=2 * needed, rows=len(self.rows))
         elif len(self.rows) < 2 * m:
@@ -86,16 +75,28 @@ class _Planner:
         components = self._components(other)
         if has_errors(self.problems):
             return None
-        residual = components is not None and components < self.rows.shape[1]
-        residual = residual and settings.residual_test
-        spec = DesignSpec(components, settings.standardize, residual, halves, self.single)
-        design = Design(self.rows, spec)
+        leaves_something = components is not None and components < self.rows.shape[1]
+        design = Design(
+            self.rows,
+            components=components,
+            standardize=settings.standardize,
+            residual=leaves_something and settings.residual_test,
+            halves=halves,
+            single=self.single,
+        )
         comparison = Comparison(settings.metric, design.reference, m)
         n, level = comparison.n, settings.significance_level / comparison.tests
-        if not can_fire(settings.metric, n, m, level):
-            self._report_too_few(comparison, level)
+        if not thresholds.can_fire(settings.metric, n, m, level):
+            least = thresholds.smallest_window(settings.metric, n, level)
+            hint = f"the smallest window_size that works is {least}"
+            if least is None:
+                hint = "no window_size works: test fewer components or raise significance_level"
+            fields: dict[str, Any] = {"window": m, "values": n, "tests": comparison.tests}
+            fields |= {"plural": "s" if comparison.tests > 1 else "", "hint": hint}
+            fields["significance_level"] = settings.significance_level
+            self._report("L007.too_few", "window_size", **fields)
             return None
-        critical, method = theoretical(settings.metric, n, m, level)
+        critical, method = thresholds.theoretical(settings.metric, n, m, level)
         threshold, calibration = critical, None
         if self.streams:
             calibration = calibrate(
@@ -110,12 +111,12 @@ class _Planner:
             if settings.metric == "ks":
                 above = int(calibration.quantile) + math.gcd(n, m)
             threshold = max(critical, above)
-        if threshold > largest_possible(settings.metric, n, m):
+        if threshold > thresholds.largest_possible(settings.metric, n, m):
             self._report("L007.drift", "reference_sample_file")
             return None
         plan = Plan(
-            settings, spec, design, n, level, critical, calibration, threshold, method,
-            autocorrelation(design.series(self.rows)), constant,
+            settings, design, self.single, level, critical, calibration, threshold, method,
+            autocorrelation(design.series(self.rows)),
         )  # fmt: skip
         self._warn(plan)
         return plan
@@ -123,8 +124,8 @@ class _Planner:
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: Any) -> None:
         self.problems.append(problem(case, self.settings.place(key), hint=hint, **fields))
 
-    def _check_features(self) -> tuple[int, ...]:
-        """Return the features that never change; report them, and those that are equal."""
+    def _check_features(self) -> None:
+        """Report the features that never change, and those that are equal."""
         rows, key = self.rows, "reference_sample_file"
         constant = np.flatnonzero((rows == rows[0]).all(axis=0)).tolist()
         if constant:
@@ -138,7 +139,6 @@ class _Planner:
         if pairs:
             shown = ", ".join(pairs[:_LISTED])
             self._report("L010.equal", key, pairs=shown, same=_more(pairs))
-        return tuple(constant)
 
     def _components(self, other: Rows) -> int | None:
         settings, requested = self.settings, self.settings.n_components
@@ -170,23 +170,13 @@ class _Planner:
             self._report("L010.dropped", "n_components", features=dropped, kept=kept)
         return kept
 
-    def _report_too_few(self, comparison: Comparison, level: float) -> None:
-        least = smallest_window(self.settings.metric, comparison.n, level)
-        hint = f"the smallest window_size that works is {least}"
-        if least is None:
-            hint = "no window_size works: test fewer components or raise significance_level"
-        fields: dict[str, Any] = {"window": comparison.m, "values": comparison.n}
-        fields |= {"tests": comparison.tests, "plural": "s" if comparison.tests > 1 else ""}
-        fields["significance_level"] = self.settings.significance_level
-        self._report("L007.too_few", "window_size", hint=hint, **fields)
-
     def _warn(self, plan: Plan) -> None:
         """Warn of thresholds that are less exact or less powerful than they look."""
         settings, metric = self.settings, self.settings.metric
         if metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
             self._report("L009.short_window", "window_size", metrics=METRIC_NAMES[metric])
         if metric != "ks" and plan.level > _HIGHEST_LEVEL:
-            value = limit_quantile(metric, _HIGHEST_LEVEL)
+            value = thresholds.limit_quantile(metric, _HIGHEST_LEVEL)
             self._report("L009.level", "significance_level", level=plan.level, value=value)
         correlation, test = plan.autocorrelation
         if plan.calibration is None:

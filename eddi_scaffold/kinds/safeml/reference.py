@@ -48,12 +48,7 @@ def read_named(file: str, settings: SafeMLSettings) -> tuple[ReferenceSample | N
 
 
 def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem]]:
-    """Read a reference sample.
-
-    Returns:
-        The reference, ``None`` when a problem is an error (L004), and all problems. Line and
-        column of a place are the row and the column of the cell.
-    """
+    """Read a reference sample; a place of a problem (L004) is the row and the column of a cell."""
     try:
         text = source.text("L004")
     except EddiError as refused:
@@ -75,10 +70,6 @@ def read_reference(source: Source) -> tuple[ReferenceSample | None, list[Problem
     return (None if problems else ReferenceSample(source, values)), problems
 
 
-def _report(case: str, row: int, column: int, /, **fields: Any) -> Problem:
-    return problem(case, Place("", row, column), **fields)
-
-
 def _numbers(cells: Sequence[str]) -> list[float] | None:
     """Return the numbers of a row, ``None`` when a cell is none."""
     try:
@@ -90,24 +81,24 @@ def _numbers(cells: Sequence[str]) -> list[float] | None:
     return row if is_plain else None
 
 
-def _is_number(cell: str) -> bool:
-    return _NUMBER.fullmatch(cell.strip(_BLANKS)) is not None
-
-
 def _faults_of_values(values: Rows, lines: Lines) -> Iterator[Problem]:
     bad = np.argwhere(~np.isfinite(values))
     first = lines[0][0]
     if len(bad):
         row, column = lines[int(bad[0][0])][0], int(bad[0][1]) + 1
-        number = plural(len(bad), "cell")
-        yield _report("L004.not_finite", row, column, number=number, row=row, column=column)
+        number, place = plural(len(bad), "cell"), Place("", row, column)
+        yield problem("L004.not_finite", place, number=number, row=row, column=column)
     elif len(values) >= _FEWEST_COUNTED and values.shape[1] > 1:
         # The first of several columns may be that of a table's rows, or of its times.
         steps = np.diff(values[:, 0])
         if steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
-            yield _report("L004.running_index", first, 1)
+            yield problem("L004.running_index", Place("", first, 1))
     if len(values) < 2:
         yield problem("L004.one_row", Place("", first))
+
+
+def _is_number(cell: str) -> bool:
+    return _NUMBER.fullmatch(cell.strip(_BLANKS)) is not None
 
 
 def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
@@ -120,7 +111,7 @@ def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
         cells = [cell.replace(",", ".") for cell in line.split(separator) if cell.strip()]
         is_separated = len(cells) > 1 and all(map(_is_number, cells))
         if is_separated and (separator == ";" or "," not in line):
-            yield _report("L004.separator", number, 1, separator=name)
+            yield problem("L004.separator", Place("", number, 1), separator=name)
             return
     second = line.split(",") if len(lines) > 1 else []
     widths = Counter(line.count(",") + 1 for _, line in lines)
@@ -133,8 +124,8 @@ def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
         cells = line.split(",")
         if len(cells) != width:
             column, count = min(len(cells), width) + 1, plural(len(cells), "cell")
-            fields = {"row": number, "cells": count, "other": usual, "width": width}
-            yield _report("L004.cells", number, column, **fields)
+            fields: dict[str, Any] = {"row": number, "cells": count, "other": usual, "width": width}
+            yield problem("L004.cells", Place("", number, column), **fields)
             reported += 1
         elif _numbers(cells) is None:
             texts = {k: cell.strip() for k, cell in enumerate(cells, 1) if not _is_number(cell)}
@@ -142,22 +133,23 @@ def _faults_of_cells(lines: Lines) -> Iterator[Problem]:
             is_text = len(texts) == len(cells) and any(texts.values())
             if index == 0 and is_text and (not second or any(map(_is_number, second))):
                 has_header, text = True, next(filter(None, texts.values()))
-                yield _report("L004.header", number, 1, row=number, text=text[:40])
+                yield problem("L004.header", Place("", number, 1), row=number, text=text[:40])
                 reported += 1
             else:
                 for column, text in texts.items():
                     wrong.setdefault(column, []).append((number, text))
         if reported >= MAX_PROBLEMS:
-            yield _report("L004.rest", number, 1)
+            yield problem("L004.rest", Place("", number, 1))
             break
     for column, entries in wrong.items():
         (number, text), total = entries[0], len(entries)
+        place = Place("", number, column)
         if total == len(lines) - has_header:
             what = "times" if _TIME.search(text) else "texts"
             fields = {"column": column, "content": what, "text": text[:40]}
-            yield _report("L004.column", number, column, **fields)
+            yield problem("L004.column", place, **fields)
             continue
         reason = f"is not a number: {text[:40]!r}" if text else "is empty"
         more = f", and {total - 1} more of this column" if total > 1 else ""
         fields = {"row": number, "column": column, "reason": reason, "more": more}
-        yield _report("L004.cell", number, column, **fields)
+        yield problem("L004.cell", place, **fields)

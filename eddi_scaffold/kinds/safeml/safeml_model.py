@@ -16,7 +16,7 @@ from eddi_scaffold.kinds.safeml import VIOLATION_FIELD, VIOLATION_FIELDS, read_e
 from eddi_scaffold.kinds.safeml.compile import compile_safeml
 from eddi_scaffold.kinds.safeml.plan import plan
 from eddi_scaffold.kinds.safeml.reference import read_named
-from eddi_scaffold.kinds.safeml.scope import NAME, Plan, Planned, SafeMLFile, SafeMLOptions
+from eddi_scaffold.kinds.safeml.scope import NAME, Plan, SafeMLFile, SafeMLOptions
 from eddi_scaffold.kinds.safeml.settings import export as settings_text
 from eddi_scaffold.kinds.safeml.settings import read_settings
 from eddi_scaffold.program.input_expressions import BoundInput
@@ -25,6 +25,32 @@ from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 DEFAULT_INPUT = "sample"
 _PERIODS = 10
 """Steps without a sample after which a window is too old, unless ``max_age`` is given."""
+
+
+_IN_SCOPE, _VERDICT = "`field: in_scope` of SafeMLStatus", (("omission", False),)
+_OMISSION = Meaning(
+    (True,), refused="an omission is also silence", instead=f"NOT of it, or {_IN_SCOPE}"
+)
+_VIOLATION = Meaning(
+    refused="`odd_violation` has no meaning while there is no verdict",
+    instead=f"{_IN_SCOPE}, or `NOT omission` with it",
+    known=_VERDICT,
+)
+MEANINGS: dict[str, dict[str, Meaning]] = {
+    message: {
+        "omission": _OMISSION,
+        "odd_violation": replace(
+            _VIOLATION, valid_where=(ValidityField(message, "omission", value=False),)
+        ),
+    }
+    for message in ("SafeMLOutput", "SafeMLStatus")
+}
+MEANINGS["SafeMLStatus"]["in_scope"] = Meaning(
+    (False,),
+    refused="`in_scope` is false also when there is no verdict",
+    instead="`NOT omission AND odd_violation`: known to be a violation",
+    known=_VERDICT,
+)
 
 
 @dataclass(frozen=True)
@@ -61,10 +87,10 @@ class SafeMLModel(Model):
 
     @classmethod
     def meanings(cls, claims: Sequence[Claim] | None) -> Meanings:
-        return {message: _meanings(message) for message in ("SafeMLOutput", "SafeMLStatus")}
+        return MEANINGS
 
     def check(self) -> Sequence[Problem]:
-        return self._plan_unconfigured().problems
+        return self._planned[1]
 
     def counts(self) -> Mapping[str, int]:
         settings, (rows, features) = self.data.settings, self.data.reference.rows.shape
@@ -72,7 +98,7 @@ class SafeMLModel(Model):
         return {**sizes, "components": settings.n_components or 0}
 
     def outline(self) -> Sequence[str]:
-        return show.outline(self.data, self._plan())
+        return show.outline(self.data, self._planned[0])
 
     def export(self) -> Mapping[str, str]:
         if isinstance(self.source, PartSource):  # of several, each with a reference of its own
@@ -83,10 +109,11 @@ class SafeMLModel(Model):
         return read_eddi.as_eddi_map(self.name, self.data)
 
     def diagram(self) -> Diagram:
-        return show.picture(self.name, self.data, self._plan())
+        return show.picture(self.name, self.data, self._planned[0])
 
     def draft(self, options: Options) -> ModelDraft:
-        return ModelDraft(self._inputs(options.inputs[0].id if options.inputs else DEFAULT_INPUT))
+        name = options.inputs[0].id if options.inputs else DEFAULT_INPUT
+        return ModelDraft([replace(input_, id=name) for input_ in self.inputs()])
 
     def configure(self, options: Options) -> tuple[SafeMLModel | None, list[Problem]]:
         """Find thresholds for the type of the messages; the configuration's id is the name."""
@@ -102,19 +129,28 @@ class SafeMLModel(Model):
         types = [name for item in inputs[:1] for name in item.messages]
         is_single = any(not name.startswith("std_msgs/Float64") for name in types)
         single = settings.input_dtype == "float32" or (settings.input_dtype == "auto" and is_single)
-        planned = plan(settings, self.data.reference, single=single)
-        problems += planned.problems
-        if planned.plan is None or has_errors(problems):
+        planned, faults = plan(settings, self.data.reference, single=single)
+        problems += faults
+        if planned is None or has_errors(problems):
             return None, problems
         max_age = settings.max_age
         if max_age is None and options.frequency is not None:
             max_age = _PERIODS / options.frequency
         input_id = inputs[0].id if inputs else DEFAULT_INPUT
-        connection = SafeMLOptions(planned.plan, input_id, max_age, options.frequency)
+        connection = SafeMLOptions(planned, input_id, max_age, options.frequency)
         return replace(self, name=options.id or self.name, options=connection), problems
 
     def inputs(self) -> Sequence[ModelInput]:
-        return self._inputs(DEFAULT_INPUT if self.options is None else self.options.input_id)
+        features = self.data.reference.rows.shape[1]
+        return (
+            ModelInput(
+                DEFAULT_INPUT if self.options is None else self.options.input_id,
+                "float[]",
+                safety=False,  # the monitor itself empties a window that is too old
+                description=f"Samples of {features} numbers, or rows of as many; each counts once",
+                every_message=True,
+            ),
+        )
 
     def companion_messages(self) -> Mapping[str, str]:
         return {"status": "SafeMLStatus"}
@@ -142,46 +178,10 @@ class SafeMLModel(Model):
         assert self.options is not None, "it was configured"
         return self.options
 
-    def _plan_unconfigured(self) -> Planned:
+    @property
+    def _planned(self) -> tuple[Plan | None, Sequence[Problem]]:
+        """The configured plan, or that without a configuration; ``None`` on an error."""
+        if self.options is not None:
+            return self.options.plan, ()
         settings = self.data.settings
-        single = settings.input_dtype == "float32"
-        return plan(settings, self.data.reference, single=single)
-
-    def _plan(self) -> Plan | None:
-        """Return the configured plan, or that without a configuration; ``None`` on an error."""
-        return self._plan_unconfigured().plan if self.options is None else self.options.plan
-
-    def _inputs(self, name: str) -> Sequence[ModelInput]:
-        features = self.data.reference.rows.shape[1]
-        return (
-            ModelInput(
-                name,
-                "float[]",
-                safety=False,  # the monitor itself empties a window that is too old
-                description=f"Samples of {features} numbers, or rows of as many; each counts once",
-                every_message=True,
-            ),
-        )
-
-
-def _meanings(message: str) -> dict[str, Meaning]:
-    in_scope, verdict = "`field: in_scope` of SafeMLStatus", (("omission", False),)
-    meanings = {
-        "omission": Meaning(
-            (True,), refused="an omission is also silence", instead=f"NOT of it, or {in_scope}"
-        ),
-        "odd_violation": Meaning(
-            valid_where=(ValidityField(message, "omission", value=False),),
-            refused="`odd_violation` has no meaning while there is no verdict",
-            instead=f"{in_scope}, or `NOT omission` with it",
-            known=verdict,
-        ),
-    }
-    if message == "SafeMLStatus":
-        meanings["in_scope"] = Meaning(
-            (False,),
-            refused="`in_scope` is false also when there is no verdict",
-            instead="`NOT omission AND odd_violation`: known to be a violation",
-            known=verdict,
-        )
-    return meanings
+        return plan(settings, self.data.reference, single=settings.input_dtype == "float32")

@@ -15,7 +15,7 @@ from eddi_runtime.safeml import Axes
 from eddi_runtime.safeml.arrays import rounded
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import Place, Problem
+from eddi_scaffold.common.problems import Place
 
 NAME = "safeml"
 Rows = npt.NDArray[np.float64]
@@ -103,25 +103,6 @@ class SafeMLFile:
     reference: ReferenceSample
 
 
-@dataclass(frozen=True)
-class DesignSpec:
-    """What is tested.
-
-    Attributes:
-        components: principal components; ``None``: the features themselves.
-        standardize: divide features by their standard deviation before.
-        residual: test what the components leave out as well.
-        halves: the first half of the rows is the reference, the second one gives the axes.
-        single: samples come as float32, so the reference is rounded to float32 first.
-    """
-
-    components: int | None = None
-    standardize: bool = False
-    residual: bool = False
-    halves: bool = False
-    single: bool = False
-
-
 def split(rows: Rows, *, halves: bool) -> tuple[Rows, Rows]:
     """Return the rows that are the reference, and those that axes and calibration come from."""
     middle = len(rows) // 2
@@ -154,7 +135,11 @@ class Design:
 
     Args:
         rows: (rows, d), finite, in time order.
-        spec: what is tested.
+        components: principal components; ``None``: the features themselves are tested.
+        standardize: divide features by their standard deviation before.
+        residual: test what the components leave out as well.
+        halves: the first half of the rows is the reference, the second one gives the axes.
+        single: samples come as float32, so the reference is rounded to float32 first.
 
     Attributes:
         labels: name of each test for people.
@@ -164,18 +149,27 @@ class Design:
         reference: (K, n), each row ascending.
     """
 
-    def __init__(self, rows: Rows, spec: DesignSpec) -> None:
-        rows = rounded(rows, single=spec.single)
-        reference, other = split(rows, halves=spec.halves)
+    def __init__(
+        self,
+        rows: Rows,
+        *,
+        components: int | None = None,
+        standardize: bool = False,
+        residual: bool = False,
+        halves: bool = False,
+        single: bool = False,
+    ) -> None:
+        rows = rounded(rows, single=single)
+        reference, other = split(rows, halves=halves)
         self.labels: Sequence[str] = [f"feature {k}" for k in range(rows.shape[1])]
         self.table: Rows | None = None
         self.floor: float | None = None
         self._axes: Axes | None = None
-        if spec.components is None:
+        if components is None:
             self.sample = self.reference = np.sort(self.series(reference), axis=1)
             return
-        self.table, _ = principal_axes(other, spec.components, standardize=spec.standardize)
-        if spec.residual:
+        self.table, _ = principal_axes(other, components, standardize=standardize)
+        if residual:
             centre, scale = self.table[:2]
             longest = np.sqrt((((other - centre) / scale) ** 2).sum(axis=1).max())
             self.floor = _NEGLIGIBLE * float(longest)
@@ -214,29 +208,30 @@ class Plan:
     Statistics and thresholds are whole numbers n m D for Kolmogorov-Smirnov.
 
     Attributes:
-        spec: what is tested, as the runtime needs it.
         design: the tests, and the reference in their form.
-        n: size of the reference sample.
+        single: samples come as float32.
         level: significance level of one test.
         theoretical: threshold for independent samples.
         calibration: ``None`` when samples count as independent.
         threshold: what is used; never below the theoretical one.
         method: how the theoretical threshold was found: ``exact``, ``asymptotic`` or ``limit``.
         autocorrelation: the largest of neighbouring reference values, and the test it is of.
-        constant: features that never change in the reference.
     """
 
     settings: SafeMLSettings
-    spec: DesignSpec
-    design: Design = field(compare=False)  # made of the reference by the specification
-    n: int
+    design: Design = field(compare=False)  # made of settings and reference
+    single: bool
     level: float
     theoretical: float
     calibration: Calibration | None
     threshold: float
     method: str
     autocorrelation: tuple[float, int]
-    constant: tuple[int, ...]
+
+    @property
+    def n(self) -> int:
+        """Size of the reference sample."""
+        return len(self.design.reference[0])
 
     @property
     def labels(self) -> Sequence[str]:
@@ -252,13 +247,6 @@ class Plan:
         """Return a statistic as people know it: D for Kolmogorov-Smirnov."""
         is_whole = self.settings.metric == "ks"
         return statistic / (self.n * self.settings.window_size) if is_whole else statistic
-
-
-class Planned(NamedTuple):
-    """A plan, ``None`` when there is an error, and all problems."""
-
-    plan: Plan | None
-    problems: tuple[Problem, ...]
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.kinds.safeml.scope import METRIC_NAMES, METRICS, SafeMLFile, SafeMLSettings
-from eddi_scaffold.yaml_text.nodes import (
-    Node,
-    Scalar,
-    as_text,
-    describe,
-    is_null,
-    read_map,
-    value_11,
-)
+from eddi_scaffold.yaml_text import nodes as y
 
 MAX_WINDOW = 1_000_000
 _REQUIRED = {
@@ -33,12 +25,8 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]:
-    """Read a configuration.
-
-    Returns:
-        The settings, ``None`` when a problem is an error (L001), and all problems.
-    """
-    root, problems = read_map(source, "L001")
+    """Read a configuration, ``None`` when a problem is an error (L001)."""
+    root, problems = y.read_map(source, "L001")
     if root is None:
         return None, problems
     problems += [
@@ -57,9 +45,9 @@ def read_settings(source: Source) -> tuple[SafeMLSettings | None, list[Problem]]
         try:
             values[key] = read(node)
         except (TypeError, ValueError):
-            fields = {"key": key, "expected": expected, "actual": describe(node)}
+            fields = {"key": key, "expected": expected, "actual": y.describe(node)}
             problems.append(
-                problem("L001.value", node.place, hint=_hint(key, as_text(node)), **fields)
+                problem("L001.value", node.place, hint=_hint(key, y.as_text(node)), **fields)
             )
     if problems:
         return None, problems
@@ -76,9 +64,9 @@ def _hint(key: str, text: str | None) -> str | None:
     return None
 
 
-def _number(node: Node) -> float:
+def _number(node: y.Node) -> float:
     """Return a number; a text is one when it reads as one (YAML 1.1 takes ``1e-3`` as a text)."""
-    value = value_11(node) if isinstance(node, Scalar) else None
+    value = y.value_11(node) if isinstance(node, y.Scalar) else None
     if isinstance(value, str) and len(value) <= 64 and _NUMBER.fullmatch(value):
         value = float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -88,53 +76,53 @@ def _number(node: Node) -> float:
     return value
 
 
-def _integer(node: Node, low: int, high: int) -> int:
+def _integer(node: y.Node, low: int, high: int) -> int:
     value = _number(node)
     if value != int(value) or not low <= value <= high:
         raise ValueError
     return int(value)
 
 
-def _components(node: Node) -> int | None:
-    return None if is_null(node) else _integer(node, 0, 10**9) or None
+def _components(node: y.Node) -> int | None:
+    return None if y.is_null(node) else _integer(node, 0, 10**9) or None
 
 
-def _between_0_and(high: float, node: Node) -> float:
+def _between_0_and(high: float, node: y.Node) -> float:
     value = _number(node)
     if not 0.0 < value < high:
         raise ValueError
     return float(value)
 
 
-def _text(node: Node) -> str:
-    text = as_text(node)
+def _text(node: y.Node) -> str:
+    text = y.as_text(node)
     if not text or "\0" in text:
         raise ValueError
     return text
 
 
-def _boolean(node: Node) -> bool:
-    value = value_11(node) if isinstance(node, Scalar) else None
+def _boolean(node: y.Node) -> bool:
+    value = y.value_11(node) if isinstance(node, y.Scalar) else None
     if not isinstance(value, bool):
         raise TypeError
     return value
 
 
-def _choice(known: Mapping[str, str], node: Node) -> str:
-    text = as_text(node)
+def _choice(known: Mapping[str, str], node: y.Node) -> str:
+    text = y.as_text(node)
     if text is None or text not in known:
         raise ValueError
     return known[text]
 
 
-def _one_of(*known: str) -> tuple[Callable[[Node], str], str]:
+def _one_of(*known: str) -> tuple[Callable[[y.Node], str], str]:
     expected = " or ".join(known) if len(known) < 3 else f"one of {', '.join(known)}"
     return partial(_choice, dict(zip(known, known, strict=True))), expected
 
 
 _BOOLEAN = (_boolean, "true or false")
 _FROM_1 = "a whole number from 1 on"
-KEYS: Mapping[str, tuple[Callable[[Node], Any], str]] = {
+KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
     "window_size": (
         partial(_integer, low=1, high=MAX_WINDOW),
         f"a whole number of samples from 1 to {MAX_WINDOW}",

@@ -89,8 +89,8 @@ def detectable_shift(plan: Plan) -> float | None:
 
 def _facts(plan: Plan) -> Sequence[str]:
     tests = f"{plan.tests} tests" if plan.tests > 1 else "one test"
-    kinds = "features" if plan.spec.components is None else "principal components"
-    residual = " and the residual" if plan.spec.residual else ""
+    kinds = "features" if plan.design.table is None else "principal components"
+    residual = " and the residual" if plan.design.floor is not None else ""
     how = f" ({plan.method}, for independent samples)"
     if plan.calibration:
         theoretical = f"{plan.scale(plan.theoretical):.4g}, {plan.method}"

@@ -27,9 +27,8 @@ _LARGE, _SMALL = 1e250, 1e-250
 def theoretical(metric: Metric, n: int, m: int, level: float) -> tuple[float, str]:
     """Return the critical value of one test and how it was found.
 
-    Returns:
-        Kolmogorov-Smirnov: the whole number n m D, ``exact`` or ``asymptotic``. The others: the
-        statistic, ``limit``.
+    It is the whole number n m D of Kolmogorov-Smirnov (``exact`` or ``asymptotic``), or the
+    statistic (``limit``).
     """
     if metric != "ks":
         return critical_value(metric, level, n, m), "limit"
@@ -84,19 +83,14 @@ def ks_tail(n: int, m: int, scaled: int) -> float:
             shift = math.frexp(peak)[1]
             paths[first : last + 1] = np.ldexp(paths[first : last + 1], -shift)
             exponent += shift
-    inside = _log_ratio(float(paths[n]), exponent, math.comb(n + m, n))
-    return -math.expm1(inside)
-
-
-def _log_ratio(mantissa: float, exponent: int, total: int) -> float:
-    """Return log(mantissa 2^exponent / total) without losing digits to large logarithms."""
-    if mantissa == 0.0:
-        return -math.inf
-    bits = total.bit_length()
-    share = total >> max(0, bits - 64)
-    shift = exponent - max(0, bits - 64)
-    fraction, more = math.frexp(mantissa / float(share))
-    return min(0.0, math.log(fraction) + (shift + more) * math.log(2.0))
+    if paths[n] == 0.0:
+        return 1.0
+    # log(paths 2^exponent / total) without losing digits to large logarithms
+    total = math.comb(n + m, n)
+    shift = max(0, total.bit_length() - 64)
+    fraction, more = math.frexp(float(paths[n]) / float(total >> shift))
+    log_inside = math.log(fraction) + (exponent - shift + more) * math.log(2.0)
+    return -math.expm1(min(0.0, log_inside))
 
 
 def can_fire(metric: Metric, n: int, m: int, level: float) -> bool:
@@ -185,9 +179,8 @@ def critical_value(metric: str, level: float, n: int, m: int) -> float:
 def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, float]], float]:
     """Return the law of ``cvm`` or ``ad`` for samples of n and m.
 
-    Returns:
-        (critical value, level), ascending values; and the growth of the value per unit of
-        -ln(level) beyond them. Both are empty where the statistic has no variance.
+    That are (critical value, level), ascending values, and the growth of the value per unit of
+    -ln(level) beyond them; both are empty where the statistic has no variance.
     """
     _, variance = moments(metric, n, m)
     if variance <= 0.0:

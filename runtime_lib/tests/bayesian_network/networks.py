@@ -10,7 +10,6 @@ from types import SimpleNamespace
 
 from eddi_runtime.bayesian_network.engine import Engine
 from eddi_runtime.bayesian_network.memory import Remembering
-from eddi_runtime.bayesian_network.readers import Declaration as ReaderDeclaration
 from eddi_runtime.bayesian_network.readers import Discretiser
 
 from eddi_scaffold.kinds.bayesian_network import inference_plan
@@ -21,6 +20,7 @@ from eddi_scaffold.kinds.bayesian_network.compile import (
     monitor_lines,
 )
 from eddi_scaffold.kinds.bayesian_network.discretisation import Declaration as NodeDeclaration
+from eddi_scaffold.kinds.bayesian_network.discretisation import reader_of
 from eddi_scaffold.kinds.bayesian_network.inference_plan import Width
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
@@ -86,7 +86,7 @@ def model(
 ):
     """Return a model; inputs are those that ``bins`` and ``direct`` name."""
     network = Network("net", tuple(nodes))
-    declarations, direct = declared(bins or {}), dict(direct or {})
+    declarations, direct = declared(bins or {}, network), dict(direct or {})
     names = dict.fromkeys([*(one.input for one in declarations), *direct.values()])
     inputs = (BoundInput(one, **{"attribute": one, **(specs or {}).get(one, {})}) for one in names)
     fed = {*direct, *(one.node for one in declarations)}
@@ -105,13 +105,18 @@ def model(
     return Model(network, options, Declaration("net", "", tuple(inputs)))
 
 
-def declared(bins):
-    """Return the declarations of nodes; a map may be written as one."""
-    found = []
-    for name, one in bins.items():
-        pairs = {"map": [*one["map"].items()]} if isinstance(one.get("map"), dict) else {}
-        found.append(NodeDeclaration(name, one["input"], "float", {**one, **pairs}))
-    return tuple(found)
+def declared(bins, network):
+    """Return the declarations of nodes."""
+    return tuple(
+        NodeDeclaration(name, one["input"], "float", reader(one, network.node(name).states))
+        for name, one in bins.items()
+    )
+
+
+def reader(one, states):
+    """Return what the runtime takes of an entry; a map may be written as one."""
+    pairs = {"map": [*one["map"].items()]} if isinstance(one.get("map"), dict) else {}
+    return reader_of({**one, **pairs}, states)
 
 
 def threshold(name="Low", node="Risk", states=("High",), hold_s=0.0, release=None, **limit):
@@ -154,8 +159,7 @@ def engine(net, outputs, observable, **options):
 def discretiser(given, states, spec):
     """Return the reader of a discretisation as a compiled monitor has it."""
     given = {key: value for key, value in given.items() if value is not None}
-    (one,) = declared({"N": given})
-    arguments = ReaderDeclaration(**one.reader_arguments(states))
+    arguments = reader(given, states)
     remembers = arguments.hysteresis or arguments.policy == "hold"
     return (Remembering if remembers else Discretiser)(arguments, spec)
 

@@ -7,7 +7,6 @@ import numpy as np
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.scope import (
     Design,
-    DesignSpec,
     Plan,
     ReferenceSample,
     SafeMLFile,
@@ -34,10 +33,9 @@ def scope(
     is_ks = metric == "ks"
     threshold = threshold or (28 if is_ks else 0.7)
     settings = SafeMLSettings(4, reference, 0.1, metric, stride=stride, **settings)
-    spec = DesignSpec(**(spec or {}))
-    design = Design(np.array(rows), spec)
-    n, lower = design.reference.shape[1], 24 if is_ks else 0.6
-    plan = Plan(settings, spec, design, n, 0.1, lower, None, threshold, "exact", (0.0, 0), ())
+    design = Design(np.array(rows), **(spec or {}))
+    single, lower = (spec or {}).get("single", False), 24 if is_ks else 0.6
+    plan = Plan(settings, design, single, 0.1, lower, None, threshold, "exact", (0.0, 0))
     file = SafeMLFile(settings, ReferenceSample(Source(reference, b""), np.array(rows)))
     keys = {"every_message": True, **dict(input_keys)}
     input_id = keys.pop("id", "sample")

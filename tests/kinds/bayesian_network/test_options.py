@@ -79,9 +79,9 @@ MISTAKES: list[tuple[object, str]] = [
     ({NODE: 3}, "B404.declaration"),
     ({NODE: {"bins": [1, 2]}}, "B404.input"),
     ({NODE: {**ENTRY, "input": "valu"}}, "B404.unknown_input"),
-    ({NODE: {**ENTRY, "order": "all"}}, "B404.order"),
+    ({NODE: {**ENTRY, "order": "all"}}, "B404.value"),
     ({NODE: {**ENTRY, "order": [STATES[0]] * 3}}, "B404.order_twice"),
-    ({NODE: {**ENTRY, "order": [True, *STATES[1:3]]}}, "B404.order"),
+    ({NODE: {**ENTRY, "order": [True, *STATES[1:3]]}}, "B404.value"),
     ({NODE: {"input": "value", "map": {"1": True}}}, "B404.state_name"),
     ({NODE: {**ENTRY, "order": ["near", *STATES[1:3]]}}, "B303.bin_state"),
     ({NODE: {**ENTRY, "offset": "1"}}, "B404.value"),
@@ -90,9 +90,9 @@ MISTAKES: list[tuple[object, str]] = [
     ({NODE: {**ENTRY, "range": [3, 1]}}, "B404.value"),
     ({NODE: {**ENTRY, "closed": "both"}}, "B404.value"),
     ({NODE: {**ENTRY, "allow_inf": 1}}, "B404.value"),
-    ({NODE: {"input": "value", "map": {}}}, "B404.map"),
-    ({NODE: {**ENTRY, "sentinel": -1}}, "B404.sentinel"),
-    ({NODE: {**ENTRY, "sentinel": [[-1]]}}, "B404.sentinel"),
+    ({NODE: {"input": "value", "map": {}}}, "B404.value"),
+    ({NODE: {**ENTRY, "sentinel": -1}}, "B404.value"),
+    ({NODE: {**ENTRY, "sentinel": [[-1]]}}, "B404.value"),
 ]
 
 

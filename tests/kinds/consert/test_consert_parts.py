@@ -74,8 +74,8 @@ def test_what_a_configuration_chooses(values, chosen):
     ("values", "code"),
     [
         ({"guarantee_ids": "both"}, "K003"),
-        ({"debounce": 0}, "K003"),
-        ({"debounce": True}, "K003"),
+        ({"debounce": 0}, "K028"),
+        ({"debounce": True}, "K028"),
         ({"debounce": 10**9}, "K028"),
         ({"filter": "majority"}, "K003"),
         ({"filter": {}}, "K028"),

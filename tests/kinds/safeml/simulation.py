@@ -19,7 +19,7 @@ from eddi_runtime.safeml.comparison import Comparison
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds.safeml.calibration import largest_statistics
 from eddi_scaffold.kinds.safeml.plan import plan
-from eddi_scaffold.kinds.safeml.scope import Design, Metric, Plan, ReferenceSample, SafeMLSettings
+from eddi_scaffold.kinds.safeml.scope import Metric, Plan, ReferenceSample, SafeMLSettings
 
 Rows = Any
 """numpy.ndarray (rows, features)."""
@@ -59,14 +59,14 @@ FAULTS: Mapping[str, Callable[[Rows, np.random.Generator], Rows]] = {
 def planned(rows: Rows, metric: Metric, components: int | None, **more: Any) -> Plan:
     """Return the plan of a reference; the configuration is SESAME D7.2's but for what is given."""
     settings = SafeMLSettings(WINDOW, "", LEVEL, metric, n_components=components, **more)
-    found = plan(settings, ReferenceSample(Source("", b""), rows), single=False)
-    assert found.plan is not None, found.problems
-    return found.plan
+    made, problems = plan(settings, ReferenceSample(Source("", b""), rows), single=False)
+    assert made is not None, problems
+    return made
 
 
 def rate(rows: Rows, made: Plan, stream: Rows) -> float:
     """Return the share of separate windows of a stream that are a violation."""
-    design = Design(rows, made.spec)
+    design = made.design
     comparison = Comparison(made.settings.metric, design.reference, WINDOW)
     maxima = largest_statistics(comparison, design.series(stream), stride=1, distance=WINDOW)
     return float((maxima >= made.threshold).mean())

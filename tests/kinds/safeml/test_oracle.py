@@ -116,7 +116,7 @@ def planned(case: dict[str, Any]) -> Plan:
         calibration="stream",
         calibration_stride=case["stride"],
     )
-    made = plan(settings, ReferenceSample(Source("", b""), recipe(case)), single=False).plan
+    made = plan(settings, ReferenceSample(Source("", b""), recipe(case)), single=False)[0]
     assert made is not None
     return made
 

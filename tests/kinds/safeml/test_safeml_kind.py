@@ -60,7 +60,7 @@ def test_the_reference_travels(tmp_path: Path) -> None:
     assert monitor.compiled.tables == {}
     assert (monitor.facts.id, monitor.facts.inputs[0].timeout_s) == ("scope", 1.0)
     assert running.digest == monitor.facts.digest
-    assert monitor.model.options.plan.spec.single
+    assert monitor.model.options.plan.single
 
 
 def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_element_type(type_: str, key: str, dtype: str, tmp_path: Path) -> None:
     if "Laser" in type_:
         connected = connected.replace("field: data", "field: ranges")
     monitor, _ = joined(tmp_path, ROWS, connected, **FIGURE, input_dtype=key)
-    assert monitor.model.options.plan.spec.single == (dtype == "float32")
+    assert monitor.model.options.plan.single == (dtype == "float32")
 
 
 def test_without_a_configuration(tmp_path: Path) -> None:
@@ -119,7 +119,7 @@ def test_without_a_configuration(tmp_path: Path) -> None:
     (input_,) = monitor.facts.inputs
     assert monitor.facts.id == "safeml_config"
     assert (input_.id, input_.timeout_s) == (DEFAULT_INPUT, None)
-    assert not monitor.model.options.plan.spec.single
+    assert not monitor.model.options.plan.single
 
 
 def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
@@ -141,11 +141,11 @@ def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
 
 def test_axes_come_from_the_other_half(tmp_path: Path) -> None:
     plan = plan_of(tmp_path, n_components=1, calibration="iid")
-    assert (plan.spec.halves, plan.n, plan.tests) == (True, 150, 2)
+    assert (plan.n, plan.tests) == (150, 2)
     plan = plan_of(tmp_path, calibration="iid")
-    assert (plan.spec.halves, plan.n, plan.tests) == (False, 300, 2)
+    assert (plan.n, plan.tests) == (300, 2)
     plan = plan_of(tmp_path, n_components=2)
-    assert plan.spec.residual is False  # nothing is left out
+    assert plan.design.floor is None  # nothing is left out
 
 
 def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:

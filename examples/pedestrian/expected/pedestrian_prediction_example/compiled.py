@@ -9,7 +9,7 @@ from .eddi_runtime import InputSpec, bayesian_network
 from .eddi_runtime.bayesian_network import readers, tables
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, bayesian_network: 3})
-# sha256 of the lines below: f31aa049b2d2cee6609587972ab9ccf15c296bca462f09c66f7704cb26ee2e7e
+# sha256 of the lines below: d7bd13d37422421c1895ed8bcdc209200f98ad1b055fe7cd3d01fabc470236ad
 
 
 def part_0_0_total(v):
@@ -177,7 +177,7 @@ all_part_0 = bayesian_network.Part(
 
 class Monitor(bayesian_network.BayesianNetworkMonitor):
     model_id = "pedestrian_prediction_example"
-    digest = "0e689822abc79f01676bcd6feee37f90d9d56c2373631a5e0fce78f6f38baef9"
+    digest = "e44704def37c3255062c078c6bd73c6970f5d98a9388599e0bf43a735ef7ebc6"
     inputs = (
         InputSpec("vehicleSpeed", "vehicleSpeed", requires=("speed",), max_age=0.5),
         InputSpec("pedestrianDistance", "pedestrianDistance", requires=("distance",), max_age=0.5),

@@ -8,12 +8,12 @@ from . import eddi_runtime
 from .eddi_runtime import InputSpec, safeml
 
 eddi_runtime.needs(__file__, {eddi_runtime: 1, safeml: 1})
-# sha256 of the lines below: c7e141308d501e51c968a5d3fbe562b1eec524d517f9603a1b96660762bc71b6
+# sha256 of the lines below: 949d61c9b576b4192086e41dcfa140c7de8a21fdcec6e7685c4576dc609ced63
 
 
 class Monitor(safeml.SafeML):
     model_id = "camera_scope"
-    digest = "5a215578049635332dfe6ea8e26309b53e75804d7807e93d8ba914309bd537f8"
+    digest = "7500162b9003eb76a12fbe8c6926bea14a6c6e884246d1afae2c597de49a368e"
     inputs = (InputSpec("frame", "frame", requires=("features",), every_message=True),)
     metric = "ad"
     metric_name = "AndersonDarlingDistance"
