@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
+    from eddi_scaffold.packages.running import Packaged
     from eddi_scaffold.recordings.csv_recording import Recording
-    from eddi_scaffold.recordings.packaged import Packaged
     from eddi_scaffold.recordings.playing import Playback
 
 
@@ -169,7 +169,7 @@ def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None
         return None
     if len(files) > 1 or any(others):
         raise EddiError(problem("G000.package", Place(str(folder))))
-    from eddi_scaffold.recordings.packaged import load
+    from eddi_scaffold.packages.running import load
 
     return load(folder)
 

@@ -15,7 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from eddi_scaffold.recordings.packaged import load
+from eddi_scaffold.packages.running import load
 from tests.connect.test_robots import consert, decided
 from tests.data_files import data_file
 from tests.e2e.robot import Run, end

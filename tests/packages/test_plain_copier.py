@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.packages import assembly
-from eddi_scaffold.recordings.packaged import load
+from eddi_scaffold.packages.running import load
 from tests.cli.command import ROOT, files_below, run, template
 
 pytestmark = pytest.mark.slow

@@ -13,9 +13,9 @@ from types import SimpleNamespace
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
+from eddi_scaffold.packages.running import load
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
-from eddi_scaffold.recordings.packaged import load
 from tests.kinds.safeml.monitors import CONNECTED, lay
 
 _CHANCE = random.Random(1)
