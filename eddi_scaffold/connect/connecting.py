@@ -61,25 +61,15 @@ from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 
 @dataclass(frozen=True)
 class DraftResult:
-    """A draft.
+    """A draft."""
 
-    Attributes:
-        name: of the configuration.
-        before: its text, ``None`` when there is no file.
-        after: its new text.
-        decisions: one for each input of the model.
-        kept: inputs that were decided before.
-        problems: of the robot, and of the configuration.
-        todo: how many values are still to be decided.
-    """
-
-    name: str
-    before: str | None
-    after: str
-    decisions: Sequence[Decision]
-    kept: frozenset[str]
-    problems: Sequence[Problem]
-    todo: int
+    name: str  # of the configuration
+    before: str | None  # its text, `None` when there is no file
+    after: str  # its new text
+    decisions: Sequence[Decision]  # one for each input of the model
+    kept: frozenset[str]  # inputs that were decided before
+    problems: Sequence[Problem]  # of the robot, and of the configuration
+    todo: int  # how many values are still to be decided
 
     @property
     def is_changed(self) -> bool:

@@ -44,15 +44,10 @@ _FEW = 3
 
 @dataclass(frozen=True)
 class Age:
-    """When the messages of a topic are too old.
+    """When the messages of a topic are too old."""
 
-    Attributes:
-        seconds: the limit.
-        why: where it is from; empty where a person said so.
-    """
-
-    seconds: float
-    why: str
+    seconds: float  # the limit
+    why: str  # where it is from; empty where a person said so
 
     def line(self) -> str:
         """Return it as a line of an entry."""
@@ -113,20 +108,13 @@ def age_line(topic: RobotTopic, ages: Mapping[str, Age]) -> str | None:
 
 @dataclass(frozen=True)
 class EntryDraft:
-    """One entry of ``EDDIInputs``.
-
-    Attributes:
-        why: its comments.
-        source: the lines that say where the value comes from.
-        taken: keys and texts of these where nothing is open.
-        age: line of the age limit, empty where the input needs none.
-    """
+    """One entry of ``EDDIInputs``."""
 
     id: str
-    why: tuple[str, ...]
-    source: tuple[str, ...]
-    taken: Mapping[str, str]
-    age: str
+    why: tuple[str, ...]  # its comments
+    source: tuple[str, ...]  # the lines that say where the value comes from
+    taken: Mapping[str, str]  # keys and texts of these where nothing is open
+    age: str  # line of the age limit, empty where the input needs none
 
     def lines(self) -> list[str]:
         """Return the whole entry, without indentation."""

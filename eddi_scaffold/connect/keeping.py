@@ -27,23 +27,15 @@ _HEAD = (
 
 @dataclass(frozen=True)
 class Draft:
-    """What a configuration should say.
+    """What a configuration should say."""
 
-    Attributes:
-        model: keys of ``Model:`` of a new configuration.
-        options: keys of ``Model:`` that are added where they are missing.
-        notes: key path of an option -> what there is to decide.
-        entries: of ``EDDIInputs``.
-        outputs: of ``EDDIOutputs``.
-        ages: id of a simulator output -> line of the age limit, empty where it needs none, ``None``
-            where it is not known.
-    """
-
-    model: Mapping[str, JsonValue]
-    options: Mapping[str, JsonValue]
-    notes: Mapping[tuple[str, ...], str]
-    entries: Sequence[EntryDraft]
-    outputs: Sequence[Mapping[str, JsonValue]]
+    model: Mapping[str, JsonValue]  # keys of `Model:` of a new configuration
+    options: Mapping[str, JsonValue]  # keys of `Model:` that are added where they are missing
+    notes: Mapping[tuple[str, ...], str]  # key path of an option -> what there is to decide
+    entries: Sequence[EntryDraft]  # of `EDDIInputs`
+    outputs: Sequence[Mapping[str, JsonValue]]  # of `EDDIOutputs`
+    # id of a simulator output -> line of the age limit, empty where it needs none, `None` where it
+    # is not known
     ages: Mapping[str, str | None] = field(default_factory=dict)
 
 

@@ -45,38 +45,26 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class Decision:
-    """What is known of the topic of an input.
-
-    Attributes:
-        state: ``taken``: the first candidate is written; ``listed``: a person decides; ``none``.
-        candidates: the best one of each topic, best first.
-        lead: points between the taken one and the next of any topic, ``None`` without a next one.
-        missed: where there are none.
-    """
+    """What is known of the topic of an input."""
 
     need: InputNeed
+    # `taken`: the first candidate is written; `listed`: a person decides; `none`
     state: Literal["taken", "listed", "none"]
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[Candidate, ...] = ()  # the best one of each topic, best first
+    # points between the taken one and the next of any topic, `None` without a next one
     lead: int | None = None
-    missed: NearMiss | None = None
+    missed: NearMiss | None = None  # where there are none
 
 
 @dataclass(frozen=True)
 class Fulfilment:
-    """An output of another monitor that fulfils an input.
-
-    Attributes:
-        field: path of the output in the message.
-        why: for a comment.
-        key: name of the output.
-        is_sure: it fulfils the input; else a person decides.
-    """
+    """An output of another monitor that fulfils an input."""
 
     topic: RobotTopic
-    field: str
-    why: str
-    key: str = ""
-    is_sure: bool = True
+    field: str  # path of the output in the message
+    why: str  # for a comment
+    key: str = ""  # name of the output
+    is_sure: bool = True  # it fulfils the input; else a person decides
 
 
 def decide(

@@ -81,29 +81,19 @@ def _likeness(first: str, second: str, synonyms: Synonyms) -> float:
 
 @dataclass(frozen=True)
 class InputNeed:
-    """What an input needs.
-
-    Attributes:
-        unit: of the model; ``""`` for a ratio, ``None`` where it has none or is not known.
-        description: of the model, for people.
-        is_demand: only the output of another monitor can fulfil it.
-        needs_age: a value that is too old would be dangerous.
-        states: names of the states of one that is a state.
-        timeout: seconds after which the model takes it as unknown.
-        synonyms: words that mean the same on this robot.
-        events: of the EDDI, that say when it holds, with their conditions.
-    """
+    """What an input needs."""
 
     id: str
     type: InputType
+    # of the model; `""` for a ratio, `None` where it has none or is not known
     unit: str | None = None
-    description: str = ""
-    is_demand: bool = False
-    needs_age: bool = True
-    states: tuple[str, ...] = ()
-    timeout: float | None = None
-    synonyms: Synonyms = frozenset()
-    events: tuple[str, ...] = ()
+    description: str = ""  # of the model, for people
+    is_demand: bool = False  # only the output of another monitor can fulfil it
+    needs_age: bool = True  # a value that is too old would be dangerous
+    states: tuple[str, ...] = ()  # names of the states of one that is a state
+    timeout: float | None = None  # seconds after which the model takes it as unknown
+    synonyms: Synonyms = frozenset()  # words that mean the same on this robot
+    events: tuple[str, ...] = ()  # of the EDDI, that say when it holds, with their conditions
 
     @cached_property
     def words(self) -> Sequence[str]:

@@ -48,17 +48,11 @@ _ONLY, _COMPONENT, _NO_INFRASTRUCTURE = "--only", "--component", "--exclude-infr
 
 @dataclass(frozen=True)
 class Filters:
-    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``.
+    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``."""
 
-    Attributes:
-        topics: any match keeps; empty keeps all.
-        components: the same for a component that provides the topic.
-        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
-            and ``lifecycle_msgs``.
-    """
-
-    topics: tuple[str, ...] = ()
-    components: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()  # any match keeps; empty keeps all
+    components: tuple[str, ...] = ()  # the same for a component that provides the topic
+    # leave out types of `dynamic_reconfigure`, `rcl_interfaces`, `bond` and `lifecycle_msgs`
     no_infrastructure: bool = False
 
     def keeps(self, name: str) -> bool:
@@ -101,19 +95,13 @@ def _matches(names: Iterable[str], *globs: str) -> bool:
 
 @dataclass(frozen=True)
 class Robot:
-    """A system and the models of its nodes, as files of this machine.
+    """A system and the models of its nodes, as files of this machine."""
 
-    Attributes:
-        folder: of the models.
-        path: of the system.
-        problems: of the files.
-    """
-
-    folder: Path
-    path: Path
+    folder: Path  # of the models
+    path: Path  # of the system
     system: System
     models: Models
-    problems: tuple[Problem, ...]
+    problems: tuple[Problem, ...]  # of the files
 
     def located(self, problems: Iterable[Problem]) -> list[Problem]:
         """Return problems with files as a person can open them, not relative to the models."""
@@ -130,19 +118,13 @@ class Robot:
 
 @dataclass(frozen=True)
 class Parsed:
-    """What a run found, and what the configuration becomes.
-
-    Attributes:
-        problems: files relative to the directory of models.
-        before: text of the configuration, ``None`` when there is no file.
-        after: its new text; the old one where there are errors and nothing resolved.
-    """
+    """What a run found, and what the configuration becomes."""
 
     robot: Robot
     outputs: Outputs
-    problems: tuple[Problem, ...]
-    before: str | None
-    after: str
+    problems: tuple[Problem, ...]  # files relative to the directory of models
+    before: str | None  # text of the configuration, `None` when there is no file
+    after: str  # its new text; the old one where there are errors and nothing resolved
 
     @property
     def is_changed(self) -> bool:

@@ -73,18 +73,14 @@ _AXES: Mapping[tuple[str, ...], frozenset[str]] = {
 
 @dataclass(frozen=True)
 class Candidate:
-    """A value of a topic that might fill an input.
-
-    Attributes:
-        parts: what the score is made of: name, unit, prior, type, and what counts against it.
-        reasons: the same in words, for a comment.
-    """
+    """A value of a topic that might fill an input."""
 
     topic: RobotTopic
     leaf: TopicField
     access: FieldUse
+    # what the score is made of: name, unit, prior, type, and what counts against it
     parts: Mapping[str, int]
-    reasons: Sequence[str] = ()
+    reasons: Sequence[str] = ()  # the same in words, for a comment
 
     @property
     def score(self) -> int:

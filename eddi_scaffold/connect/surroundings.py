@@ -30,25 +30,17 @@ _SILENT = (False,)
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is given beside the model.
+    """What is given beside the model."""
 
-    Attributes:
-        system: a ``.rossystem``.
-        models: the directory of its node models.
-        configs: of other monitors.
-        default_guarantees: their names.
-        ages: full name of a topic -> when its messages are too old.
-        topics: full name -> type, of those that were recorded.
-        types: of their messages.
-    """
-
-    system: Path | None = None
-    models: Path | None = None
-    configs: Sequence[Path] = ()
-    default_guarantees: Sequence[str] = ()
+    system: Path | None = None  # a `.rossystem`
+    models: Path | None = None  # the directory of its node models
+    configs: Sequence[Path] = ()  # of other monitors
+    default_guarantees: Sequence[str] = ()  # their names
+    # full name of a topic -> when its messages are too old
     ages: Mapping[str, Age] = field(default_factory=dict)
+    # full name -> type, of those that were recorded
     topics: Mapping[str, str] = field(default_factory=dict)
-    types: MessageFields = field(default_factory=dict)
+    types: MessageFields = field(default_factory=dict)  # of their messages
 
 
 def with_robot(

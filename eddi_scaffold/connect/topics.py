@@ -48,20 +48,15 @@ class RobotTopic(TopicEntry):
 
 @dataclass(frozen=True)
 class TopicField:
-    """One value of a message, or one element of a list of values.
+    """One value of a message, or one element of a list of values."""
 
-    Attributes:
-        path: names of fields, with ``[]`` behind a list and ``[7]`` behind one element of a matrix;
-            empty where the fields of the message are not known.
-        type: ``bool``, ``int``, ``float`` or ``str``; empty where it is not known.
-        units: in which it may be; none when it has none, ``None`` when that is not known.
-        is_only: the message holds nothing else.
-    """
-
+    # names of fields, with `[]` behind a list and `[7]` behind one element of a matrix; empty where
+    # the fields of the message are not known
     path: tuple[str, ...]
-    type: str
+    type: str  # `bool`, `int`, `float` or `str`; empty where it is not known
+    # in which it may be; none when it has none, `None` when that is not known
     units: tuple[str, ...] | None
-    is_only: bool = False
+    is_only: bool = False  # the message holds nothing else
 
     @cached_property
     def text(self) -> str:
@@ -133,19 +128,13 @@ def _fields(
 
 @dataclass(frozen=True)
 class FieldUse:
-    """What is written for an input.
+    """What is written for an input."""
 
-    Attributes:
-        key: ``field`` or ``expression``.
-        text: its value.
-        unit: the value is in this one, and converted; ``None`` where it is that of the model.
-        is_complete: nothing in it is left to a person.
-    """
-
-    key: Literal["field", "expression"]
-    text: str
+    key: Literal["field", "expression"]  # `field` or `expression`
+    text: str  # its value
+    # the value is in this one, and converted; `None` where it is that of the model
     unit: str | None = None
-    is_complete: bool = True
+    is_complete: bool = True  # nothing in it is left to a person
 
 
 def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:

@@ -38,21 +38,13 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True)
 class ExtensionMap:
-    """One map of ours.
+    """One map of ours."""
 
-    Attributes:
-        key: one of ``KEYS``, or an unknown one.
-        element: the map itself.
-        owner: the element that it stands on.
-        place: of the map.
-        values: in the order of the file.
-    """
-
-    key: str
-    element: Element
-    owner: Element
-    place: Place
-    values: tuple[Value, ...]
+    key: str  # one of `KEYS`, or an unknown one
+    element: Element  # the map itself
+    owner: Element  # the element that it stands on
+    place: Place  # of the map
+    values: tuple[Value, ...]  # in the order of the file
 
     @cached_property
     def model(self) -> str | None:

@@ -35,19 +35,12 @@ _STEPS = 1_000_000
 
 
 class Link(NamedTuple):
-    """An element that nothing monitors by itself, and that is linked with one that is monitored.
+    """An element that nothing monitors by itself, and that is linked with one that is monitored."""
 
-    Attributes:
-        class_name: its class as the file states it, or the feature that it is in.
-        name: its name, or else its ``gid``.
-        path: canonical fragment path.
-        line: of its element.
-    """
-
-    class_name: str
-    name: str
-    path: str
-    line: int | None
+    class_name: str  # its class as the file states it, or the feature that it is in
+    name: str  # its name, or else its `gid`
+    path: str  # canonical fragment path
+    line: int | None  # of its element
 
     def as_json(self) -> dict[str, str | int | None]:
         """Return the form in which a package remembers it."""
@@ -55,21 +48,13 @@ class Link(NamedTuple):
 
 
 class Linked(NamedTuple):
-    """An element of a monitored model with its links.
+    """An element of a monitored model with its links."""
 
-    Attributes:
-        element: what it is: the feature that it is in, or the tag of a value (``event``).
-        id: its name.
-        line: of it.
-        links: the nearest first.
-        is_cut: there are more.
-    """
-
-    element: str
-    id: str
-    line: int | None
-    links: tuple[Link, ...]
-    is_cut: bool = False
+    element: str  # what it is: the feature that it is in, or the tag of a value (`event`)
+    id: str  # its name
+    line: int | None  # of it
+    links: tuple[Link, ...]  # the nearest first
+    is_cut: bool = False  # there are more
 
     def as_json(self) -> dict[str, Any]:
         """Return the form in which a package remembers it."""

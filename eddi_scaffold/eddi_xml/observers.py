@@ -39,17 +39,11 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class _Event(NamedTuple):
-    """One event of the file.
+    """One event of the file."""
 
-    Attributes:
-        path: of the value that declares it.
-        is_hazard: its polarity is HAZARD.
-        uses: names in its condition.
-    """
-
-    path: str
-    is_hazard: bool
-    uses: frozenset[str]
+    path: str  # of the value that declares it
+    is_hazard: bool  # its polarity is HAZARD
+    uses: frozenset[str]  # names in its condition
 
 
 class Observed:

@@ -31,17 +31,11 @@ _LAST_LINE = 65535
 
 
 class Limits(NamedTuple):
-    """How large an untrusted model may be.
+    """How large an untrusted model may be."""
 
-    Attributes:
-        file_bytes: size of the file, checked before parsing.
-        attributes: of one element, which lxml looks up one by one.
-        reference_tokens: references in one attribute.
-    """
-
-    file_bytes: int = 64 * 1024 * 1024
-    attributes: int = 1000
-    reference_tokens: int = 100_000
+    file_bytes: int = 64 * 1024 * 1024  # size of the file, checked before parsing
+    attributes: int = 1000  # of one element, which lxml looks up one by one
+    reference_tokens: int = 100_000  # references in one attribute
 
 
 DEFAULT_LIMITS = Limits()

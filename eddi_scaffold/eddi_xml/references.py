@@ -23,15 +23,10 @@ _DEEPEST = 256
 
 
 class Fragment(NamedTuple):
-    """A parsed fragment path.
+    """A parsed fragment path."""
 
-    Attributes:
-        root: which root, 0 where there is one only.
-        segments: ``/@a.0/@b.3``, as written.
-    """
-
-    root: int
-    segments: str
+    root: int  # which root, 0 where there is one only
+    segments: str  # `/@a.0/@b.3`, as written
 
 
 def parse_fragment(text: str) -> Fragment | None:

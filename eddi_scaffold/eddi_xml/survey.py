@@ -217,21 +217,13 @@ _COUNTS: Mapping[str, Mapping[str, Count]] = {
 
 
 class Unread(NamedTuple):
-    """Packages and models of one class that nothing reads.
+    """Packages and models of one class that nothing reads."""
 
-    Attributes:
-        class_name: their class as the file states it, or the feature that they are in.
-        number: how many.
-        elements: number of elements, with all inside.
-        inside: class -> how many packages and models of it lie in them.
-        place: of the first one.
-    """
-
-    class_name: str
-    number: int
-    elements: int
-    inside: Mapping[str, int]
-    place: Place
+    class_name: str  # their class as the file states it, or the feature that they are in
+    number: int  # how many
+    elements: int  # number of elements, with all inside
+    inside: Mapping[str, int]  # class -> how many packages and models of it lie in them
+    place: Place  # of the first one
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``show --json``."""

@@ -31,15 +31,10 @@ def is_misprint(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Spelling:
-    """A name of the metamodel.
+    """A name of the metamodel."""
 
-    Attributes:
-        name: the name that we write.
-        also: other names that are read without a word.
-    """
-
-    name: str
-    also: tuple[str, ...] = ()
+    name: str  # the name that we write
+    also: tuple[str, ...] = ()  # other names that are read without a word
 
     @cached_property
     def folded(self) -> frozenset[str]:
@@ -57,17 +52,11 @@ class Spelling:
 
 @dataclass(frozen=True)
 class ClassName:
-    """The class of an object: package key and name, both folded.
+    """The class of an object: package key and name, both folded."""
 
-    Attributes:
-        package: last segment of the namespace URI (``failurelogic``), empty when unknown.
-        name: class name (``faulttree``), empty when the element does not give it.
-        printed: as the file has it, for messages.
-    """
-
-    package: str = ""
-    name: str = ""
-    printed: str = ""
+    package: str = ""  # last segment of the namespace URI (`failurelogic`), empty when unknown
+    name: str = ""  # class name (`faulttree`), empty when the element does not give it
+    printed: str = ""  # as the file has it, for messages
 
 
 def package_key(uri_or_prefix: str) -> str:

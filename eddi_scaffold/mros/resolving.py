@@ -25,19 +25,12 @@ LOST_TOPICS = ("M007.listed_only", "M023.missing")
 
 @dataclass(frozen=True)
 class Models:
-    """What a directory of models holds, with POSIX paths relative to it.
+    """What a directory of models holds, with POSIX paths relative to it."""
 
-    Attributes:
-        files: in the order of their paths.
-        systems: for sub-systems; in the order of their paths.
-        skipped: files that could not be read.
-        problems: of the files, which may be readable all the same.
-    """
-
-    files: tuple[RosModel, ...]
-    systems: tuple[System, ...] = ()
-    skipped: tuple[str, ...] = ()
-    problems: tuple[Problem, ...] = ()
+    files: tuple[RosModel, ...]  # in the order of their paths
+    systems: tuple[System, ...] = ()  # for sub-systems; in the order of their paths
+    skipped: tuple[str, ...] = ()  # files that could not be read
+    problems: tuple[Problem, ...] = ()  # of the files, which may be readable all the same
 
     @cached_property
     def definitions(self) -> Definitions:
@@ -61,13 +54,9 @@ class NodeModel:
 
 @dataclass(frozen=True)
 class InterfaceReference:
-    """What a system declares about where an interface is defined.
+    """What a system declares about where an interface is defined."""
 
-    Attributes:
-        package: empty in the form ``artifact::interface``, as is ``node``.
-    """
-
-    package: str
+    package: str  # empty in the form `artifact::interface`, as is `node`
     artifact: str
     node: str
     interface: str
@@ -166,19 +155,13 @@ def _dotted(model: NodeModel) -> str:
 
 @dataclass(frozen=True)
 class ResolvedInterface:
-    """One interface of one running node, with its definition.
-
-    Attributes:
-        listed: as the system names it; ``None`` where only the model does.
-        model: of its node.
-        interface: as the model names it.
-    """
+    """One interface of one running node, with its definition."""
 
     system: System
     component: Component
-    listed: SystemInterface | None
-    model: NodeModel
-    interface: Interface
+    listed: SystemInterface | None  # as the system names it; `None` where only the model does
+    model: NodeModel  # of its node
+    interface: Interface  # as the model names it
 
     @property
     def end(self) -> str:

@@ -22,27 +22,17 @@ _ESCAPE = re.compile(r"\\([\s\S])")
 
 @dataclass(eq=False)
 class MrosSyntaxError(ValueError):
-    """A file cannot be read.
+    """A file cannot be read."""
 
-    Attributes:
-        file: name of the file, as it was given.
-        line: counted from 1.
-        col: character in the line, counted from 1.
-        message: what is wrong, and what was expected.
-        source_line: text of the line.
-        case: ``SYNTAX``, ``FOREIGN_FORMAT`` (another language of the family) or ``EMPTY_FILE``.
-        format: of a foreign format, ``xmi`` or ``rossdl``; else ``""``.
-        dialect: ``brace`` or ``indent`` where that was known already.
-    """
-
-    file: str
-    line: int
-    col: int
-    message: str
-    source_line: str = ""
+    file: str  # name of the file, as it was given
+    line: int  # counted from 1
+    col: int  # character in the line, counted from 1
+    message: str  # what is wrong, and what was expected
+    source_line: str = ""  # text of the line
+    # `SYNTAX`, `FOREIGN_FORMAT` (another language of the family) or `EMPTY_FILE`
     case: Case = SYNTAX
-    format: str = ""
-    dialect: Dialect | None = None
+    format: str = ""  # of a foreign format, `xmi` or `rossdl`; else `""`
+    dialect: Dialect | None = None  # `brace` or `indent` where that was known already
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.col}: {self.message}"

@@ -27,17 +27,12 @@ _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
 @dataclass(frozen=True)
 class TopicEntry:
-    """One entry of ``SimulatorOutputs``.
-
-    Attributes:
-        type: ``package.Type``.
-        place: where it is written.
-    """
+    """One entry of ``SimulatorOutputs``."""
 
     id: str
-    type: str
+    type: str  # `package.Type`
     topic: str
-    place: Place = field(default=Place())
+    place: Place = field(default=Place())  # where it is written
 
 
 @dataclass(frozen=True)
@@ -57,25 +52,16 @@ class Topic(TopicEntry):
 
 @dataclass(frozen=True)
 class Outputs:
-    """What a system gives to listen to.
+    """What a system gives to listen to."""
 
-    Attributes:
-        topics: in the order of the system.
-        problems: errors and warnings of the system, not of the files it is made of.
-        components: number of nodes of the system itself.
-        publishers: number of publishers whose topic and type are known.
-        services: number of services, which cannot be listened to.
-        actions: number of actions; their topics come with ``include``.
-        is_complete: nothing was in the way of a topic; else the system may have more of them.
-    """
-
-    topics: tuple[Topic, ...]
+    topics: tuple[Topic, ...]  # in the order of the system
+    # errors and warnings of the system, not of the files it is made of
     problems: tuple[Problem, ...]
-    components: int
-    publishers: int
-    services: int
-    actions: int
-    is_complete: bool
+    components: int  # number of nodes of the system itself
+    publishers: int  # number of publishers whose topic and type are known
+    services: int  # number of services, which cannot be listened to
+    actions: int  # number of actions; their topics come with `include`
+    is_complete: bool  # nothing was in the way of a topic; else the system may have more of them
 
 
 def simulator_outputs(

@@ -124,16 +124,11 @@ def read_bag(
 
 @dataclass(frozen=True)
 class Contents:
-    """What a bag tells of a robot.
+    """What a bag tells of a robot."""
 
-    Attributes:
-        topics: full name -> type, of those that are not the monitors' own.
-        types: message type -> fields.
-        times: full name of a topic -> when its messages were recorded, in nanoseconds, ascending.
-    """
-
-    topics: Mapping[str, str]
-    types: MessageFields
+    topics: Mapping[str, str]  # full name -> type, of those that are not the monitors' own
+    types: MessageFields  # message type -> fields
+    # full name of a topic -> when its messages were recorded, in nanoseconds, ascending
     times: Mapping[str, Sequence[int]]
 
 

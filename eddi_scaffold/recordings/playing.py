@@ -31,15 +31,12 @@ Running = tuple["RuntimeMonitor[Any]", ReplayedNode]
 
 @dataclass(frozen=True)
 class StepRule:
-    """How a node steps.
+    """How a node steps."""
 
-    Attributes:
-        period: nanoseconds between two steps, ``None``: there are none but those at changes.
-        on_change: it also steps when something comes, or becomes too old; the period counts from
-            the last step then.
-    """
-
+    # nanoseconds between two steps, `None`: there are none but those at changes
     period: float | None
+    # it also steps when something comes, or becomes too old; the period counts from the last step
+    # then
     on_change: bool
 
 
@@ -57,25 +54,16 @@ def step_rule(monitor: BoundMonitor) -> StepRule:
 
 @dataclass(frozen=True)
 class PlayedMonitor:
-    """One monitor that is played.
+    """One monitor that is played."""
 
-    Attributes:
-        name: for people; empty when it is the only one.
-        running: the monitor; it begins anew.
-        node: it has received nothing yet.
-        rule: how it steps.
-        sources: topic -> ids by which the node knows its messages.
-        limits: id of a source -> the ages, in nanoseconds, that inputs allow it.
-        publisher: what others receive of it.
-    """
-
-    name: str
-    running: RuntimeMonitor[Any]
-    node: ReplayedNode
-    rule: StepRule
-    sources: Mapping[str, Sequence[str]]
+    name: str  # for people; empty when it is the only one
+    running: RuntimeMonitor[Any]  # the monitor; it begins anew
+    node: ReplayedNode  # it has received nothing yet
+    rule: StepRule  # how it steps
+    sources: Mapping[str, Sequence[str]]  # topic -> ids by which the node knows its messages
+    # id of a source -> the ages, in nanoseconds, that inputs allow it
     limits: Mapping[str, Collection[int]]
-    publisher: Publications | None = None
+    publisher: Publications | None = None  # what others receive of it
 
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:

@@ -70,19 +70,15 @@ class RobotView:
 
 @dataclass(frozen=True)
 class Change:
-    """One verdict in a new state, or of a monitor that fell silent or is back.
+    """One verdict in a new state, or of a monitor that fell silent or is back."""
 
-    Attributes:
-        t: seconds.
-        before: the state before, which is the same when the monitor falls silent or is back;
-            ``None``: it is seen for the first time.
-    """
-
-    t: float
+    t: float  # seconds
     robot: str
     monitor: str
     id: str
     state: State
+    # the state before, which is the same when the monitor falls silent or is back; `None`: it is
+    # seen for the first time
     before: State | None
     reasons: tuple[str, ...]
 
