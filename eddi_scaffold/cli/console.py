@@ -16,8 +16,7 @@ from typing import TextIO
 from eddi_scaffold.common.files import open_regular
 from eddi_scaffold.common.problems import EddiError, Problem, in_order, plural, problem
 
-MAX_LINE = 1024 * 1024
-"""Bytes of a longer line are not shown: the place could not be found in it."""
+MAX_LINE = 1024 * 1024  # bytes of a longer line are not shown: the place could not be found in it
 
 
 def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
@@ -50,8 +49,7 @@ def _lines(file: str, numbers: set[int]) -> Iterator[tuple[int, str]]:
 _COLOURS = {
     "error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1",
 }  # fmt: skip
-_WIDTH = 160
-"""Characters of a source line that are shown."""
+_WIDTH = 160  # characters of a source line that are shown
 
 
 class Console:
@@ -189,5 +187,4 @@ def _write(stream: TextIO | None, text: str) -> None:
             raise EddiError(problem("F002.output", reason=refused.strerror)) from None
 
 
-console = Console()
-"""The one console of the process; its flags are set by the command line."""
+console = Console()  # the one console of the process; its flags are set by the command line

@@ -36,10 +36,8 @@ _PERIODS = 2.5
 _SPARE = 1.2
 _OUTAGE = 10.0
 """Usual periods after which a pause is none of the rate: its source was dead, or switched off."""
-_RARE = 0.05
-"""Share of the gaps that may be such pauses; a topic with more has no period."""
-_FEW = 3
-"""Periods from which a recording says how often a topic is published."""
+_RARE = 0.05  # share of the gaps that may be such pauses; a topic with more has no period
+_FEW = 3  # periods from which a recording says how often a topic is published
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ _PICTURES = ("Image", "CameraInfo", "PointCloud2", "OccupancyGrid")
 _SIZE = re.compile("width|height|resolution|step|point_step|row_step|binning_[xy]")
 _ABOUT_UNCERTAINTY = ("uncertainty", "covariance", "deviation", "std", "variance", "accuracy")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
-_SURE = ((50, 8), (32, 15))
-"""Score and distance to the next candidate from which a topic is taken."""
+_SURE = ((50, 8), (32, 15))  # score and distance to the next candidate from which a topic is taken
 _LEAST_NAME = 15
 _LEAST = 25
 _MOST = 5

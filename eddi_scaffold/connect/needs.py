@@ -10,8 +10,7 @@ from os.path import commonprefix
 
 from eddi_scaffold.kinds import InputType
 
-Synonyms = frozenset[frozenset[str]]
-"""Groups of words; those of a group mean the same."""
+Synonyms = frozenset[frozenset[str]]  # groups of words; those of a group mean the same
 _SYNONYMS: Synonyms = frozenset(
     frozenset(group.split())
     for group in (
@@ -49,8 +48,7 @@ _SAYING_NOTHING = frozenset([
 _BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _LONG = 4
 _COMMON = 5
-MEANS_THE_SAME = 0.7
-"""From this match on, a word is taken for another one."""
+MEANS_THE_SAME = 0.7  # from this match on, a word is taken for another one
 
 
 @cache

@@ -10,8 +10,7 @@ from eddi_scaffold.common import units
 from eddi_scaffold.connect.needs import MEANS_THE_SAME, InputNeed, words
 from eddi_scaffold.connect.topics import FieldUse, RobotTopic, TopicField, access
 
-_TELLING = 14
-"""From so many points on, the message alone explains the words of its row."""
+_TELLING = 14  # from so many points on, the message alone explains the words of its row
 _NAME = 50
 ALARM = "true may be bad"
 """Part of a candidate that may be true where the input is false; it is never taken."""

@@ -24,8 +24,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.mros.directory import load_models
 
-_SILENT = (False,)
-"""What a field may be while nothing is known, that evidence may be made of."""
+_SILENT = (False,)  # what a field may be while nothing is known, that evidence may be made of
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ from eddi_scaffold.mros.topics import TopicEntry
 
 FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
-_MOST = 1000
-"""Fields of a message that are looked at, with those inside of its fields."""
+_MOST = 1000  # fields of a message that are looked at, with those inside of its fields
 _MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
 _SCANS = ("LaserScan", "MultiEchoLaserScan")
 _DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")

@@ -28,8 +28,7 @@ _TEXTS = frozenset({"content", "description", "gid", "id", "key", "name", "tag",
 """Attributes that refer to nothing."""
 _MAPS = "keyvaluemaps"
 _TRACE = {"odeelement", "sacmelement"}
-_MOST = 100
-"""Links of one element; an EDDI in which everything refers to everything has more."""
+_MOST = 100  # links of one element; an EDDI in which everything refers to everything has more
 _STEPS = 1_000_000
 """Along references, for all elements together: a broken file may have no end of them."""
 
@@ -67,8 +66,7 @@ class Linked(NamedTuple):
         }
 
 
-Links = Mapping[str, Linked]
-"""Path of an element of a monitored model -> what is linked with it."""
+Links = Mapping[str, Linked]  # path of an element of a monitored model -> what is linked with it
 
 
 def links_of(document: EddiDocument, observed: Observed | None = None) -> Links:

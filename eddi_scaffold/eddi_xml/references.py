@@ -18,8 +18,7 @@ from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint
 _FRAGMENT = re.compile(
     r"(?=/)(?:/{1,2}(?!@)([0-9]{1,9})?|/)?((?:/@[^\W\d][\w-]*(?:\.[0-9]{1,9})?)*)/?"
 )
-_DEEPEST = 256
-"""The depth of a file that the parser reads: a longer path points at nothing."""
+_DEEPEST = 256  # the depth of a file that the parser reads: a longer path points at nothing
 
 
 class Fragment(NamedTuple):

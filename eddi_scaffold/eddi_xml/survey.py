@@ -25,8 +25,7 @@ from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold, local_name
 
 MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
 """Classes that monitors are made of."""
-PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")
-"""Packages that hold them."""
+PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")  # packages that hold them
 OTHERS = (
     *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
     *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),

@@ -6,8 +6,7 @@ import codecs
 import re
 from typing import NamedTuple
 
-HEAD_BYTES = 1 << 16
-"""How much of a file is looked at before it is parsed."""
+HEAD_BYTES = 1 << 16  # how much of a file is looked at before it is parsed
 
 _STARTS = (
     (codecs.BOM_UTF8, 3, "latin-1"),

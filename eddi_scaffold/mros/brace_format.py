@@ -40,8 +40,7 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _CLOSING = {"{": "}", "(": ")", "[": "]"}
-_LIST = "({"
-"""Lists of systems open with either bracket."""
+_LIST = "({"  # lists of systems open with either bracket
 _CONNECTIONS = ("TopicConnections", "ServiceConnections", "ActionConnections")
 _SYSTEM_SECTIONS = {section.system_section: section for section in SECTIONS.values()}
 _SECTIONS_OF_2018 = {f"{section.system_entries[-1]}s": section for section in SECTIONS.values()}

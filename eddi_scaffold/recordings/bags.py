@@ -42,12 +42,9 @@ from eddi_scaffold.recordings.csv_recording import Recording, Sample
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
-_MOST_HINTS = 20
-"""Topics that similar ones are looked for: to compare texts is slow."""
-_SET_CLOCK_NS = 10**18
-"""Since 2001 the clock of a computer that has been set is beyond this."""
-_BACK_NS = 10**9
-"""Stamps of several publishers of a topic may be out of order by less."""
+_MOST_HINTS = 20  # topics that similar ones are looked for: to compare texts is slow
+_SET_CLOCK_NS = 10**18  # since 2001 the clock of a computer that has been set is beyond this
+_BACK_NS = 10**9  # stamps of several publishers of a topic may be out of order by less
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
 Listeners = Mapping[str, Sequence[tuple[BoundMonitor, SimulatorOutput]]]

@@ -31,8 +31,7 @@ if TYPE_CHECKING:
 TIME = "t"
 MAX_PROBLEMS = 10
 """Errors that are listed of one file; a wrong column would else be reported for every row."""
-MAX_TIME_S = 9e9
-"""285 years: a monitor counts nanoseconds in 64 bits."""
+MAX_TIME_S = 9e9  # 285 years: a monitor counts nanoseconds in 64 bits
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)

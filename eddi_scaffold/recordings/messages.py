@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
 
-Message = SimpleNamespace
-"""One attribute for each field, and ``message_type``."""
+Message = SimpleNamespace  # one attribute for each field, and `message_type`
 
 _RANGES = {
     f"{sign}int{bits}": range(2**bits) if sign else range(-(2 ** (bits - 1)), 2 ** (bits - 1))

@@ -21,8 +21,7 @@ from eddi_scaffold.monitors.input_binding import InputBinding
 if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
 
-SECOND = 1_000_000_000
-"""Nanoseconds."""
+SECOND = 1_000_000_000  # nanoseconds
 
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)

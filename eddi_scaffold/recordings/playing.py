@@ -25,8 +25,7 @@ MAX_STEPS = 10_000_000
 _ALL = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
 """Unit -> what all of something is in it; a ratio without a name may be more."""
 
-Running = tuple["RuntimeMonitor[Any]", ReplayedNode]
-"""A monitor that runs, and a node of it."""
+Running = tuple["RuntimeMonitor[Any]", ReplayedNode]  # A monitor that runs, and a node of it
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,7 @@ class StepRule:
     on_change: bool
 
 
-ROWS = StepRule(None, on_change=True)
-"""One step for each row, or message, and no other."""
+ROWS = StepRule(None, on_change=True)  # one step for each row, or message, and no other
 
 
 def step_rule(monitor: BoundMonitor) -> StepRule:
@@ -255,8 +253,7 @@ class Steps:
             self._next = self._start + round(self._count * period)
 
 
-Playback = Iterator[tuple[PlayedMonitor, Step]]
-"""The steps of a recording, in the order of time."""
+Playback = Iterator[tuple[PlayedMonitor, Step]]  # the steps of a recording, in the order of time
 
 
 def play(monitors: Sequence[PlayedMonitor], recording: Recording) -> Playback:

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from eddi_runtime import Monitor as RuntimeMonitor
     from eddi_runtime.monitor import Value
 
-_PATIENCE_S = 2.0
-"""Of work, after which progress is reported."""
+_PATIENCE_S = 2.0  # of work, after which progress is reported
 _ONLY_INPUTS = "unknown inputs"
 """The reason of a result that only lacks inputs: their names are more precise."""
 

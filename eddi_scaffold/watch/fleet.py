@@ -23,10 +23,8 @@ from eddi_scaffold.watch.messages import (
     status_messages,
 )
 
-PATIENCE_S = 3.0
-"""Without a message, after which a verdict counts as unknown, at least."""
-_MISSED = 3
-"""As many usual periods without a message mean silence, where these are longer."""
+PATIENCE_S = 3.0  # without a message, after which a verdict counts as unknown, at least
+_MISSED = 3  # as many usual periods without a message mean silence, where these are longer
 _GAPS = 5
 _CHANGES = 200
 _UNREADABLE = (AttributeError, TypeError, ValueError)

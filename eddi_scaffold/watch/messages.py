@@ -127,8 +127,7 @@ def plain(text: object) -> str:
 
 
 _AGE = ".age_s"
-_OURS = "runtime_version"
-"""A value that the status of no other node has."""
+_OURS = "runtime_version"  # A value that the status of no other node has
 _INACTIVE = "inactive: "
 _CLAIMS = ("guarantee", "threshold", "event", "in_scope")
 

@@ -187,8 +187,7 @@ def _row_html(row: Row) -> str:
     )
 
 
-Pictures = Mapping[tuple[str, str], Diagram]
-"""Title of the kind, name of the model -> its picture."""
+Pictures = Mapping[tuple[str, str], Diagram]  # title of the kind, name of the model -> its picture
 
 
 def pictures_of(paths: Iterable[Path]) -> Pictures:

@@ -16,10 +16,8 @@ from eddi_scaffold.watch.fleet import Snapshot
 from eddi_scaffold.watch.metrics import CONTENT_TYPE, metrics_text
 from eddi_scaffold.watch.page import Pictures, View, render, static, verdict_graph
 
-STREAMS = 16
-"""At once; the other connections are for pages."""
-_STREAM_S = 600.0
-"""After which a stream ends; a browser opens it anew."""
+STREAMS = 16  # at once; the other connections are for pages
+_STREAM_S = 600.0  # after which a stream ends; a browser opens it anew
 _ALIVE_S = 5.0
 _PICTURES = 64
 _OLD_S = 10.0
