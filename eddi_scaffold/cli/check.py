@@ -13,13 +13,7 @@ from eddi_scaffold.platforms import DEFAULT
 
 
 def check(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            help="EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, "
-            ".ros; or folders with such files."
-        ),
-    ],
+    files: list[Path],
     system: System = None,
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
@@ -39,6 +33,10 @@ def check(
     all that it names. What `generate` would refuse because of the files is a problem here.
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
+
+    Args:
+        files: EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, .ros;
+            or folders with such files.
     """
     from dataclasses import replace
 

@@ -12,15 +12,16 @@ from eddi_scaffold.cli.options import DefaultGuarantees, Json
 
 
 def compose(
-    conserts: Annotated[
-        list[str], typer.Argument(metavar="[NAME=]FILE...", help="ConSert YAML or EDDI XML files.")
-    ],
+    conserts: Annotated[list[str], typer.Argument(metavar="[NAME=]FILE...")],
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:
     """Check whether ConSerts can be composed, and report why not.
 
     Example: eddi-scaffold compose ConSertA.yml ConSertB.yml
+
+    Args:
+        conserts: ConSert YAML or EDDI XML files.
     """
     from dataclasses import replace
 

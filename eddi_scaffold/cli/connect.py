@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
+from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, Output
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
@@ -23,28 +23,12 @@ _STATES = {
 
 
 def connect(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
-    system: Annotated[
-        Path | None, typer.Option("--system", help="A .rossystem: the topics of the robot.")
-    ] = None,
+    model: Path,
+    system: Path | None = None,
     models: NodeModels = None,
-    others: Annotated[
-        list[Path] | None,
-        typer.Option("--with", help="eddi_config.yml of another monitor; repeatable."),
-    ] = None,
-    bag: Annotated[
-        Path | None,
-        typer.Option("--bag", help="ROS 1 or 2 bag of the robot: its topics, and max_age."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            callback=in_a_folder,
-            help="The configuration to write or to complete; else it is printed.",
-        ),
-    ] = None,
+    others: Annotated[list[Path] | None, typer.Option("--with")] = None,
+    bag: Path | None = None,
+    output: Output = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     dry_run: DryRun = False,
@@ -56,6 +40,13 @@ def connect(
     configuration that is there, only what says TODO changes, and what is missing is added.
 
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
+
+    Args:
+        model: EDDI XML, or a model file of a kind.
+        system: A .rossystem: the topics of the robot.
+        others: eddi_config.yml of another monitor; repeatable.
+        bag: ROS 1 or 2 bag of the robot: its topics, and max_age.
+        output: The configuration to write or to complete; else it is printed.
     """
     from dataclasses import replace
 

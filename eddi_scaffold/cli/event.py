@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import Json, in_a_folder
+from eddi_scaffold.cli.options import Json, Output
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -19,46 +18,21 @@ if TYPE_CHECKING:
     from eddi_scaffold.conditions import Analysis
 
 
-class Target(str, Enum):
-    """Languages of a generated monitor."""
-
-    python = "python"
-    c = "c"
+Target = Literal["python", "c"]
 
 
 def event(
-    text: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[EXPR|FILE]", help="An expression, a file of events, or one of a ConSert."
-        ),
-    ] = None,
-    file: Annotated[Path | None, typer.Option("--file", help="A file of events.")] = None,
-    rate: Annotated[
-        float | None, typer.Option("--rate", help="Steps per second; windows need it.")
-    ] = None,
-    target: Annotated[Target, typer.Option("--target", help="Language.")] = Target.python,
-    name: Annotated[
-        str | None, typer.Option("--name", help="What files and functions begin with.")
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Only check, and describe the condition.")
-    ] = False,
-    inputs: Annotated[
-        Path | None,
-        typer.Option("-i", "--inputs", help="CSV with a column t and one per variable: try it."),
-    ] = None,
-    config: Annotated[
-        Path | None, typer.Option("-c", "--config", help="eddi_config.yml of a ConSert.")
-    ] = None,
-    serve: Annotated[
-        bool, typer.Option("--serve", help="Open the page on 127.0.0.1, with the condition.")
-    ] = False,
-    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
+    text: Annotated[str | None, typer.Argument(metavar="[EXPR|FILE]")] = None,
+    file: Path | None = None,
+    rate: float | None = None,
+    target: Target = "python",
+    name: str | None = None,
+    output: Output = None,
+    check: bool = False,
+    inputs: Path | None = None,
+    config: Path | None = None,
+    serve: bool = False,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535)] = 8765,
     as_json: Json = False,
 ) -> None:
     """Check a condition, or make Python or C99 of it.
@@ -69,6 +43,19 @@ def event(
     --target c, it may be that of a ConSert, too.
 
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
+
+    Args:
+        text: An expression, a file of events, or one of a ConSert.
+        file: A file of events.
+        rate: Steps per second; windows need it.
+        target: Language.
+        name: What files and functions begin with.
+        output: Folder for the files.
+        check: Only check, and describe the condition.
+        inputs: CSV with a column t and one per variable: try it.
+        config: eddi_config.yml of a ConSert.
+        serve: Open the page on 127.0.0.1, with the condition.
+        port: Port of the page.
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import read_source
@@ -102,7 +89,7 @@ def event(
             console.json(report_json(analysis))
             raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
-    if target is Target.c and not check and inputs is None:
+    if target == "c" and not check and inputs is None:
         problems = (*analysis.problems, *without_limits(analysis, label))
         analysis = replace(analysis, problems=problems)
     if not as_json:
@@ -121,7 +108,7 @@ def event(
                 f"note: files and functions begin with {stem!r}, not {own!r}; "
                 "--name chooses another"
             )
-        files = generate(analysis, target.value, stem)
+        files = generate(analysis, target, stem)
         _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
 
 
@@ -195,7 +182,7 @@ def _generate_of_model(
     monitors, problems = monitors_of(path, [config] if config is not None else [])
     monitor = only(monitors)
     problems = [*problems, *without_limits(monitor)]
-    files = standalone(monitor, target.value, name or monitor.package)
+    files = standalone(monitor, target, name or monitor.package)
     if not as_json:
         console.problems(problems)
     rows = [problem.as_json() for problem in problems]

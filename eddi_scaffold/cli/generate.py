@@ -16,38 +16,23 @@ from eddi_scaffold.cli.options import (
     Name,
     NodeModels,
     OptionalModelFile,
+    Output,
     PlatformName,
     Runtime,
     SingleProcess,
     System,
-    in_a_folder,
 )
 from eddi_scaffold.platforms import DEFAULT
 
 
 def generate(
     deployment: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="DEPLOYMENT",
-            help="A deployment.yml, with -o FOLDER alone: a workspace for each of its robots.",
-            show_default=False,
-        ),
+        Path | None, typer.Argument(metavar="DEPLOYMENT", show_default=False)
     ] = None,
     model: OptionalModelFile = None,
-    workspace: Annotated[
-        Path | None,
-        typer.Option(
-            "-w",
-            "--workspace",
-            help="Workspace, such as catkin's (for a platform that is built in one).",
-        ),
-    ] = None,
+    workspace: Path | None = None,
     config: ConfigFiles = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", callback=in_a_folder, help="Folder (for the others)."),
-    ] = None,
+    output: Output = None,
     platform: PlatformName = DEFAULT,
     system: System = None,
     models: NodeModels = None,
@@ -55,19 +40,19 @@ def generate(
     default_guarantee: DefaultGuarantees = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
-    rename: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--rename",
-            help="`OLD=NEW`: the monitor had another name; its package moves, with all in it.",
-        ),
-    ] = None,
+    rename: list[str] | None = None,
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
     """Generate monitors, also anew; hand-written lines stay.
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
+
+    Args:
+        deployment: A deployment.yml, with -o FOLDER alone: a workspace for each of its robots.
+        workspace: Workspace, such as catkin's (for a platform that is built in one).
+        output: Folder (for the others).
+        rename: `OLD=NEW`: the monitor had another name; its package moves, with all in it.
     """
     if deployment is not None:
         values = {

@@ -11,12 +11,16 @@ from eddi_scaffold.cli.options import Json
 
 
 def example(
-    name: Annotated[str, typer.Argument(help="Name of the example; `list` prints them.")],
-    folder: Annotated[Path | None, typer.Argument(help="New folder for its files.")] = None,
+    name: str,
+    folder: Annotated[Path | None, typer.Argument()] = None,
 ) -> None:
     """Write a worked example: model, configurations, a recording.
 
     Example: eddi-scaffold example two-conserts demo
+
+    Args:
+        name: Name of the example; `list` prints them.
+        folder: New folder for its files.
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
@@ -44,13 +48,16 @@ def example(
 
 
 def explain(
-    code: Annotated[str, typer.Argument(help="Code of a problem, such as K007.")],
+    code: str,
     *,
     json: Json = False,
 ) -> None:
     """Say what a problem means, and what to do.
 
     Example: eddi-scaffold explain K007
+
+    Args:
+        code: Code of a problem, such as K007.
     """
     from textwrap import fill
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
+    Files,
     Json,
     Name,
     NodeModels,
@@ -31,69 +31,35 @@ CHECKED_BY_BAG = {"K039"}
 """Warnings of what is unchecked because a message is not known: a bag knows its messages."""
 
 
-class StepsAs(str, Enum):
-    """When a monitor steps."""
-
-    NODE = "node"
-    ROWS = "rows"
-
-
 def run(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[FILE]...",
-            help="EDDI XML, a model file of a kind, configurations that name their models, or the "
-            "folder of a generated package, whose hand-written code is executed then.",
-            show_default=False,
-        ),
-    ] = None,
-    inputs: Annotated[
-        Path | None,
-        typer.Option(
-            "-i",
-            "--inputs",
-            help="CSV with a column t and one per input that no other monitor here gives.",
-        ),
-    ] = None,
-    bag: Annotated[
-        Path | None,
-        typer.Option("--bag", help="ROS 1 or 2 bag with the topics of the configurations."),
-    ] = None,
-    config: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-c", "--config", help="eddi_config.yml: ages, defaults, units; may be repeated."
-        ),
-    ] = None,
+    files: Files = None,
+    inputs: Path | None = None,
+    bag: Path | None = None,
+    config: list[Path] | None = None,
     name: Name = None,
     system: System = None,
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
-    steps_as: Annotated[
-        StepsAs,
-        typer.Option(
-            "--steps", help="As the node would, by mode and frequency, or one for each row."
-        ),
-    ] = StepsAs.NODE,
+    steps_as: Annotated[Literal["node", "rows"], typer.Option("--steps")] = "node",
     as_json: Json = False,
-    as_csv: Annotated[
-        bool, typer.Option("--csv", help="Print every step as CSV: t and each value.")
-    ] = False,
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            "--plot",
-            callback=for_pictures,
-            help="SVG to draw into: inputs and outputs; of several monitors, their verdicts.",
-        ),
-    ] = None,
+    as_csv: Annotated[bool, typer.Option("--csv")] = False,
+    plot: Annotated[Path | None, typer.Option("--plot", callback=for_pictures)] = None,
 ) -> None:
     """Run monitors on a recording.
 
     Prints changes of verdicts, or every step as JSON or CSV. Several monitors hear each other.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
+
+    Args:
+        files: EDDI XML, a model file of a kind, configurations that name their models, or the
+            folder of a generated package, whose hand-written code is executed then.
+        inputs: CSV with a column t and one per input that no other monitor here gives.
+        bag: ROS 1 or 2 bag with the topics of the configurations.
+        config: eddi_config.yml: ages, defaults, units; may be repeated.
+        steps_as: As the node would, by mode and frequency, or one for each row.
+        as_csv: Print every step as CSV: t and each value.
+        plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
     import json
 
@@ -131,7 +97,7 @@ def run(
     console.problems([*problems, *more])
     if plot is not None:
         refuse_input(plot)  # before anything is printed
-    rules = [ROWS if steps_as is StepsAs.ROWS else step_rule(monitor) for monitor in monitors]
+    rules = [ROWS if steps_as == "rows" else step_rule(monitor) for monitor in monitors]
 
     def played() -> Playback:
         if bag is not None:

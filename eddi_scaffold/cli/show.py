@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -17,13 +17,7 @@ if TYPE_CHECKING:
 
 
 def show(
-    model: Annotated[
-        Path,
-        typer.Argument(
-            help="EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml "
-            "that names its model."
-        ),
-    ],
+    model: Path,
     name: Name = None,
     config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
@@ -35,6 +29,10 @@ def show(
     of known values, and the claims that rest on it.
 
     Example: eddi-scaffold show example.xml -c consert_a_config.yml
+
+    Args:
+        model: EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml that
+            names its model.
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.files import read_source

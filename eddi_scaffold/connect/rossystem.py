@@ -34,7 +34,6 @@ from eddi_scaffold.mros.directory import load_models, load_system
 from eddi_scaffold.mros.model import System
 from eddi_scaffold.mros.resolving import Models, flattened
 from eddi_scaffold.mros.topics import (
-    Include,
     Outputs,
     Topic,
     simulator_outputs,
@@ -204,7 +203,7 @@ def parse(
     robot: Robot,
     config: Path,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     filters: Filters | None = None,
     names: Literal["label", "model"] = "label",
 ) -> Parsed:
@@ -223,7 +222,7 @@ def with_topics(
     robot: Robot,
     document: ConfigText,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     filters: Filters | None = None,
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,

@@ -20,7 +20,6 @@ from eddi_scaffold.mros.resolving import (
 )
 
 TopicKind = Literal["published", "action", "subscribed"]
-Include = Literal["subscribed", "actions"]
 _SOURCES = ("publisher", "serviceserver", "actionserver")
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
@@ -68,7 +67,7 @@ def simulator_outputs(
     system: System,
     models: Models,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     existing: Sequence[TopicEntry] = (),
     names: Literal["label", "model"] = "label",
 ) -> Outputs:
