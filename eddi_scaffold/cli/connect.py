@@ -54,7 +54,6 @@ def connect(
     from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.connect.rossystem import save
     from eddi_scaffold.connect.surroundings import Surroundings
     from eddi_scaffold.recordings.bags import read_contents
 
@@ -77,7 +76,7 @@ def connect(
     elif output is None:
         console.data(draft.after.rstrip("\n"))
     elif draft.is_changed:
-        save(output, draft.after, draft.before)
+        draft.save()
     console.problems(draft.problems, summary=False)
     if not (system or bag or others or draft.has_topics):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")

@@ -56,7 +56,8 @@ def parse_rossystem(
     """
     from eddi_scaffold.cli.console import console
     from eddi_scaffold.common.problems import has_errors, plural
-    from eddi_scaffold.connect.rossystem import Filters, parse, read_robot, save
+    from eddi_scaffold.connect.robot import read_robot
+    from eddi_scaffold.connect.rossystem import Filters, parse
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
@@ -64,10 +65,10 @@ def parse_rossystem(
     if format == "json":
         console.json(parsed.as_json())
     elif dry_run:
-        if diff := parsed.diff(str(config)):
+        if diff := parsed.diff():
             console.data(diff.rstrip("\n"))
     elif parsed.is_changed:
-        save(config, parsed.after, parsed.before)
+        parsed.save()
     console.problems(robot.located(parsed.problems), summary=False)
     counts = {key: plural(n, key.removesuffix("s")) for key, n in parsed.summary().items()}
     summary = ", ".join(counts[key] for key in ("components", "publishers", "topics"))

@@ -7,44 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from os.path import commonprefix
+from pathlib import Path
 
+from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.kinds import InputType
 
+WORDS = read_toml(Path(__file__).with_name("words.toml"))
 Synonyms = frozenset[frozenset[str]]  # groups of words; those of a group mean the same
-_SYNONYMS: Synonyms = frozenset(
-    frozenset(group.split())
-    for group in (
-        "speed velocity vel",
-        "distance range clearance proximity dist",
-        "scan laser lidar",
-        "battery bms charge power soc",
-        "temperature temp",
-        "humidity moisture",
-        "position pose localization localisation amcl location",
-        "odometry odom",
-        "left port",
-        "right starboard",
-        "obstacle obstacles",
-        "health healthy ok good diagnostics diagnostic status",
-        "person human pedestrian people",
-        "detected detection detections boxes",
-        "yaw heading",
-        "uncertainty covariance deviation std variance accuracy",
-        "gps gnss navsat global",
-        "ground rangefinder altitude height",
-        "current amps",
-        "voltage volts cell",
-        "joint joints",
-        "torque effort",
-        "valid safe",
-    )
-)
-_SAME = {"ahead": "front", "forward": "front", "fwd": "front", "back": "rear", "behind": "rear"}
-_SAYING_NOTHING = frozenset([
-    "the", "is", "a", "of", "in", "to", "and", "an", "are", "data", "eddi", "input", "value",
-    "state", "rt", "msg", "nearest", "minimum", "min", "max", "vehicle", "robot", "system",
-    "sensor", "monitor", "node", "topic", "measured", "actual", "ambient",
-])  # fmt: skip
+_SYNONYMS: Synonyms = frozenset(frozenset(group.split()) for group in WORDS["synonyms"])
+_SAYING_NOTHING = frozenset(WORDS["saying_nothing"].split())
 _BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _LONG = 4
 _COMMON = 5
@@ -54,7 +25,9 @@ MEANS_THE_SAME = 0.7  # from this match on, a word is taken for another one
 @cache
 def words(text: str) -> tuple[str, ...]:
     """Split a name or a sentence into words: lower case, one word for each direction."""
-    return tuple(_SAME.get(word, word) for word in map(str.lower, _BREAK.split(text)) if word)
+    return tuple(
+        WORDS["same"].get(word, word) for word in map(str.lower, _BREAK.split(text)) if word
+    )
 
 
 def _telling(text: str) -> list[str]:
@@ -123,6 +96,6 @@ class InputNeed:
         """Return the best match of a word among others, from 0 to 1."""
         return max((_likeness(word, other, self.synonyms) for other in others), default=0.0)
 
-    def says(self, *any_of: str) -> bool:
+    def says(self, any_of: str) -> bool:
         """Return whether id or description has one of some words."""
-        return not self.every_word.isdisjoint(any_of)
+        return not self.every_word.isdisjoint(any_of.split())

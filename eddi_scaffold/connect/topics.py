@@ -13,7 +13,7 @@ from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute, is_identifier
 from eddi_scaffold.config.message_types import Fields, element, is_primitive, python_type
 from eddi_scaffold.config.message_types.documented import documented
-from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.needs import WORDS, InputNeed, words
 from eddi_scaffold.kinds import TODO
 from eddi_scaffold.mros.topics import TopicEntry
 
@@ -21,8 +21,6 @@ FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
 _MOST = 1000  # fields of a message that are looked at, with those inside of its fields
 _MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
-_SCANS = ("LaserScan", "MultiEchoLaserScan")
-_DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
 
 
 @dataclass(frozen=True)
@@ -147,8 +145,8 @@ def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     # a scan has other numbers as well: the share of it that fits a map is not its least range
-    is_distance = need.is_number and (need.unit is not None or need.says(*_DISTANCES))
-    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and is_distance:
+    is_distance = need.is_number and (need.unit is not None or need.says(WORDS["distance"]))
+    if topic.message in WORDS["scans"].split() and leaf.path[0] == "ranges[]" and is_distance:
         every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
     if need.type == "bool" and leaf.type != "bool":
