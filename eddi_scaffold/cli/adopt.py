@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DryRun, OptionalModelFile, Output, PlatformOfPlace
+from eddi_scaffold.common.problems import EddiError, problem
 
 
 def adopt(
@@ -32,9 +34,7 @@ def adopt(
         name: Name of the new package, by default the old one's; also which model of a file with
             several.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import destination, finish
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.adopting.adopt import adopt as adopted
     from eddi_scaffold.packages.adopting.adopt import write_adopted
     from eddi_scaffold.packages.rendering import own_template

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
     Name,
@@ -49,7 +50,6 @@ def answers(
         workspace: Workspace of the package, and of the others with --all.
         every: Also the answers of the packages that all monitors share.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.handwritten import lost_sources

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console, count_line
 from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels, System
+from eddi_scaffold.common.problems import has_errors, in_order
 from eddi_scaffold.platforms import DEFAULT
 
 
@@ -38,10 +41,6 @@ def check(
         files: EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, .ros;
             or folders with such files.
     """
-    from dataclasses import replace
-
-    from eddi_scaffold.cli.console import console, count_line
-    from eddi_scaffold.common.problems import has_errors, in_order
     from eddi_scaffold.connect.robot import check_robots, robot_models
     from eddi_scaffold.deployments.checking import ByHand, check_files
     from eddi_scaffold.monitors.loading import named_like_mros

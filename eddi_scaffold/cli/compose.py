@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DefaultGuarantees, Json
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, problem
 
 
 def compose(
@@ -23,11 +27,6 @@ def compose(
     Args:
         conserts: ConSert YAML or EDDI XML files.
     """
-    from dataclasses import replace
-
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.consert_model import ConSertModel
     from eddi_scaffold.kinds.consert.options import marks_elsewhere

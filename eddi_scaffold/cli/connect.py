@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, Output
+from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
@@ -48,10 +51,6 @@ def connect(
         bag: ROS 1 or 2 bag of the robot: its topics, and max_age.
         output: The configuration to write or to complete; else it is printed.
     """
-    from dataclasses import replace
-
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.draft import recorded_age
     from eddi_scaffold.connect.surroundings import Surroundings
@@ -87,8 +86,6 @@ def connect(
 
 def _summary(draft: DraftResult, *, writes: bool) -> str:
     """Return the last line: how far the draft is decided."""
-    from eddi_scaffold.common.problems import plural
-
     states = Counter(map(draft.state, draft.decisions))
     counts = ", ".join(f"{states[key]} {text}" for key, text in _STATES.items() if states[key])
     inputs = plural(states.total(), "input") + (f": {counts}" if counts else "")

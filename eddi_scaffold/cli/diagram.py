@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
+from eddi_scaffold.common.files import read_source
 
 
 def diagram(
@@ -29,8 +31,6 @@ def diagram(
             deployment.yml.
         output: SVG file, or a folder for one picture per model.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.drawing import picture_of_fleet
     from eddi_scaffold.monitors.exports import pictures

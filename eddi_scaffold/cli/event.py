@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -9,12 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json, Output
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError, Problem, problem
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.conditions import Analysis
 
 
@@ -57,9 +60,6 @@ def event(
         serve: Open the page on 127.0.0.1, with the condition.
         port: Port of the page.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.conditions import analyse
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
@@ -75,7 +75,8 @@ def event(
     if not serve and (config is not None or (path is not None and _is_model(path))):
         if check or inputs is not None:
             raise EddiError(problem("E026.conditions"))
-        _generate_of_model(path, config, target, name, output, as_json=as_json)
+        report, files = _of_model(path, config, target, name, as_json=as_json)
+        _write(report, files, output, as_json=as_json)
         return
     source, label = text or "", EXPRESSION
     if path is not None:
@@ -109,7 +110,7 @@ def event(
                 "--name chooses another"
             )
         files = generate(analysis, target, stem)
-        _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
+        _write(report_json(analysis), files, output, as_json=as_json)
 
 
 def _file_of(text: str) -> Path | None:
@@ -122,11 +123,7 @@ def _file_of(text: str) -> Path | None:
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
-    import json
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError
     from eddi_scaffold.conditions.standalone import columns, play
     from eddi_scaffold.recordings.csv_recording import read_rows
 
@@ -137,7 +134,7 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
         console.problems(problems)
     key = "value" if analysis.events[0].type == "number" else "verdict"
     last = None
-    for t, verdicts in play(analysis, ((row.t, row.samples) for row in rows)):
+    for t, verdicts in play(analysis, rows):
         if as_json:
             outputs = [{"id": name, key: value} for name, value in verdicts.items()]
             alone = {key: outputs[0][key]} if len(outputs) == 1 else {}
@@ -157,7 +154,6 @@ def _shown(value: bool | float | None) -> str:
 
 def _is_model(path: Path) -> bool:
     """Return whether a file is a model, not the text of a condition."""
-    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.eddi_xml.reading import recognises as is_xml
     from eddi_scaffold.kinds import kinds
 
@@ -166,16 +162,9 @@ def _is_model(path: Path) -> bool:
     return of not in {None, "event"} or is_xml(source)
 
 
-def _generate_of_model(
-    path: Path | None,
-    config: Path | None,
-    target: Target,
-    name: str | None,
-    output: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    from eddi_scaffold.cli.console import console
+def _of_model(
+    path: Path | None, config: Path | None, target: Target, name: str | None, *, as_json: bool
+) -> tuple[dict[str, Any], Mapping[str, str]]:
     from eddi_scaffold.monitors.exports import standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
@@ -185,20 +174,13 @@ def _generate_of_model(
     files = standalone(monitor, target, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    rows = [problem.as_json() for problem in problems]
-    _write(files, output, lambda new: {"problems": rows, "files": new}, as_json=as_json)
+    return {"problems": [problem.as_json() for problem in problems]}, files
 
 
 def _write(
-    files: Mapping[str, str],
-    output: Path | None,
-    report: Callable[[Mapping[str, str]], Mapping[str, Any]],
-    *,
-    as_json: bool,
+    report: Mapping[str, Any], files: Mapping[str, str], output: Path | None, *, as_json: bool
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.program.kept_bodies import keep_in_folder
 
@@ -207,23 +189,20 @@ def _write(
         files, lost = keep_in_folder(files, output)
         write(output, {file: FileState(text.encode()) for file, text in files.items()})
     if as_json:
-        console.json(report(files))
-    elif output is None and len(files) > 1:
+        console.json({**report, "files": files})
+    elif output is not None:
+        console.data("\n".join(str(output / file) for file in sorted(files)))
+    elif len(files) > 1:
         raise EddiError(problem("G000.folder"))
-    elif output is None:
-        console.data(next(iter(files.values())).rstrip("\n"))
     else:
-        for file in sorted(files):
-            console.data(str(output / file))
+        console.data(next(iter(files.values())).rstrip("\n"))
     if lost:
-        console.complain(
-            f"hand-written code has no place any more, it is kept in {', '.join(lost)}"
-        )
+        places = ", ".join(lost)
+        console.complain(f"hand-written code has no place any more, it is kept in {places}")
         raise typer.Exit(exit_status.LOOK)
 
 
 def _serve(port: int, text: str, rate: float | None) -> None:
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.conditions.event_page import Page, open_server
 
     start = Page(text=text) if text else Page()
@@ -233,13 +212,8 @@ def _serve(port: int, text: str, rate: float | None) -> None:
         server.serve_forever()
 
 
-def _read_signal(
-    text: str, types: Mapping[str, str]
-) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
+def _read_signal(text: str, types: Mapping[str, Any]) -> tuple[Any, list[Problem]]:
     """Return the rows of a recording that was typed."""
-    from eddi_scaffold.common.files import Source
     from eddi_scaffold.recordings.csv_recording import read_rows
 
-    columns: dict[str, Any] = dict(types)
-    rows, problems = read_rows(Source("<values>", text.encode()), columns)
-    return None if rows is None else [(row.t, row.samples) for row in rows], problems
+    return read_rows(Source("<values>", text.encode()), types)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     ConfigFiles,
     DefaultGuarantees,
@@ -22,6 +24,8 @@ from eddi_scaffold.cli.options import (
     SingleProcess,
     System,
 )
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.platforms import DEFAULT
 
 
@@ -64,9 +68,7 @@ def generate(
         others = [option for option, value in values.items() if value is not None]
         _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
         return
-    from dataclasses import replace
 
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import destination, finish
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.deployments.topics import shared_by_robots
@@ -116,10 +118,7 @@ def _generate_fleet(
     deployment: Path, folder: Path | None, others: Sequence[str], *, force: bool, dry_run: bool
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.sites import sites_of
     from eddi_scaffold.monitors.loading import checked_models

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json
+from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
 def example(
@@ -22,8 +25,6 @@ def example(
         name: Name of the example; `list` prints them.
         folder: New folder for its files.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
     from eddi_scaffold.packages.examples import described, example_files
     from eddi_scaffold.packages.transaction import write
 
@@ -59,11 +60,7 @@ def explain(
     Args:
         code: Code of a problem, such as K007.
     """
-    from textwrap import fill
-
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.common import catalogue
-    from eddi_scaffold.common.problems import EddiError, problem
 
     diagnostic = catalogue.find(code)
     if diagnostic is None:

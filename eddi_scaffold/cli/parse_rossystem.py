@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DryRun
+from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.rossystem import Parsed
@@ -54,8 +56,6 @@ def parse_rossystem(
         component: Keep topics that a matching component provides; repeatable.
         topics: Names of the system, or those of the node models.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import has_errors, plural
     from eddi_scaffold.connect.robot import read_robot
     from eddi_scaffold.connect.rossystem import Filters, parse
 
@@ -86,7 +86,6 @@ def parse_rossystem(
 
 def _result(parsed: Parsed, config: Path, *, dry_run: bool) -> str:
     """Return what became of the configuration."""
-    from eddi_scaffold.common.problems import has_errors
     from eddi_scaffold.config.topic_block import KEPT_ENTRIES
 
     failed, is_new = has_errors(parsed.problems), parsed.before is None

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json, WherePackagesAre
 
 
@@ -27,7 +28,6 @@ def regions(
         check: Exit with 3 when a person must look; for CI.
         accept: Region id or unfit file that was looked at and is right; repeatable.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.handwritten import accept_regions, inventory
 
     path = path if workspace is None else workspace

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
     Files,
@@ -17,9 +20,10 @@ from eddi_scaffold.cli.options import (
     System,
     for_pictures,
 )
+from eddi_scaffold.common.files import read_source, refuse_input
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.config.reading import RobotAdditions
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.packages.running import Packaged
@@ -61,11 +65,6 @@ def run(
         as_csv: Print every step as CSV: t and each value.
         plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
     """
-    import json
-
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import refuse_input
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.transaction import FileState, write
@@ -122,7 +121,6 @@ def run(
 
 def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None:
     """Return the package that is named in place of a model; its code is executed."""
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
@@ -142,7 +140,6 @@ def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None
 
 def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> Iterator[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I014)."""
-    from eddi_scaffold.common.problems import Place, problem
     from eddi_scaffold.packages.handwritten import packages_of, written
 
     folders = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
@@ -157,8 +154,6 @@ def _models_and_configs(
     files: Sequence[Path], configs: Sequence[Path], robot: RobotAdditions | None
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.file import named_model_path
     from eddi_scaffold.config.reading import read_config
     from eddi_scaffold.monitors.loading import is_config
@@ -183,10 +178,7 @@ def _from_csv(
     package: Packaged | None,
     configs: Sequence[Path],
 ) -> tuple[Recording, Sequence[Problem]]:
-    from functools import partial
 
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import problem
     from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.csv_recording import read_recording
     from eddi_scaffold.recordings.playing import columns, more_than_all
@@ -203,7 +195,6 @@ def _from_csv(
 def _from_bag(
     monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
 ) -> tuple[Recording, Sequence[Problem]]:
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.recordings.bags import read_bag
     from eddi_scaffold.recordings.playing import published
 

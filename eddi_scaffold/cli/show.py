@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, has_errors
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
@@ -34,9 +37,6 @@ def show(
         model: EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml that
             names its model.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, has_errors
     from eddi_scaffold.deployments.joining import accepted_of
     from eddi_scaffold.monitors.loading import read_models, select_models, unfit
     from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
@@ -72,8 +72,6 @@ def show(
 
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import has_errors
 
     if as_json:
         console.json(shown.document)
@@ -86,7 +84,6 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 
 
 def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[Model]) -> None:
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.survey import is_one_of
 

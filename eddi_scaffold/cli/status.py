@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import ConfigFiles, Json, Packages, WherePackagesAre
 
 
@@ -26,7 +27,6 @@ def status(
     Args:
         model: Compare with this model file.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, states_of
 

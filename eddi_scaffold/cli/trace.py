@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json, Packages, WherePackagesAre
+from eddi_scaffold.common.problems import EddiError, problem
 
 
 def trace(
@@ -24,11 +28,6 @@ def trace(
     Args:
         as_csv: Print one table for a spreadsheet.
     """
-    import csv
-    import io
-
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import os
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Files, Json
+from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.watch.fleet import FleetState
@@ -50,9 +55,6 @@ def watch(
         port: Of the page; 0 for any free one.
         speed: How fast the page plays a recording.
     """
-    import json
-
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.watch.fleet import FleetState
     from eddi_scaffold.watch.following import changes, document, line
     from eddi_scaffold.watch.messages import requested_robots
@@ -74,9 +76,6 @@ def _opened(
     bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""
-    import os
-
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.watch.following import seconds, time_of_day
     from eddi_scaffold.watch.recording import Recording
     from eddi_scaffold.watch.ros1 import Ros1Graph
@@ -103,9 +102,6 @@ def _serve(
     source: Source, state: FleetState, clock: Clock, port: int, models: Sequence[Path]
 ) -> None:
     """Show the page, as long as nobody interrupts it."""
-    import threading
-
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.watch.following import follow
     from eddi_scaffold.watch.page import pictures_of, view_of
     from eddi_scaffold.watch.page_server import Feed, open_server

@@ -37,15 +37,11 @@ _BY_CLASS = {
     "failuremodel": "failure_model",
     "assurancecasepackage": "assurance_case",
 }
-_BY_FEATURE = {
-    # The class of these features where xsi:type is absent.
-    "failuremodels": "failure_model",
-    "bayesiannetworks": "bayesian_network",
-    "bayesiannetwork": "bayesian_network",
-    "assurancecasepackages": "assurance_case",
-    "assurancecasepackage": "assurance_case",
-    "conserts": "consert",
+_BY_FEATURE = {  # where xsi:type is absent; without the s of its plural
     "consert": "consert",
+    "assurancecasepackage": "assurance_case",
+    "bayesiannetwork": "bayesian_network",
+    "failuremodel": "failure_model",
 }
 
 
@@ -203,16 +199,15 @@ class EddiDocument:
         """Return the kind of the model that an element is, ``None`` when it is none."""
         feature, parent = fold(feature_of(element)), element.getparent()
         class_name = fold((element.get(XSI_TYPE) or "").rpartition(":")[2])
-        kind = _BY_CLASS.get(class_name) or _BY_FEATURE.get(feature)
+        kind = _BY_CLASS.get(class_name) or _BY_FEATURE.get(feature.removesuffix("s"))
         if kind is None and self.is_root(element):
             kind = _BY_CLASS.get(feature)
         if kind == "state_machine" and self._is_chain(element):
             return "markov_chain"
         if kind == "consert" and parent is not None and not self.is_root(element):
             is_in_package = self.class_of(parent).name == names.PACKAGE_CLASS
-            return (
-                kind if is_in_package or names.CONFIGURATIONS.accepts(feature_of(parent)) else None
-            )
+            is_there = is_in_package or names.CONFIGURATIONS.accepts(feature_of(parent))
+            return kind if is_there else None
         if kind == "assurance_case":
             outer = (fold(feature_of(ancestor)) for ancestor in element.iterancestors())
             return None if any("assurancecasepackage" in feature for feature in outer) else kind
@@ -295,12 +290,8 @@ class EddiFindings:
 
     def problems(self) -> list[Problem]:
         """Return everything that was found."""
-        counted = [
-            replace(
-                remark,
-                message=remark.message + (f" ({times} times)" if times > 1 else ""),
-                place=place,
-            )
-            for remark, (place, times) in self._counted.items()
-        ]
-        return [*dict.fromkeys(self._problems), *counted]
+        problems = list(dict.fromkeys(self._problems))
+        for remark, (place, times) in self._counted.items():
+            message = remark.message + (f" ({times} times)" if times > 1 else "")
+            problems.append(replace(remark, message=message, place=place))
+        return problems

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import PurePath
@@ -80,7 +80,7 @@ def survey(document: EddiDocument) -> dict[str, Any]:
         kind = document.kind_of(element)
         if kind is not None:
             name = document.name_of(element) or PurePath(document.name).stem
-            counts = {key: count(document, element) for key, count in _COUNTS[kind].items()}
+            counts = _counts(document, kind, element)
             models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
         # a reference shows by its form, in any attribute
         texts = (str(value) for value in element.values() if "/@" in value)
@@ -117,102 +117,68 @@ def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
     return {"path": place.path or "/", "line": place.line}
 
 
-Count = Callable[[EddiDocument, Element], int]
-
-
-def _at_end_of(*path: Spelling) -> Count:
-    """Count the elements at the end of a path of features."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        elements = [element]
-        for spelling in path:
-            elements = [c for element in elements for c in document.children(element, spelling)]
-        return len(elements)
-
-    return count
-
-
-def _services(feature: Spelling, link: Spelling, listed: Spelling) -> Count:
-    """Count the services that a ConSert refers to, or that its configuration holds."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        tokens = {
-            token
-            for member in document.children(element, feature)
-            for token in (document.attribute(member, link) or "").split()
-        }
-        parent = element.getparent()
-        if parent is None or not names.CONFIGURATIONS.accepts(feature_of(parent)):
-            return len(tokens)
-        return len(document.children(parent, listed)) or len(tokens)
-
-    return count
-
-
-def _basic_events(document: EddiDocument, tree: Element) -> int:
-    causes = document.children(tree, names.CAUSES)
-    types = [document.attribute(cause, names.CAUSE_TYPE) or "" for cause in causes]
-    return sum(fold(type_) == "basicevent" for type_ in types)
-
-
-def _gates(document: EddiDocument, tree: Element) -> int:
-    causes = document.children(tree, names.CAUSES)
-    return sum(document.class_of(cause).name == "gate" for cause in causes)
-
-
-def _below(feature: str, class_name: str = "") -> Count:
-    """Count the elements in a feature at any depth, of one class or of all."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        below = select(element, f'descendant::*[local-name()="{feature}"]')
-        return sum(class_name in ("", document.class_of(each).name) for each in below)
-
-    return count
-
-
-_FAILURES = _at_end_of(names.FAILURES)
-_CHAIN = {
-    "states": _at_end_of(names.STATES),
-    "transitions": _at_end_of(names.TRANSITIONS),
-    "failures": _FAILURES,
-}
-_COUNTS: Mapping[str, Mapping[str, Count]] = {
+_PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
     "consert": {
-        "guarantees": _at_end_of(names.GUARANTEES),
-        "demands": _at_end_of(names.DEMANDS),
-        "evidence": _at_end_of(names.EVIDENCE),
-        "gates": _at_end_of(names.GATES),
-        "tree_propagations": _at_end_of(names.PROPAGATIONS),
-        "required_services": _services(
-            names.DEMANDS, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES
-        ),
-        "provided_services": _services(
-            names.GUARANTEES, names.PROVIDED_SERVICE, names.PROVIDED_SERVICES
-        ),
+        "guarantees": [names.GUARANTEES],
+        "demands": [names.DEMANDS],
+        "evidence": [names.EVIDENCE],
+        "gates": [names.GATES],
+        "tree_propagations": [names.PROPAGATIONS],
     },
     "bayesian_network": {
-        "nodes": _at_end_of(names.NODES),
-        "states": _at_end_of(names.NODES, names.NODE_STATES),
-        "connections": _at_end_of(names.CONNECTIONS),
-        "rows": _at_end_of(names.NODES, names.ROWS),
+        "nodes": [names.NODES],
+        "states": [names.NODES, names.NODE_STATES],
+        "connections": [names.CONNECTIONS],
+        "rows": [names.NODES, names.ROWS],
     },
-    "fault_tree": {
-        "causes": _at_end_of(names.CAUSES),
-        "basic_events": _basic_events,
-        "gates": _gates,
-        "failures": _FAILURES,
-    },
-    "markov_chain": _CHAIN,
-    "state_machine": _CHAIN,
-    "fmea": {"entries": _at_end_of(Spelling("entries")), "failures": _FAILURES},
-    "failure_model": {"failures": _FAILURES},
-    "assurance_case": {
-        "argumentation_elements": _below("argumentationElement"),
-        "claims": _below("argumentationElement", "claim"),
-        "artifact_references": _below("argumentationElement", "artifactreference"),
-        "artifact_elements": _below("artifactElement"),
-    },
+    "fault_tree": {"causes": [names.CAUSES], "failures": [names.FAILURES]},
+    "markov_chain": (
+        chain := {
+            "states": [names.STATES],
+            "transitions": [names.TRANSITIONS],
+            "failures": [names.FAILURES],
+        }
+    ),
+    "state_machine": chain,
+    "fmea": {"entries": [Spelling("entries")], "failures": [names.FAILURES]},
+    "failure_model": {"failures": [names.FAILURES]},
+    "assurance_case": {},
 }
+"""Kind -> what of it is counted: the elements at the end of a path of features."""
+
+
+def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
+    """Return how much there is of the parts of a model."""
+    parts: dict[str, list[Element]] = {}
+    for key, path in _PATHS[kind].items():
+        parts[key] = [model]
+        for feature in path:
+            parts[key] = [c for each in parts[key] for c in document.children(each, feature)]
+    counts = {key: len(elements) for key, elements in parts.items()}
+    if kind == "fault_tree":
+        causes, failures = parts["causes"], counts.pop("failures")
+        types = [fold(document.attribute(cause, names.CAUSE_TYPE) or "") for cause in causes]
+        gates = sum(document.class_of(cause).name == "gate" for cause in causes)
+        counts |= {"basic_events": types.count("basicevent"), "gates": gates, "failures": failures}
+    if kind == "assurance_case":
+        inside = [e for e in model.iterdescendants() if feature_of(e) == "argumentationElement"]
+        classes = Counter(document.class_of(element).name for element in inside)
+        artifacts = sum(feature_of(e) == "artifactElement" for e in model.iterdescendants())
+        counts = {"argumentation_elements": len(inside), "claims": classes["claim"]}
+        counts["artifact_references"] = classes["artifactreference"]
+        counts["artifact_elements"] = artifacts
+    if kind == "consert":  # the services that it refers to, or that its configuration holds
+        parent = model.getparent()
+        if parent is not None and not names.CONFIGURATIONS.accepts(feature_of(parent)):
+            parent = None
+        for key, elements, link, listed in (
+            ("required_services", "demands", names.REQUIRED_SERVICE, names.REQUIRED_SERVICES),
+            ("provided_services", "guarantees", names.PROVIDED_SERVICE, names.PROVIDED_SERVICES),
+        ):
+            texts = (document.attribute(element, link) or "" for element in parts[elements])
+            services = document.children(parent, listed) if parent is not None else []
+            counts[key] = len(services) or len({token for text in texts for token in text.split()})
+    return counts
 
 
 class Unread(NamedTuple):

@@ -74,7 +74,7 @@ def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
     """Return the topics that monitors publish which are played together; of one alone, none."""
     if len(monitors) < 2:
         return frozenset()
-    return frozenset().union(*(Publications(m, m.topic).topics for m in monitors))
+    return frozenset().union(*(Publications(m).topics for m in monitors))
 
 
 def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
@@ -172,7 +172,7 @@ def _played(
                 if isinstance(binding.max_age, int | float):
                     limits.setdefault(source.id, set()).add(round(binding.max_age * SECOND))
         name = monitor.config.config.Model.id if several and monitor.config is not None else ""
-        publisher = Publications(monitor, monitor.topic) if several else None
+        publisher = Publications(monitor) if several else None
         if running is None:
             model = compiled(monitor)
             made = model, ReplayedNode(GivenInput(bindings), model)
