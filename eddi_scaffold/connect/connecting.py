@@ -82,11 +82,7 @@ def connect(
 ) -> DraftResult:
     """Draft the configuration of a model, or add to one what it does not say yet.
 
-    Args:
-        model: its file.
-        name: of the model, where the file has several.
-        config: the configuration, which need not exist; ``None`` reads none.
-        surroundings: what is given beside the model.
+    A name chooses among several models of the file; the configuration need not exist.
 
     Raises:
         EddiError: something cannot be read, or the configuration cannot be changed.

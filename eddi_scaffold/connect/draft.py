@@ -53,12 +53,7 @@ class Age:
 
 
 def recorded_age(times: Sequence[int], where: str) -> Age | None:
-    """Return the limit for a topic that was recorded, ``None`` where that says nothing.
-
-    Args:
-        times: of its messages, nanoseconds, ascending.
-        where: name of the recording.
-    """
+    """Return the limit for a topic by the times (ns, ascending) of its messages in a recording."""
     gaps = [(later - earlier) / 1e9 for earlier, later in pairwise(times)]
     if len(gaps) < _FEW or max(gaps) <= 0:
         return None
@@ -121,12 +116,7 @@ class EntryDraft:
 
 
 def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
-    """Return the entry of an input.
-
-    Args:
-        decision: which topic it is, as far as that is clear.
-        ages: topic -> when its messages are too old, where that is known.
-    """
+    """Return the entry of an input, with what is known of the age of each topic."""
     need, taken = decision.need, dict[str, str]()
     why = [f"the EDDI names the event {event}" for event in need.events]
     if decision.state == "taken":

@@ -66,14 +66,7 @@ def decide(
     fields_of: FieldsOf,
     fulfilments: Mapping[str, Sequence[Fulfilment]] | None = None,
 ) -> list[Decision]:
-    """Decide for each input; the same inputs give the same decisions.
-
-    Args:
-        needs: the inputs.
-        topics: of the robot.
-        fields_of: message type -> fields, ``None`` where they are not known.
-        fulfilments: input -> outputs of other monitors that fulfil it.
-    """
+    """Decide for each input; the same inputs give the same decisions."""
     matcher = _Matcher(topics, fields_of)
     by_input = fulfilments or {}
     return [matcher.decide(need, by_input.get(need.id, ())) for need in needs]

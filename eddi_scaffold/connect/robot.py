@@ -146,13 +146,8 @@ def check_robots(
 ) -> tuple[list[Problem], RobotAdditions | None]:
     """Check ``.rossystem`` and ``.ros*`` files, and configurations against the systems.
 
-    Args:
-        files: of the MROS family.
-        configs: the other files of the command; those that are configurations are compared.
-        folder: directory of node models; without it the files are only read.
-
     Returns:
-        All problems, and what the models add to configurations.
+        All problems, and what the models of a directory, if there is one, add to configurations.
     """
     robot, problems = None, list[Problem]()
     if folder is not None:

@@ -95,12 +95,6 @@ def fulfilments(
 
     For evidence that nothing fulfils, every claim of the others is one that a person may choose.
 
-    Args:
-        monitors: with their configurations.
-        model: whose inputs are sought.
-        inputs: of the model.
-        topics: whose ids stay.
-
     Returns:
         Input -> what fulfils it; the topics that are not among those of the robot yet.
     """

@@ -94,13 +94,7 @@ def check_maps(document: EddiDocument) -> Iterator[Problem]:
 def unknown_tags(
     extension_map: ExtensionMap, known: Sequence[str], once: Sequence[str]
 ) -> Iterator[Problem]:
-    """Yield an error (X031) for each tag that a map may not have, or has once too often.
-
-    Args:
-        extension_map: the map.
-        known: tags that it may have.
-        once: those of them that may stand once.
-    """
+    """Yield an error (X031) for each tag that is not known, or stands more than once."""
     seen: set[str] = set()
     for value in extension_map.values:
         if value.tag not in known:

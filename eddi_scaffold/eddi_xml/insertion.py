@@ -44,13 +44,8 @@ def with_map(
 ) -> bytes:
     """Return the bytes of an EDDI with a map on an element; one of the same model is replaced.
 
-    Args:
-        data: the file.
-        document: the same, parsed.
-        at: the element.
-        key: of the map.
-        values: tags and texts, that of the model first; what a file of its own has no place for
-            stays as it was.
+    Of the tags and texts that of the model comes first; what a file of its own has no place for
+    stays as it was.
 
     Raises:
         EddiError: the file cannot be changed as a text (X036).

@@ -81,13 +81,7 @@ def events_of(links: Links, id_: str) -> tuple[str, ...]:
 
 
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
-    """Return the links of one model: of what lies in the element that it was read from.
-
-    Args:
-        document: the EDDI.
-        place: of the model; of a fault tree, that of one of its causes.
-        links: of the whole document.
-    """
+    """Return the links of what is in the element that a model (or its cause) was read from."""
     element = document.at(place.path) if links and place.path else None
     while element is not None and not document.is_monitored(element):
         parent = element.getparent()
@@ -101,12 +95,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
 
 
 class _LinkGraph:
-    """Which elements of an EDDI refer to which.
-
-    Args:
-        document: the EDDI.
-        observed: what says in it by which monitor it is observed.
-    """
+    """Which elements of an EDDI refer to which."""
 
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document

@@ -110,13 +110,7 @@ def feature_of(element: Element) -> str:
 def only(
     elements: Sequence[Element], case: str, place: Callable[[Element], Place]
 ) -> tuple[Element | None, list[Problem]]:
-    """Return the one element that may be there, and an error at each further one.
-
-    Args:
-        elements: all that give the same value.
-        case: of the errors.
-        place: of an element.
-    """
+    """Return the one element that may be there, and an error at each further one."""
     return next(iter(elements), None), [
         problem(case, place(again), feature=feature_of(again), line=line_of(elements[0]))
         for again in elements[1:]
@@ -132,10 +126,6 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
     """Return the texts inside an element that are not white space, each with its parent.
 
     One alone in an element without attributes is none: so EMF writes an attribute of many values.
-
-    Args:
-        element: where to look.
-        deep: look inside its children too.
     """
     steps = "descendant-or-self::*[@* or *]/" if deep else ""
     stray: list[tuple[Element, str]] = []

@@ -34,10 +34,6 @@ def read_rossystem(source: str | bytes, file: str = "<text>") -> System:
 def read_ros_models(source: str | bytes, file: str = "<text>") -> RosModel:
     """Read the text of a ``.ros``, ``.ros1`` or ``.ros2``.
 
-    Args:
-        source: the content; bytes are read as UTF-8.
-        file: its name, for messages only.
-
     Raises:
         MrosSyntaxError: as :func:`read_rossystem`.
     """

@@ -39,13 +39,7 @@ class MrosSyntaxError(ValueError):
 
 
 class Text:
-    """The text of one file.
-
-    Attributes:
-        text: without byte order mark, with line ends as they are.
-        file: name for messages.
-        dialect: of the errors, where that is known already.
-    """
+    """The text of one file, without byte order mark, with line ends as they are."""
 
     dialect: Dialect | None = None
 

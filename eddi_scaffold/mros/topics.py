@@ -127,13 +127,7 @@ def silent_problems(system: System, models: Models) -> list[Problem]:
 
 
 class _Collector:
-    """Topics of interfaces, by connections, labels and namespaces.
-
-    Attributes:
-        topics: by their names, without ids.
-        names: topic -> name in the node model.
-        publishers: how many have a topic.
-    """
+    """Topics of interfaces, by connections, labels and namespaces."""
 
     def __init__(self, named: Sequence[System], resolved: Sequence[ResolvedInterface]) -> None:
         """Read the connections of systems whose names count; none where the models' do."""
@@ -238,14 +232,10 @@ class _Collector:
 
 
 def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:
-    """Resolve a name as ROS 1 does, with what real models need in addition.
+    """Resolve a name (``/x``, ``~x`` or relative) as ROS 1 does, with what real models need.
 
-    A relative name that already begins with the namespace and a ``/`` is not given it twice.
-
-    Args:
-        name: absolute (``/x``), private (``~x``) or relative.
-        namespace: of the interface, else of its component.
-        component: name of the component; its last segment is the name of the node.
+    A relative name that already begins with the namespace and a ``/`` is not given it twice. The
+    last segment of a component is the name of its node.
 
     Returns:
         The absolute topic, ``/`` when nothing is left of it; whether the relative name began with
@@ -275,16 +265,10 @@ def give_ids(
     existing: Sequence[TopicEntry],
     reserved: Collection[str] = (),
 ) -> tuple[dict[str, str], list[Problem]]:
-    """Give each topic an id, the published ones first.
+    """Give each topic an id, the published ones first; ``names`` are those in the node models.
 
     A topic that has an id already keeps it. Otherwise it is the name in the model if no other
     topic has the same one, else the topic; and a number behind what is taken or reserved.
-
-    Args:
-        published: topic -> name in the model.
-        names: the same of these and all others.
-        existing: entries of the configuration.
-        reserved: ids for none of them.
     """
     counts = Counter(entry.id for entry in existing)
     ids: dict[str, str] = {}

@@ -251,13 +251,7 @@ def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[P
 def _check_fields(
     monitor: BoundMonitor, types: MessageFields, there: Collection[str]
 ) -> Iterator[Problem]:
-    """Report fields that the messages of a bag do not have, or not of that type (I012).
-
-    Args:
-        monitor: it has a configuration.
-        types: the messages of the bag.
-        there: full names of the topics in the bag: others cannot be checked.
-    """
+    """Report fields that messages in the bag do not have, or not of that type (I012)."""
     assert monitor.config is not None
     entries = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
     for binding in monitor.inputs:
@@ -325,13 +319,7 @@ def _jumping_back(samples: Sequence[Sample]) -> Iterable[str]:
 
 
 def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> Iterator[Problem]:
-    """Warn of topics without a message (I004), with similar ones, of the same type if there are.
-
-    Args:
-        place: of the bag.
-        topics: full name -> type, of those with messages.
-        listeners: to topics outside.
-    """
+    """Warn of topics without a message (I004), with similar ones, of the same type if there are."""
     lacking = {topic: who[0][1] for topic, who in listeners.items() if topic not in topics}
     if not lacking:
         yield problem("I004.all_topics", place)

@@ -112,14 +112,10 @@ class Channel:
 
 
 class Publications:
-    """The topics of one monitor.
-
-    Attributes:
-        channels: its topics.
-        topics: their full names.
+    """The topics of one monitor, which has a configuration without errors.
 
     Args:
-        monitor: it has a configuration, without errors.
+        monitor: the monitor.
         full_name: topic as in the configuration -> its full name, if not that of the monitor.
     """
 

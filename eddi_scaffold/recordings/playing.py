@@ -126,11 +126,8 @@ def of_values(
 ) -> list[PlayedMonitor]:
     """Return monitors that are given their ``columns``, and listen to each other.
 
-    Args:
-        monitors: what to run; several have configurations.
-        rules: how each steps.
-        running: by the package of the only one; without, what the package would be without
-            hand-written lines.
+    A package may run the only one; without, it is what the package would be without hand-written
+    lines.
     """
     shared = published(monitors)
     inputs = [
@@ -143,13 +140,7 @@ def of_values(
 def of_messages(
     monitors: Sequence[BoundMonitor], rules: Sequence[StepRule], running: Running | None = None
 ) -> list[PlayedMonitor]:
-    """Return monitors that listen to topics, also to those of each other, in the order of steps.
-
-    Args:
-        monitors: what to run; they have configurations.
-        rules: how each steps.
-        running: by the package of the only one.
-    """
+    """Return monitors that listen to topics, also to those of each other, in the order of steps."""
     return _played(monitors, [monitor.inputs for monitor in monitors], rules, running)
 
 

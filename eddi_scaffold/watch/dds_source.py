@@ -64,8 +64,7 @@ _GONE = (
 class DdsGraphs:
     """What the monitors in some domains publish, from now on; times are of the monotonic clock.
 
-    Args:
-        domains: their ids; with several, a topic has ``/domain<id>`` before its name.
+    With several domains, a topic has ``/domain<id>`` before its name.
 
     Raises:
         EddiError: there is no such domain, or no network (I010).

@@ -19,13 +19,7 @@ _ORIGIN_S = time.time() - time.monotonic()
 
 
 def changes(source: Source, state: FleetState, note: Callable[[str], None]) -> Iterator[Change]:
-    """Yield the changes of verdicts until the source ends.
-
-    Args:
-        source: of messages.
-        state: takes them.
-        note: takes each sentence on what hinders, once.
-    """
+    """Yield the changes of verdicts until the source ends; note what hinders, each thing once."""
     noted: set[str] = set()
 
     def note_new() -> None:

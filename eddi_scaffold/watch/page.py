@@ -84,13 +84,7 @@ class View:
 
 
 def view_of(snapshot: Snapshot, clock: Clock, notes: Sequence[str] = ()) -> View:
-    """Return what the page shows of a snapshot.
-
-    Args:
-        snapshot: of the fleet.
-        clock: writes times.
-        notes: of the source.
-    """
+    """Return what the page shows of a snapshot, and of the notes of its source."""
     groups = tuple(_group(number, robot, clock) for number, robot in enumerate(snapshot.robots))
     names = [(group.name, [(r.monitor, r.kind, r.name) for r in group.rows]) for group in groups]
     changes = []
@@ -191,10 +185,7 @@ Pictures = Mapping[tuple[str, str], Diagram]  # title of the kind, name of the m
 
 
 def pictures_of(paths: Iterable[Path]) -> Pictures:
-    """Return the pictures of the models in some files.
-
-    Args:
-        paths: models, configurations that name theirs, or deployment files.
+    """Return the pictures of the models in models, configurations or deployment files.
 
     Raises:
         EddiError: a file cannot be read, or has errors.
@@ -228,12 +219,7 @@ Part = DiagramNode | DiagramEdge
 
 
 def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
-    """Return the SVG of a robot's verdicts.
-
-    Args:
-        robot: what is known of it.
-        pictures: of the models that are known here; of others, only what monitors say is drawn.
-    """
+    """Return the SVG of a robot's verdicts; of models not known here, what monitors say."""
     nodes, edges = [], []
     for number, monitor in enumerate(robot.monitors):
         for part in _parts(f"m{number}", monitor, pictures.get((monitor.title, monitor.name))):

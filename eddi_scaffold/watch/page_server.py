@@ -41,12 +41,7 @@ class Shown:
 
 
 class Feed:
-    """Holds the newest view, for all who look at it.
-
-    Attributes:
-        shown: it.
-        closed: there will be no more.
-    """
+    """Holds the newest view, for all who look at it."""
 
     def __init__(self, snapshot: Snapshot, view: View) -> None:
         self._news = threading.Condition()
@@ -80,14 +75,10 @@ def open_server(
     seconds: float = 20.0,
     connections: int = 32,
 ) -> LimitedServer:
-    """Return a server of the page, not serving yet.
+    """Return a server of the page on a port (0: any that is free), not serving yet.
 
-    Args:
-        port: 0 for any that is free.
-        feed: what is shown.
-        models: pictures of known models, for the graphs.
-        seconds: within which a request has come, and an answer or event is taken.
-        connections: at once; a further one is asked to retry.
+    Within some seconds a request has come, and an answer or event is taken; who connects when there
+    are too many is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
