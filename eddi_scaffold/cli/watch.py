@@ -106,13 +106,12 @@ def _serve(
     from eddi_scaffold.watch.page import pictures_of, view_of
     from eddi_scaffold.watch.page_server import Feed, open_server
 
-    first = state.snapshot(0.0)
-    feed = Feed(first, view_of(first, clock))
+    feed = Feed(view_of(state.snapshot(0.0), clock))
     with open_server(port, feed, pictures_of(models)) as server:
         console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            follow(source, state, lambda now, notes: feed.show(now, view_of(now, clock, notes)))
+            follow(source, state, lambda now, notes: feed.show(view_of(now, clock, notes)))
             threading.Event().wait()
         finally:
             feed.close()
