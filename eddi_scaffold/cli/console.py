@@ -53,18 +53,11 @@ _WIDTH = 160  # characters of a source line that are shown
 
 
 class Console:
-    """Where a command's words go.
+    """Where a command's words go."""
 
-    Attributes:
-        quiet: print errors only.
-        verbose: print infos as well.
-        colour: ``None`` decides by terminal, ``NO_COLOR`` and ``FORCE_COLOR``.
-    """
-
-    def __init__(self) -> None:
-        self.quiet = False
-        self.verbose = False
-        self.colour: bool | None = None
+    quiet = False  # print errors only
+    verbose = False  # print infos as well
+    colour: bool | None = None  # `None`: by terminal, `NO_COLOR` and `FORCE_COLOR`
 
     def data(self, text: str) -> None:
         """Print data that one could pipe."""

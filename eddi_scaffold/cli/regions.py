@@ -36,7 +36,7 @@ def regions(
     entries = inventory(path)
     if as_json:
         keys = ("id", "file", "line", "state", "notes")
-        console.json({"regions": [{key: getattr(one, key) for key in keys} for one in entries]})
+        console.json({"regions": [{key: getattr(entry, key) for key in keys} for entry in entries]})
     else:
         for entry in entries:
             place = f"{entry.file}:{entry.line}" if entry.line else entry.file

@@ -125,7 +125,7 @@ def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
-        inside = [found for path in files for found in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
+        inside = [file for path in files for file in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
         if inside:
             place = Place(str(inside[0].parent.parent))
             names = " or ".join(str(answers.parent) for answers in inside)

@@ -46,19 +46,11 @@ _BY_FEATURE = {  # where xsi:type is absent; without the s of its plural
 
 
 class EddiDocument:
-    """A parsed EDDI.
-
-    Attributes:
-        name: path as the user gave it.
-        document: the document element, which is ``xmi:XMI`` when there are several roots.
-        roots: the root objects; several only below ``xmi:XMI``.
-        references: resolver of this document.
-        limits: limits that reading obeys.
-    """
+    """A parsed EDDI."""
 
     def __init__(self, document: Element, name: str, limits: Limits) -> None:
         self.name, self.document, self.limits = name, document, limits
-        is_xmi = feature_of(document) == "XMI"
+        is_xmi = feature_of(document) == "XMI"  # the element around several roots
         self.roots = tuple(document.iterchildren()) if is_xmi else (document,)
         self.references = References(self.roots)
         self._documents = frozenset((document, *self.roots))
@@ -241,15 +233,11 @@ class EddiDocument:
 
 
 class EddiFindings:
-    """Problems in the order in which they were found; equal remarks are counted, not repeated.
-
-    Attributes:
-        errors: number of errors so far, so that a caller knows whether its part has one.
-    """
+    """Problems in the order in which they were found; equal remarks are counted, not repeated."""
 
     def __init__(self, document: EddiDocument) -> None:
         self.document = document
-        self.errors = 0
+        self.errors = 0  # so far, so that a caller knows whether its part has one
         self._problems: list[Problem] = []
         self._counted: dict[Problem, tuple[Place, int]] = {}
 

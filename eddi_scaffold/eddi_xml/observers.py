@@ -47,20 +47,15 @@ class _Event(NamedTuple):
 
 
 class Observed:
-    """What observes what in a document, with paths in place of names.
-
-    Attributes:
-        by: element, path of the model or of the event that observes it, and name of what the model
-            claims of it; empty where it claims only one thing.
-        events: path of an event -> paths of the events that it is made of.
-        problems: names that mean nothing (X033), unknown tags (X031).
-    """
+    """What observes what in a document, with paths in place of names."""
 
     def __init__(self, document: EddiDocument) -> None:
         self._document = document
+        # element, path of the model or of the event that observes it, and name of what the model
+        # claims of it; empty where it claims only one thing
         self.by: list[tuple[Element, str, str]] = []
-        self.events: dict[str, list[str]] = {}
-        self.problems: list[Problem] = []
+        self.events: dict[str, list[str]] = {}  # path of an event -> of those that it is made of
+        self.problems: list[Problem] = []  # names that mean nothing (X033), unknown tags (X031)
         self._events: dict[str, _Event] = {}  # by MODEL/NAME
         self._models: dict[str, dict[str, str]] = {tag: {} for tag in _TAGS}  # path by tag and name
         for extension_map in extension_maps(document, EVENTS, SAFEML):

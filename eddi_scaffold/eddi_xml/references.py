@@ -62,11 +62,7 @@ class _Children:
 
 
 class References:
-    """Resolves references in one document, with an index of children and a table of paths.
-
-    Attributes:
-        misprints: (printed, intended) feature names that paths needed repaired, with their count.
-    """
+    """Resolves references in one document, with an index of children and a table of paths."""
 
     def __init__(self, roots: Sequence[Element]) -> None:
         self._roots = tuple(roots)
@@ -74,6 +70,7 @@ class References:
         self._index: dict[Element, _Children] = {}
         self._resolved: dict[tuple[int, str], Element] = {}
         self._paths: dict[Element, str] = {}
+        # feature names that paths needed repaired: as printed, as intended
         self.misprints: Counter[tuple[str, str]] = Counter()
 
     def children(self, parent: Element, *folded: str) -> list[Element]:

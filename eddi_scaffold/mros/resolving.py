@@ -194,18 +194,13 @@ class Resolver:
 
     In the brace dialect exactly the listed interfaces run. In the indentation dialect all
     interfaces of the node model run that ``from:`` names; a listed one is renamed.
-
-    Attributes:
-        interfaces: in the order of the system.
-        problems: what does not resolve; the rest does all the same.
     """
 
     def __init__(
         self, definitions: Definitions, systems: Sequence[System], kinds: Collection[InterfaceKind]
     ) -> None:
-        """Resolve the interfaces of some kinds of systems."""
-        self.interfaces: list[ResolvedInterface] = []
-        self.problems: list[Problem] = []
+        self.interfaces: list[ResolvedInterface] = []  # in the order of the system
+        self.problems: list[Problem] = []  # what does not resolve; the rest does all the same
         self._definitions, self._kinds = definitions, kinds
         for system in systems:
             self._add(system)

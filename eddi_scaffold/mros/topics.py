@@ -36,17 +36,11 @@ class TopicEntry:
 
 @dataclass(frozen=True)
 class Topic(TopicEntry):
-    """A topic of a system, with a Python name as its id; its place is there, where it is first.
-
-    Attributes:
-        topic: absolute name.
-        components: who provides it (or, of kind ``subscribed``, who waits for it).
-        deadlines: of those who publish it, as they are written; empty for none.
-    """
+    """A topic of a system, its name absolute, its id a Python name; its place is the first one."""
 
     kind: TopicKind = "published"
-    components: tuple[str, ...] = ()
-    deadlines: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()  # who provides it or, of kind `subscribed`, waits for it
+    deadlines: tuple[str, ...] = ()  # of who publishes it, as they are written; empty for none
 
 
 @dataclass(frozen=True)

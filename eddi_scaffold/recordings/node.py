@@ -77,9 +77,6 @@ class ReplayedNode:
         eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.
         running: the monitor; it should have been reset.
         step: what takes the place of ``running.execute_step``, where a package wraps it.
-
-    Attributes:
-        raised: input id -> the first exception of its hand-written lines and its traceback.
     """
 
     def __init__(
@@ -92,6 +89,7 @@ class ReplayedNode:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)
         self._latest: dict[str, Received] = {}
+        # input id -> the first exception of its hand-written lines and its traceback
         self.raised: dict[str, tuple[str, str]] = {}
 
     def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Step:

@@ -166,11 +166,11 @@ def _played(
         publisher = Publications(monitor) if several else None
         if running is None:
             model = compiled(monitor)
-            made = model, ReplayedNode(GivenInput(bindings), model)
+            own = model, ReplayedNode(GivenInput(bindings), model)
         else:
-            made = running
+            own = running
         topics = {topic: list(ids) for topic, ids in sources.items()}
-        played.append(PlayedMonitor(name, *made, rule, topics, limits, publisher))
+        played.append(PlayedMonitor(name, *own, rule, topics, limits, publisher))
     return _in_order(played)
 
 
@@ -234,7 +234,7 @@ class Steps:
         """Note a step."""
         self._last = t
         self._count += 1
-        self._expiries = {key: at for key, at in self._expiries.items() if at > t}
+        self._expiries = {key: end for key, end in self._expiries.items() if end > t}
         period = self._rule.period
         if period is None:
             self._next = math.inf

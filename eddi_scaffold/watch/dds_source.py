@@ -233,8 +233,8 @@ def _classes() -> dict[str, Any]:
         for top in watched
         for name in with_parts(top, known)
     }
-    made = vars(message_classes(texts))
-    classes = {name: made[name.replace("/", "_")] for name in watched}
+    by_name = vars(message_classes(texts))
+    classes = {name: by_name[name.replace("/", "_")] for name in watched}
     for name, cls in classes.items():
         if next(iter(known[name].values()), "") == "std_msgs/Header":
             _decode_changes_only(cls)
