@@ -161,9 +161,6 @@ def _write(stream: TextIO | None, text: str) -> None:
 
     Whoever read the stream may have gone (`| head`): the command goes on, and ends with the status
     that its work deserves.
-
-    Raises:
-        EddiError: data could not be written to stdout, for instance on a full disk (F002).
     """
     if stream is None:  # closed before we started
         return

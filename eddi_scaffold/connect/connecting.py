@@ -109,11 +109,7 @@ class _Connecting:
         self.package = package_name(model_id(self.root) or self.model.name)
 
     def _chosen_model(self, name: str | None) -> Model:
-        """Return the model: by its name, else that of the configuration, else the only one.
-
-        Raises:
-            EddiError: there is none of that name (F005), or several (G005).
-        """
+        """Return the model: by its name, else that of the configuration, else the only one."""
         models: Sequence[Model] = self.models
         id_ = model_id(self.root)
         if name is not None:
@@ -127,11 +123,7 @@ class _Connecting:
         return models[0]
 
     def _refuse_other(self) -> None:
-        """Refuse a file to which the draft of a model must not be added.
-
-        Raises:
-            EddiError: it is no configuration (K001), or one of another kind (K010) or model (K026).
-        """
+        """Refuse a file to which the draft of a model must not be added."""
         root, text = self.root, self.document.text
         if root.entries and not is_config(Source(self.document.name, text.encode())):
             raise EddiError(problem("K001.nothing_added", root.place))
@@ -147,11 +139,7 @@ class _Connecting:
             raise EddiError(problem("K026.other_model", section.place, **fields))
 
     def result(self) -> DraftResult:
-        """Join everything.
-
-        Raises:
-            EddiError: no monitor can be made of the model.
-        """
+        """Join everything."""
         document, robot_types, robot_ages, robot_problems = with_robot(
             self.document, self.surroundings.system, self.surroundings.models
         )

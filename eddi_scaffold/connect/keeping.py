@@ -194,11 +194,7 @@ class _Editor(TextEditor):
 
 
 def _refuse_loss(document: ConfigText, after: str) -> None:
-    """Refuse a text in which something that a person wrote would be gone or elsewhere.
-
-    Raises:
-        EddiError: it is written in a way that was not foreseen (K001).
-    """
+    """Refuse a text in which something that a person wrote would be gone or elsewhere."""
     new, problems = read_map(Source(document.name, after.encode()), "K001")
     lost = next(_lost(document.root, new), None)
     if problems or lost is not None:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from eddi_scaffold.common.files import read_source, saved_meanwhile
-from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.topic_block import ConfigText, read_block
+from eddi_scaffold.packages.transaction import NEW, FileState, write
 
 _MARK = b"\xef\xbb\xbf"
 
@@ -49,24 +49,12 @@ class ConfigChange:
             EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it
                 is.
         """
-        path = Path(self.name)
-        target = path.resolve()
-        temporary = target.with_name(f".eddi-{os.getpid()}")
-        try:
-            mark = _MARK if target.exists() and target.read_bytes().startswith(_MARK) else b""
-            try:
-                with temporary.open("xb") as file:
-                    file.write(mark + self.after.encode())
-                    file.flush()
-                    os.fsync(file.fileno())
-                now = target.read_bytes().removeprefix(_MARK) if target.exists() else None
-                if now != (None if self.before is None else self.before.encode()):
-                    raise saved_meanwhile(path)
-                if now is not None:
-                    temporary.chmod(target.stat().st_mode & 0o7777)
-                temporary.replace(target)
-            finally:
-                temporary.unlink(missing_ok=True)
-        except OSError as refused:
-            reason = refused.strerror or refused
-            raise EddiError(problem("F002.write", Place(str(path)), reason=reason)) from None
+        target = Path(self.name).resolve()
+        old = target.read_bytes() if target.exists() else None
+        if old is not None and self.before is None:
+            raise saved_meanwhile(Path(self.name))
+        mark = _MARK if old is not None and old.startswith(_MARK) else b""
+        mode = NEW if old is None else target.stat().st_mode & 0o7777
+        before = {} if self.before is None else {target.name: mark + self.before.encode()}
+        new = FileState(mark + self.after.encode(), mode)
+        write(target.parent, {target.name: new}, before)

@@ -21,49 +21,20 @@ from eddi_scaffold.eddi_xml.document import MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold, local_name
+from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, Spelling, fold, local_name
 
-MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
-"""Classes that monitors are made of."""
-PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")  # packages that hold them
-OTHERS = (
-    *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
-    *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),
-    *("RosAction", "StateMachineAction"),
-    *("AssuranceCasePackage", "ArgumentPackage", "ArtifactPackage", "TerminologyPackage"),
-    *("ArchitecturePackage", "DesignPackage", "DependabilityPackage", "RequirementPackage"),
-    *("DomainPackage", "HARAPackage", "TARAPackage", "StandardPackage", "ODEProductPackage"),
-    *("EventPackage", "TraceabilityPackage", "SafetyRelatedSystem"),
-    *("System", "PhysicalComponent", "LogicalComponent", "SoftwareComponent", "Function"),
+_CLASSES = {group: text.split() for group, text in METAMODEL["classes"].items()}
+_KNOWN = frozenset(
+    fold(name) for group in ("models", "packages", "others") for name in _CLASSES[group]
 )
-"""Classes of the metamodel that are left out on purpose."""
-CLASSES = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
-"""All that are known, folded."""
-
-_READ_CLASSES = {fold(name): name for name in (*PACKAGES, *MODELS)}
-_COMPLETELY_KNOWN = frozenset({"failurelogic", "bayesiannetwork"})
-"""Packages of which every class should be known."""
+_READ_CLASSES = {fold(name): name for name in (*_CLASSES["packages"], *_CLASSES["models"])}
+_READ, _LEFT_OUT = frozenset(_CLASSES["read"]), frozenset(_CLASSES["left_out"])
+_MODELS = ", ".join(_CLASSES["models"])
+_COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
 _SIMILAR = 0.8
-_READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
-"""Packages that readers look into, whether or not there is a model in them."""
-_LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
-"""Models of which no monitors are generated."""
-_DESIGN = frozenset(
-    {"systems", "serviceconfigurations", "requiredservices", "providedservices"}
-    | {"servicetype", "configurations"}
-)
-"""Features of a design that readers look into."""
 _MAPS = "keyvaluemaps"
+# names in the namespaces of all generations of the metamodel
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
-"""Names in the namespaces of all generations of the metamodel."""
-_OTHER_FORMATS = {
-    "launch": "a launch file",
-    "package": "the package.xml of a ROS package",
-    "pnml": "a Petri net",
-    "robot": "a URDF",
-    "sdf": "an SDF world or model",
-    "svg": "a picture",
-}
 
 
 def survey(document: EddiDocument) -> dict[str, Any]:
@@ -255,9 +226,8 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
 
 def _unread_of_child(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
     """Yield what is not read of a child of a package that is, at least in part."""
-    if document.class_of(package).name not in _READ - {"ddipackage"} and not _holds_models(
-        document, child
-    ):
+    is_read = document.class_of(package).name in _READ - {"ddipackage"}
+    if not is_read and not _holds_models(document, child):
         yield child
         return
     waiting = [child]
@@ -300,7 +270,7 @@ def unused_design(document: EddiDocument) -> Iterator[Problem]:
     for element in waiting:
         for child in element.iterchildren():
             feature = fold(feature_of(child))
-            if feature in _DESIGN:
+            if feature in _CLASSES["design"]:
                 waiting.append(child)
             elif feature != _MAPS and not _holds_models(document, child):
                 unused.append(child)
@@ -315,12 +285,13 @@ def foreign(document: EddiDocument) -> Problem | None:
     """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     for root in document.roots:
         uri = str(root.tag).rpartition("}")[0]
-        if document.class_of(root).name in CLASSES or _ODE.search(uri) is not None:
+        if document.class_of(root).name in _KNOWN or _ODE.search(uri) is not None:
             return None
     root = document.roots[0] if document.roots else document.document
     name, place = feature_of(root), document.place(root)
-    if local_name(name) in _OTHER_FORMATS:
-        return problem("F003.foreign", place, name=name, format=_OTHER_FORMATS[local_name(name)])
+    format_ = METAMODEL["other_formats"].get(local_name(name))
+    if format_ is not None:
+        return problem("F003.foreign", place, name=name, format=format_)
     return problem("F003.root", place, name=name)
 
 
@@ -334,7 +305,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             continue  # the root is a model, whose reader knows its parts
         for element in package.iterchildren():
             class_name = document.class_of(element)
-            if element.get(XSI_TYPE) is None or class_name.name in CLASSES:
+            if element.get(XSI_TYPE) is None or class_name.name in _KNOWN:
                 continue
             similar = get_close_matches(class_name.name, _READ_CLASSES, 1, _SIMILAR)
             meant = _READ_CLASSES[similar[0]] if similar else None
@@ -347,7 +318,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             yield problem(
                 "X006.unknown_class" if is_read else "X006.unread_class",
                 document.place(element),
-                hint=f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}",
+                hint=f"did you mean {meant!r}?" if meant else f"known are: {_MODELS}",
                 subject=subject,
                 class_name=class_name.printed,
             )
