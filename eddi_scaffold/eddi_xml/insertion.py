@@ -10,15 +10,13 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import extension_maps
 from eddi_scaffold.eddi_xml.parsing import Element, encoding_of
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _MARKUP = re.compile(
     r"<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>"

@@ -10,17 +10,15 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "designpackage"})
 """Packages whose elements are no ends of links."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import (
     EVENTS,
     MONITORED_BY,
@@ -23,9 +24,6 @@ from eddi_scaffold.eddi_xml.extensions import (
 )
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import fold
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _TAGS = ("event", "safeml", "reliability", "network", "subject")
 _TAG_OF_KIND = {

@@ -11,8 +11,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.monitor import Tree
 from eddi_runtime.plain_values import follow
 
@@ -20,10 +21,6 @@ from eddi_scaffold.config.field_paths import PlainStep, plain_step
 from eddi_scaffold.config.message_types import element, is_primitive, known_messages
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.publications import publications
-
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-
 
 Message = SimpleNamespace  # one attribute for each field, and `message_type`
 

@@ -9,17 +9,15 @@ import ast
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.pasted import understood
 from eddi_runtime.plain_values import by_id, by_key, by_name, given, joined
 
 from eddi_scaffold.monitors.input_binding import InputBinding
-
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
 
 SECOND = 1_000_000_000  # nanoseconds
 

@@ -6,19 +6,17 @@ import math
 from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from eddi_runtime import Monitor as RuntimeMonitor
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.kinds import InputType
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import Recording
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.node import SECOND, GivenInput, Received, ReplayedNode, Step
-
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-
-    from eddi_scaffold.kinds import InputType
 
 MAX_STEPS = 10_000_000
 """Eleven days at 10 Hz, some ten minutes of work: who asks for more has a slip in t."""
