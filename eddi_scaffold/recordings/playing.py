@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from eddi_runtime import Monitor as RuntimeMonitor
@@ -128,32 +128,23 @@ def of_values(
     lines.
     """
     shared = published(monitors)
-    inputs = [
-        [b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs]
-        for monitor in monitors
-    ]
-    return _played(monitors, inputs, rules, running)
+    by_value = []
+    for monitor in monitors:
+        bindings = (b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs)
+        by_value.append(replace(monitor, inputs=tuple(bindings)))
+    return of_messages(by_value, rules, running)
 
 
 def of_messages(
     monitors: Sequence[BoundMonitor], rules: Sequence[StepRule], running: Running | None = None
 ) -> list[PlayedMonitor]:
     """Return monitors that listen to topics, also to those of each other, in the order of steps."""
-    return _played(monitors, [monitor.inputs for monitor in monitors], rules, running)
-
-
-def _played(
-    monitors: Sequence[BoundMonitor],
-    inputs: Sequence[Sequence[InputBinding]],
-    rules: Sequence[StepRule],
-    running: Running | None,
-) -> list[PlayedMonitor]:
     several = len(monitors) > 1
     played = []
-    for monitor, bindings, rule in zip(monitors, inputs, rules, strict=True):
+    for monitor, rule in zip(monitors, rules, strict=True):
         sources: dict[str, dict[str, None]] = {}
         limits: dict[str, set[int]] = {}
-        for binding in bindings:
+        for binding in monitor.inputs:
             for source in binding.requires:
                 # a column has no message
                 topic = monitor.topic(source.topic) if source.type else source.id
@@ -164,7 +155,7 @@ def _played(
         publisher = Publications(monitor) if several else None
         if running is None:
             model = compiled(monitor)
-            own = model, ReplayedNode(GivenInput(bindings), model)
+            own = model, ReplayedNode(GivenInput(monitor.inputs), model)
         else:
             own = running
         topics = {topic: list(ids) for topic, ids in sources.items()}
