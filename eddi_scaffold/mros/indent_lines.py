@@ -66,7 +66,7 @@ def blocks_of(text: Text) -> list[Line]:
         else:
             message = (
                 f"this line has an indentation of {line.indent}, its block one of "
-                f"{first.indent} (line {text.place(first.offset)[0]}; a tab counts {_TAB})"
+                f"{first.indent} (line {text.place(first.offset).line}; a tab counts {_TAB})"
             )
             raise text.error(line.offset, message)
     return [

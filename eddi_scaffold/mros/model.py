@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.common.problems import Place, Problem
 
 _TYPE = re.compile(r"([A-Za-z]\w*)(?:\.|/(?:(?:msg|srv|action)/)?)([A-Za-z]\w*)", re.ASCII)
 
@@ -61,8 +61,7 @@ class SystemInterface:
     name: str  # the name in the system; without one the last part of the reference
     ref: str  # `package.artifact.node.interface` or `artifact::interface`
     ns: str | None  # namespace of this interface alone, `None` for none
-    line: int
-    col: int
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,8 +73,7 @@ class Component:
     from_node: str | None  # `package.artifact.node` or `package.node` that it is an instance of
     interfaces: tuple[SystemInterface, ...]
     parameters: int  # how many parameters are set
-    line: int
-    col: int
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,8 +84,7 @@ class Connection:
     name: str | None  # `None` for none
     sources: tuple[str, ...]  # `component.interface` or labels, from publisher or server
     targets: tuple[str, ...]  # the same of subscriber or client
-    line: int
-    col: int
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,8 +92,7 @@ class SubSystem:
     """The name of a system that is part of another one."""
 
     name: str
-    line: int
-    col: int
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,10 +120,8 @@ class Interface:
     name: str
     type: str
     ns: str | None
-    line: int
-    col: int
-    type_line: int
-    type_col: int
+    place: Place
+    type_place: Place
     deadline: str = ""  # of its quality of service, as it is written; empty for none
 
     @property

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NoReturn
 
-from eddi_scaffold.common.problems import most_similar
+from eddi_scaffold.common.problems import Place, most_similar
 from eddi_scaffold.mros.model import Dialect, Field
 
 Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
@@ -48,10 +48,10 @@ class Text:
         self.file = file
         self._starts = [0, *(line_end.end() for line_end in re.finditer("\n", self.text))]
 
-    def place(self, offset: int) -> tuple[int, int]:
-        """Return line and column of a character, both counted from 1."""
+    def place(self, offset: int) -> Place:
+        """Return the place of a character."""
         line = bisect_right(self._starts, offset)
-        return line, offset - self._starts[line - 1] + 1
+        return Place(self.file, line, offset - self._starts[line - 1] + 1)
 
     def error(
         self,
@@ -61,9 +61,10 @@ class Text:
         format: str = "",  # noqa: A002 - the name of the field
     ) -> MrosSyntaxError:
         """Return the error at a character."""
-        line, col = self.place(offset)
-        quoted_line = self.text[offset - col + 1 :].partition("\n")[0].rstrip("\r")
-        place = (self.file, line, col)
+        line = bisect_right(self._starts, offset)
+        start = self._starts[line - 1]
+        quoted_line = self.text[start:].partition("\n")[0].rstrip("\r")
+        place = (self.file, line, offset - start + 1)
         return MrosSyntaxError(*place, message, quoted_line, case, format, self.dialect)
 
 
@@ -105,8 +106,8 @@ class Cursor:
         """The token that comes next."""
         return self._tokens[self._index]
 
-    def place(self) -> tuple[int, int]:
-        """Return line and column of what comes next."""
+    def place(self) -> Place:
+        """Return the place of what comes next."""
         return self.text.place(self.token[2])
 
     def at_end(self) -> bool:

@@ -147,11 +147,12 @@ class _Collector:
             for connection in part.connections:
                 if connection.kind not in ("topic", ""):
                     continue
-                place = Place(part.file, connection.line, connection.col)
                 for is_source, ends in ((True, connection.sources), (False, connection.targets)):
                     for end in ends:
                         if (count := used[is_source, end]) > 1:
-                            self.problems.append(problem("M018", place, label=end, count=count))
+                            self.problems.append(
+                                problem("M018", connection.place, label=end, count=count)
+                            )
                         if connection.name:
                             self._connection_names.setdefault(end, connection.name)
                 sources = [publishers[end] for end in connection.sources if end in publishers]
