@@ -8,9 +8,8 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
+from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX, read_ros_models, read_rossystem
 from eddi_scaffold.mros.model import RosModel, System
-from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
