@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from eddi_scaffold.cli.options import DryRun, OptionalModelFile, PlatformOfPlace, in_a_folder
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import DryRun, OptionalModelFile, Output, PlatformOfPlace
+from eddi_scaffold.common.problems import EddiError, problem
 
 
 def adopt(
-    package: Annotated[Path, typer.Argument(help="Folder of the old package.")],
-    workspace: Annotated[
-        Path | None, typer.Option("-w", "--workspace", help="Workspace to put it into.")
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", callback=in_a_folder, help="Folder to put it into."),
-    ] = None,
+    package: Path,
+    workspace: Path | None = None,
+    output: Output = None,
     platform: PlatformOfPlace = None,
     model: OptionalModelFile = None,
-    name: Annotated[
-        str | None,
-        typer.Option(
-            "--name",
-            help="Name of the new package, by default the old one's; also which model of a file"
-            " with several.",
-        ),
-    ] = None,
+    name: str | None = None,
     dry_run: DryRun = False,
 ) -> None:
     """Take over a package made by the D7.2 tools.
@@ -39,10 +26,15 @@ def adopt(
     the new one.
 
     Example: eddi-scaffold adopt old/bn_monitor -o monitors
+
+    Args:
+        package: Folder of the old package.
+        workspace: Workspace to put it into.
+        output: Folder to put it into.
+        name: Name of the new package, by default the old one's; also which model of a file with
+            several.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import destination, finish
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.adopting.adopt import adopt as adopted
     from eddi_scaffold.packages.adopting.adopt import write_adopted
     from eddi_scaffold.packages.rendering import own_template

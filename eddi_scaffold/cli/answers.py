@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
     Name,
@@ -24,16 +25,9 @@ from eddi_scaffold.platforms import DEFAULT
 
 
 def answers(
-    output: Annotated[
-        Path,
-        typer.Option(
-            "-o", "--output", callback=in_a_folder, help="File to write; with --all a folder."
-        ),
-    ],
+    output: Annotated[Path, typer.Option("-o", "--output", callback=in_a_folder)],
     model: OptionalModelFile = None,
-    config: Annotated[
-        Path | None, typer.Option("-c", "--config", help="eddi_config.yml of the monitor.")
-    ] = None,
+    config: Path | None = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     platform: PlatformName = DEFAULT,
@@ -41,24 +35,21 @@ def answers(
     models: NodeModels = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
-    workspace: Annotated[
-        Path | None,
-        typer.Option(
-            "-w", "--workspace", help="Workspace of the package, and of the others with --all."
-        ),
-    ] = None,
-    every: Annotated[
-        bool,
-        typer.Option("--all", help="Also the answers of the packages that all monitors share."),
-    ] = False,
+    workspace: Path | None = None,
+    every: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Write the answers for plain `copier copy`.
 
     It renders the same package as `generate` with them.
 
     Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
+
+    Args:
+        output: File to write; with --all a folder.
+        config: eddi_config.yml of the monitor.
+        workspace: Workspace of the package, and of the others with --all.
+        every: Also the answers of the packages that all monitors share.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import assemble, monitors_of, only
     from eddi_scaffold.packages.handwritten import lost_sources

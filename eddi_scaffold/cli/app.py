@@ -31,7 +31,7 @@ from eddi_scaffold.cli import (
     watch,
 )
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import with_global_options
+from eddi_scaffold.cli.options import as_typer_reads
 
 
 class _Groups(TyperGroup):
@@ -91,7 +91,7 @@ def _version(value: bool) -> None:
 
 
 @app.callback()
-@with_global_options
+@as_typer_reads
 def options(
     *,
     version: Annotated[
@@ -132,4 +132,4 @@ COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
 }
 for _group in COMMANDS.values():
     for _name, _command in _group.items():
-        app.command(_name, cls=_Command)(with_global_options(_command))
+        app.command(_name, cls=_Command)(as_typer_reads(_command))

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console, count_line
 from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels, System
+from eddi_scaffold.common.problems import has_errors, in_order
 from eddi_scaffold.platforms import DEFAULT
 
 
 def check(
-    files: Annotated[
-        list[Path],
-        typer.Argument(
-            help="EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, "
-            ".ros; or folders with such files."
-        ),
-    ],
+    files: list[Path],
     system: System = None,
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
@@ -39,11 +36,11 @@ def check(
     all that it names. What `generate` would refuse because of the files is a problem here.
 
     Example: eddi-scaffold check example.xml consert_a_config.yml
-    """
-    from dataclasses import replace
 
-    from eddi_scaffold.cli.console import console, count_line
-    from eddi_scaffold.common.problems import has_errors, in_order
+    Args:
+        files: EDDI XML, model files of a kind, eddi_config.yml, deployment.yml, .rossystem, .ros;
+            or folders with such files.
+    """
     from eddi_scaffold.connect.robot import check_robots, robot_models
     from eddi_scaffold.deployments.checking import ByHand, check_files
     from eddi_scaffold.monitors.loading import named_like_mros

@@ -2,31 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DefaultGuarantees, Json
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, problem
 
 
 def compose(
-    conserts: Annotated[
-        list[str], typer.Argument(metavar="[NAME=]FILE...", help="ConSert YAML or EDDI XML files.")
-    ],
+    conserts: Annotated[list[str], typer.Argument(metavar="[NAME=]FILE...")],
     default_guarantee: DefaultGuarantees = None,
     as_json: Json = False,
 ) -> None:
     """Check whether ConSerts can be composed, and report why not.
 
     Example: eddi-scaffold compose ConSertA.yml ConSertB.yml
-    """
-    from dataclasses import replace
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
+    Args:
+        conserts: ConSert YAML or EDDI XML files.
+    """
     from eddi_scaffold.kinds.consert.compose import compose as composition_of
     from eddi_scaffold.kinds.consert.consert_model import ConSertModel
     from eddi_scaffold.kinds.consert.options import marks_elsewhere

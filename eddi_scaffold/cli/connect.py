@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, in_a_folder
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, Output
+from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
     from eddi_scaffold.connect.connecting import DraftResult
@@ -23,28 +26,12 @@ _STATES = {
 
 
 def connect(
-    model: Annotated[Path, typer.Argument(help="EDDI XML, or a model file of a kind.")],
-    system: Annotated[
-        Path | None, typer.Option("--system", help="A .rossystem: the topics of the robot.")
-    ] = None,
+    model: Path,
+    system: Path | None = None,
     models: NodeModels = None,
-    others: Annotated[
-        list[Path] | None,
-        typer.Option("--with", help="eddi_config.yml of another monitor; repeatable."),
-    ] = None,
-    bag: Annotated[
-        Path | None,
-        typer.Option("--bag", help="ROS 1 or 2 bag of the robot: its topics, and max_age."),
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            callback=in_a_folder,
-            help="The configuration to write or to complete; else it is printed.",
-        ),
-    ] = None,
+    others: Annotated[list[Path] | None, typer.Option("--with")] = None,
+    bag: Path | None = None,
+    output: Output = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
     dry_run: DryRun = False,
@@ -56,14 +43,16 @@ def connect(
     configuration that is there, only what says TODO changes, and what is missing is added.
 
     Example: eddi-scaffold connect Rover.yml --system rover.rossystem --models nodes -o draft.yml
-    """
-    from dataclasses import replace
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import has_errors
+    Args:
+        model: EDDI XML, or a model file of a kind.
+        system: A .rossystem: the topics of the robot.
+        others: eddi_config.yml of another monitor; repeatable.
+        bag: ROS 1 or 2 bag of the robot: its topics, and max_age.
+        output: The configuration to write or to complete; else it is printed.
+    """
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.draft import recorded_age
-    from eddi_scaffold.connect.rossystem import save
     from eddi_scaffold.connect.surroundings import Surroundings
     from eddi_scaffold.recordings.bags import read_contents
 
@@ -86,7 +75,7 @@ def connect(
     elif output is None:
         console.data(draft.after.rstrip("\n"))
     elif draft.is_changed:
-        save(output, draft.after, draft.before)
+        draft.save()
     console.problems(draft.problems, summary=False)
     if not (system or bag or others or draft.has_topics):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")
@@ -97,8 +86,6 @@ def connect(
 
 def _summary(draft: DraftResult, *, writes: bool) -> str:
     """Return the last line: how far the draft is decided."""
-    from eddi_scaffold.common.problems import plural
-
     states = Counter(map(draft.state, draft.decisions))
     counts = ", ".join(f"{states[key]} {text}" for key, text in _STATES.items() if states[key])
     inputs = plural(states.total(), "input") + (f": {counts}" if counts else "")

@@ -16,8 +16,7 @@ from typing import TextIO
 from eddi_scaffold.common.files import open_regular
 from eddi_scaffold.common.problems import EddiError, Problem, in_order, plural, problem
 
-MAX_LINE = 1024 * 1024
-"""Bytes of a longer line are not shown: the place could not be found in it."""
+MAX_LINE = 1024 * 1024  # bytes of a longer line are not shown: the place could not be found in it
 
 
 def with_source_lines(problems: Iterable[Problem]) -> list[Problem]:
@@ -50,23 +49,15 @@ def _lines(file: str, numbers: set[int]) -> Iterator[tuple[int, str]]:
 _COLOURS = {
     "error": "31", "warning": "33", "info": "36", "hint": "36", "success": "32", "place": "1",
 }  # fmt: skip
-_WIDTH = 160
-"""Characters of a source line that are shown."""
+_WIDTH = 160  # characters of a source line that are shown
 
 
 class Console:
-    """Where a command's words go.
+    """Where a command's words go."""
 
-    Attributes:
-        quiet: print errors only.
-        verbose: print infos as well.
-        colour: ``None`` decides by terminal, ``NO_COLOR`` and ``FORCE_COLOR``.
-    """
-
-    def __init__(self) -> None:
-        self.quiet = False
-        self.verbose = False
-        self.colour: bool | None = None
+    quiet = False  # print errors only
+    verbose = False  # print infos as well
+    colour: bool | None = None  # `None`: by terminal, `NO_COLOR` and `FORCE_COLOR`
 
     def data(self, text: str) -> None:
         """Print data that one could pipe."""
@@ -170,9 +161,6 @@ def _write(stream: TextIO | None, text: str) -> None:
 
     Whoever read the stream may have gone (`| head`): the command goes on, and ends with the status
     that its work deserves.
-
-    Raises:
-        EddiError: data could not be written to stdout, for instance on a full disk (F002).
     """
     if stream is None:  # closed before we started
         return
@@ -189,5 +177,4 @@ def _write(stream: TextIO | None, text: str) -> None:
             raise EddiError(problem("F002.output", reason=refused.strerror)) from None
 
 
-console = Console()
-"""The one console of the process; its flags are set by the command line."""
+console = Console()  # the one console of the process; its flags are set by the command line

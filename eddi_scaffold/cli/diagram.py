@@ -7,26 +7,14 @@ from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
+from eddi_scaffold.common.files import read_source
 
 
 def diagram(
-    model: Annotated[
-        Path,
-        typer.Argument(
-            help="EDDI XML, a model file of a kind, an eddi_config.yml that names its model, or "
-            "deployment.yml."
-        ),
-    ],
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "-o",
-            "--output",
-            callback=for_pictures,
-            help="SVG file, or a folder for one picture per model.",
-        ),
-    ] = None,
+    model: Path,
+    output: Annotated[Path | None, typer.Option("-o", "--output", callback=for_pictures)] = None,
     name: Name = None,
     default_guarantee: DefaultGuarantees = None,
 ) -> None:
@@ -37,9 +25,12 @@ def diagram(
     Of a deployment.yml: its robots, their monitors, and whose guarantees fulfil whose demands.
 
     Example: eddi-scaffold diagram two_conserts.xml --name ConSertA -o conserta.svg
+
+    Args:
+        model: EDDI XML, a model file of a kind, an eddi_config.yml that names its model, or
+            deployment.yml.
+        output: SVG file, or a folder for one picture per model.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.drawing import picture_of_fleet
     from eddi_scaffold.monitors.exports import pictures

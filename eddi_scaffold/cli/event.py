@@ -2,63 +2,40 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
-from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import Json, in_a_folder
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import Json, Output
+from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.problems import EddiError, Problem, problem
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
-    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.conditions import Analysis
 
 
-class Target(str, Enum):
-    """Languages of a generated monitor."""
-
-    python = "python"
-    c = "c"
+Target = Literal["python", "c"]
 
 
 def event(
-    text: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[EXPR|FILE]", help="An expression, a file of events, or one of a ConSert."
-        ),
-    ] = None,
-    file: Annotated[Path | None, typer.Option("--file", help="A file of events.")] = None,
-    rate: Annotated[
-        float | None, typer.Option("--rate", help="Steps per second; windows need it.")
-    ] = None,
-    target: Annotated[Target, typer.Option("--target", help="Language.")] = Target.python,
-    name: Annotated[
-        str | None, typer.Option("--name", help="What files and functions begin with.")
-    ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", callback=in_a_folder, help="Folder for the files."),
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Only check, and describe the condition.")
-    ] = False,
-    inputs: Annotated[
-        Path | None,
-        typer.Option("-i", "--inputs", help="CSV with a column t and one per variable: try it."),
-    ] = None,
-    config: Annotated[
-        Path | None, typer.Option("-c", "--config", help="eddi_config.yml of a ConSert.")
-    ] = None,
-    serve: Annotated[
-        bool, typer.Option("--serve", help="Open the page on 127.0.0.1, with the condition.")
-    ] = False,
-    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page.")] = 8765,
+    text: Annotated[str | None, typer.Argument(metavar="[EXPR|FILE]")] = None,
+    file: Path | None = None,
+    rate: float | None = None,
+    target: Target = "python",
+    name: str | None = None,
+    output: Output = None,
+    check: bool = False,
+    inputs: Path | None = None,
+    config: Path | None = None,
+    serve: bool = False,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535)] = 8765,
     as_json: Json = False,
 ) -> None:
     """Check a condition, or make Python or C99 of it.
@@ -69,10 +46,20 @@ def event(
     --target c, it may be that of a ConSert, too.
 
     Example: eddi-scaffold event "AVERAGE(temp, 5s) > 100" --rate 10 --target c -o monitor
+
+    Args:
+        text: An expression, a file of events, or one of a ConSert.
+        file: A file of events.
+        rate: Steps per second; windows need it.
+        target: Language.
+        name: What files and functions begin with.
+        output: Folder for the files.
+        check: Only check, and describe the condition.
+        inputs: CSV with a column t and one per variable: try it.
+        config: eddi_config.yml of a ConSert.
+        serve: Open the page on 127.0.0.1, with the condition.
+        port: Port of the page.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.conditions import analyse
     from eddi_scaffold.conditions.report import as_json as report_json
     from eddi_scaffold.conditions.report import as_text
@@ -88,7 +75,8 @@ def event(
     if not serve and (config is not None or (path is not None and _is_model(path))):
         if check or inputs is not None:
             raise EddiError(problem("E026.conditions"))
-        _generate_of_model(path, config, target, name, output, as_json=as_json)
+        report, files = _of_model(path, config, target, name, as_json=as_json)
+        _write(report, files, output, as_json=as_json)
         return
     source, label = text or "", EXPRESSION
     if path is not None:
@@ -102,7 +90,7 @@ def event(
             console.json(report_json(analysis))
             raise typer.Exit(exit_status.BAD_INPUT)
         raise EddiError(*analysis.problems)
-    if target is Target.c and not check and inputs is None:
+    if target == "c" and not check and inputs is None:
         problems = (*analysis.problems, *without_limits(analysis, label))
         analysis = replace(analysis, problems=problems)
     if not as_json:
@@ -121,8 +109,8 @@ def event(
                 f"note: files and functions begin with {stem!r}, not {own!r}; "
                 "--name chooses another"
             )
-        files = generate(analysis, target.value, stem)
-        _write(files, output, lambda new: report_json(analysis, new), as_json=as_json)
+        files = generate(analysis, target, stem)
+        _write(report_json(analysis), files, output, as_json=as_json)
 
 
 def _file_of(text: str) -> Path | None:
@@ -135,11 +123,7 @@ def _file_of(text: str) -> Path | None:
 
 
 def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
-    import json
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError
     from eddi_scaffold.conditions.standalone import columns, play
     from eddi_scaffold.recordings.csv_recording import read_rows
 
@@ -150,7 +134,7 @@ def _try(analysis: Analysis, inputs: Path, *, as_json: bool) -> None:
         console.problems(problems)
     key = "value" if analysis.events[0].type == "number" else "verdict"
     last = None
-    for t, verdicts in play(analysis, ((row.t, row.samples) for row in rows)):
+    for t, verdicts in play(analysis, rows):
         if as_json:
             outputs = [{"id": name, key: value} for name, value in verdicts.items()]
             alone = {key: outputs[0][key]} if len(outputs) == 1 else {}
@@ -170,7 +154,6 @@ def _shown(value: bool | float | None) -> str:
 
 def _is_model(path: Path) -> bool:
     """Return whether a file is a model, not the text of a condition."""
-    from eddi_scaffold.common.files import read_source
     from eddi_scaffold.eddi_xml.reading import recognises as is_xml
     from eddi_scaffold.kinds import kinds
 
@@ -179,39 +162,25 @@ def _is_model(path: Path) -> bool:
     return of not in {None, "event"} or is_xml(source)
 
 
-def _generate_of_model(
-    path: Path | None,
-    config: Path | None,
-    target: Target,
-    name: str | None,
-    output: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    from eddi_scaffold.cli.console import console
+def _of_model(
+    path: Path | None, config: Path | None, target: Target, name: str | None, *, as_json: bool
+) -> tuple[dict[str, Any], Mapping[str, str]]:
     from eddi_scaffold.monitors.exports import standalone, without_limits
     from eddi_scaffold.packages.assembly import monitors_of, only
 
     monitors, problems = monitors_of(path, [config] if config is not None else [])
     monitor = only(monitors)
     problems = [*problems, *without_limits(monitor)]
-    files = standalone(monitor, target.value, name or monitor.package)
+    files = standalone(monitor, target, name or monitor.package)
     if not as_json:
         console.problems(problems)
-    rows = [problem.as_json() for problem in problems]
-    _write(files, output, lambda new: {"problems": rows, "files": new}, as_json=as_json)
+    return {"problems": [problem.as_json() for problem in problems]}, files
 
 
 def _write(
-    files: Mapping[str, str],
-    output: Path | None,
-    report: Callable[[Mapping[str, str]], Mapping[str, Any]],
-    *,
-    as_json: bool,
+    report: Mapping[str, Any], files: Mapping[str, str], output: Path | None, *, as_json: bool
 ) -> None:
     """Write the files, or print them: the only one as it is, several as JSON."""
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.packages.transaction import FileState, write
     from eddi_scaffold.program.kept_bodies import keep_in_folder
 
@@ -220,23 +189,20 @@ def _write(
         files, lost = keep_in_folder(files, output)
         write(output, {file: FileState(text.encode()) for file, text in files.items()})
     if as_json:
-        console.json(report(files))
-    elif output is None and len(files) > 1:
+        console.json({**report, "files": files})
+    elif output is not None:
+        console.data("\n".join(str(output / file) for file in sorted(files)))
+    elif len(files) > 1:
         raise EddiError(problem("G000.folder"))
-    elif output is None:
-        console.data(next(iter(files.values())).rstrip("\n"))
     else:
-        for file in sorted(files):
-            console.data(str(output / file))
+        console.data(next(iter(files.values())).rstrip("\n"))
     if lost:
-        console.complain(
-            f"hand-written code has no place any more, it is kept in {', '.join(lost)}"
-        )
+        places = ", ".join(lost)
+        console.complain(f"hand-written code has no place any more, it is kept in {places}")
         raise typer.Exit(exit_status.LOOK)
 
 
 def _serve(port: int, text: str, rate: float | None) -> None:
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.conditions.event_page import Page, open_server
 
     start = Page(text=text) if text else Page()
@@ -246,13 +212,8 @@ def _serve(port: int, text: str, rate: float | None) -> None:
         server.serve_forever()
 
 
-def _read_signal(
-    text: str, types: Mapping[str, str]
-) -> tuple[list[tuple[float, Mapping[str, Any]]] | None, list[Problem]]:
+def _read_signal(text: str, types: Mapping[str, Any]) -> tuple[Any, list[Problem]]:
     """Return the rows of a recording that was typed."""
-    from eddi_scaffold.common.files import Source
     from eddi_scaffold.recordings.csv_recording import read_rows
 
-    columns: dict[str, Any] = dict(types)
-    rows, problems = read_rows(Source("<values>", text.encode()), columns)
-    return None if rows is None else [(row.t, row.samples) for row in rows], problems
+    return read_rows(Source("<values>", text.encode()), types)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     ConfigFiles,
     DefaultGuarantees,
@@ -16,38 +18,25 @@ from eddi_scaffold.cli.options import (
     Name,
     NodeModels,
     OptionalModelFile,
+    Output,
     PlatformName,
     Runtime,
     SingleProcess,
     System,
-    in_a_folder,
 )
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.platforms import DEFAULT
 
 
 def generate(
     deployment: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="DEPLOYMENT",
-            help="A deployment.yml, with -o FOLDER alone: a workspace for each of its robots.",
-            show_default=False,
-        ),
+        Path | None, typer.Argument(metavar="DEPLOYMENT", show_default=False)
     ] = None,
     model: OptionalModelFile = None,
-    workspace: Annotated[
-        Path | None,
-        typer.Option(
-            "-w",
-            "--workspace",
-            help="Workspace, such as catkin's (for a platform that is built in one).",
-        ),
-    ] = None,
+    workspace: Path | None = None,
     config: ConfigFiles = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("-o", "--output", callback=in_a_folder, help="Folder (for the others)."),
-    ] = None,
+    output: Output = None,
     platform: PlatformName = DEFAULT,
     system: System = None,
     models: NodeModels = None,
@@ -55,19 +44,19 @@ def generate(
     default_guarantee: DefaultGuarantees = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
-    rename: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--rename",
-            help="`OLD=NEW`: the monitor had another name; its package moves, with all in it.",
-        ),
-    ] = None,
+    rename: list[str] | None = None,
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
     """Generate monitors, also anew; hand-written lines stay.
 
     Example: eddi-scaffold generate -w catkin_ws -c consert_a_config.yml -m example.xml
+
+    Args:
+        deployment: A deployment.yml, with -o FOLDER alone: a workspace for each of its robots.
+        workspace: Workspace, such as catkin's (for a platform that is built in one).
+        output: Folder (for the others).
+        rename: `OLD=NEW`: the monitor had another name; its package moves, with all in it.
     """
     if deployment is not None:
         values = {
@@ -79,9 +68,7 @@ def generate(
         others = [option for option, value in values.items() if value is not None]
         _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
         return
-    from dataclasses import replace
 
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import destination, finish
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.deployments.topics import shared_by_robots
@@ -131,10 +118,7 @@ def _generate_fleet(
     deployment: Path, folder: Path | None, others: Sequence[str], *, force: bool, dry_run: bool
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.cli.reporting import finish
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.sites import sites_of
     from eddi_scaffold.monitors.loading import checked_models

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 from typing import Annotated
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json
+from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
 def example(
-    name: Annotated[str, typer.Argument(help="Name of the example; `list` prints them.")],
-    folder: Annotated[Path | None, typer.Argument(help="New folder for its files.")] = None,
+    name: str,
+    folder: Annotated[Path | None, typer.Argument()] = None,
 ) -> None:
     """Write a worked example: model, configurations, a recording.
 
     Example: eddi-scaffold example two-conserts demo
+
+    Args:
+        name: Name of the example; `list` prints them.
+        folder: New folder for its files.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
     from eddi_scaffold.packages.examples import described, example_files
     from eddi_scaffold.packages.transaction import write
 
@@ -44,19 +49,18 @@ def example(
 
 
 def explain(
-    code: Annotated[str, typer.Argument(help="Code of a problem, such as K007.")],
+    code: str,
     *,
     json: Json = False,
 ) -> None:
     """Say what a problem means, and what to do.
 
     Example: eddi-scaffold explain K007
-    """
-    from textwrap import fill
 
-    from eddi_scaffold.cli.console import console
+    Args:
+        code: Code of a problem, such as K007.
+    """
     from eddi_scaffold.common import catalogue
-    from eddi_scaffold.common.problems import EddiError, problem
 
     diagnostic = catalogue.find(code)
     if diagnostic is None:

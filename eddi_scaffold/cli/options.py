@@ -1,13 +1,18 @@
-"""Options that several commands share, so that they read the same everywhere."""
+"""Options that several commands share, and commands as Typer reads them.
+
+What an option of one command means stands in the docstring of the command, below ``Args:``.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from copy import copy
 from functools import wraps
-from inspect import signature
+from inspect import Parameter, getdoc, signature
 from pathlib import Path
 from shlex import quote
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_origin
 
 import typer
 
@@ -62,6 +67,11 @@ def a_runtime(name: str | None) -> str | None:
     return name
 
 
+Output = Annotated[Path | None, typer.Option("-o", "--output", callback=in_a_folder)]
+Files = Annotated[list[Path] | None, typer.Argument(metavar="[FILE]...", show_default=False)]
+Packages = Annotated[
+    list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
+]
 OptionalModelFile = Annotated[
     Path | None,
     typer.Option(
@@ -165,17 +175,43 @@ def _global_options(
     """Only declare them: callbacks carry them out, and ``main`` looks for ``--traceback``."""
 
 
-def with_global_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command that takes the global options as well."""
+_SHORT = {"config": ("-c",), "inputs": ("-i",), "model": ("-m",), "workspace": ("-w",)}
+_ARGUMENT = re.compile(r"(?m)^    (\w+): (.+(?:\n {8}.+)*)")
+
+
+def as_typer_reads(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command whose parameters have the help of its docstring, with the global options."""
     own = signature(command, eval_str=True)
     added = signature(_global_options, eval_str=True).parameters
+    help_, _, arguments = (getdoc(command) or "").partition("\n\nArgs:\n")
+    texts = {match[1]: " ".join(match[2].split()) for match in _ARGUMENT.finditer(arguments)}
 
     @wraps(command)
     def taking_all(**values: Any) -> None:
         command(**{name: value for name, value in values.items() if name not in added})
 
-    parameters = [*own.parameters.values(), *added.values()]
+    described = [_described(each, texts.get(each.name)) for each in own.parameters.values()]
+    parameters = [*described, *added.values()]
     # Typer reads one or the other, according to its version.
     vars(taking_all)["__signature__"] = own.replace(parameters=parameters)
     taking_all.__annotations__ = {each.name: each.annotation for each in parameters}
+    taking_all.__doc__ = help_
     return taking_all
+
+
+def _described(parameter: Parameter, text: str | None) -> Parameter:
+    """Return a parameter with its help: one with a default is an option."""
+    if text is None:  # an option that several commands share
+        return parameter
+    type_, info = parameter.annotation, None
+    if get_origin(type_) is Annotated:
+        type_, info = get_args(type_)
+    if info is not None:
+        info = copy(info)
+        info.help = text
+    elif parameter.default is Parameter.empty:
+        info = typer.Argument(help=text)
+    else:
+        name = f"--{parameter.name.replace('_', '-')}"
+        info = typer.Option(name, *_SHORT.get(parameter.name, ()), help=text)
+    return parameter.replace(annotation=Annotated[type_, info])

@@ -8,31 +8,26 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import Json, WherePackagesAre
 
 
 def regions(
-    path: Annotated[
-        Path, typer.Argument(help="A package, or a folder that holds packages.")
-    ] = Path(),
+    path: Annotated[Path, typer.Argument()] = Path(),
     workspace: WherePackagesAre = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Exit with 3 when a person must look; for CI.")
-    ] = False,
-    accept: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--accept",
-            help="Region id or unfit file that was looked at and is right; repeatable.",
-        ),
-    ] = None,
+    check: bool = False,
+    accept: list[str] | None = None,
     as_json: Json = False,
 ) -> None:
     """List the regions of hand-written code and their state.
 
     Example: eddi-scaffold regions --check catkin_ws
+
+    Args:
+        path: A package, or a folder that holds packages.
+        check: Exit with 3 when a person must look; for CI.
+        accept: Region id or unfit file that was looked at and is right; repeatable.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.handwritten import accept_regions, inventory
 
     path = path if workspace is None else workspace
@@ -41,7 +36,7 @@ def regions(
     entries = inventory(path)
     if as_json:
         keys = ("id", "file", "line", "state", "notes")
-        console.json({"regions": [{key: getattr(one, key) for key in keys} for one in entries]})
+        console.json({"regions": [{key: getattr(entry, key) for key in keys} for entry in entries]})
     else:
         for entry in entries:
             place = f"{entry.file}:{entry.line}" if entry.line else entry.file

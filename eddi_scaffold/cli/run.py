@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
-from enum import Enum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import (
     DefaultGuarantees,
+    Files,
     Json,
     Name,
     NodeModels,
     System,
     for_pictures,
 )
+from eddi_scaffold.common.files import read_source, refuse_input
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 if TYPE_CHECKING:
-    from eddi_scaffold.common.problems import Problem
     from eddi_scaffold.monitors.binding import BoundMonitor
     from eddi_scaffold.monitors.config_reading import RobotAdditions
     from eddi_scaffold.packages.running import Packaged
@@ -31,75 +35,36 @@ CHECKED_BY_BAG = {"K039"}
 """Warnings of what is unchecked because a message is not known: a bag knows its messages."""
 
 
-class StepsAs(str, Enum):
-    """When a monitor steps."""
-
-    NODE = "node"
-    ROWS = "rows"
-
-
 def run(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[FILE]...",
-            help="EDDI XML, a model file of a kind, configurations that name their models, or the "
-            "folder of a generated package, whose hand-written code is executed then.",
-            show_default=False,
-        ),
-    ] = None,
-    inputs: Annotated[
-        Path | None,
-        typer.Option(
-            "-i",
-            "--inputs",
-            help="CSV with a column t and one per input that no other monitor here gives.",
-        ),
-    ] = None,
-    bag: Annotated[
-        Path | None,
-        typer.Option("--bag", help="ROS 1 or 2 bag with the topics of the configurations."),
-    ] = None,
-    config: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "-c", "--config", help="eddi_config.yml: ages, defaults, units; may be repeated."
-        ),
-    ] = None,
+    files: Files = None,
+    inputs: Path | None = None,
+    bag: Path | None = None,
+    config: list[Path] | None = None,
     name: Name = None,
     system: System = None,
     models: NodeModels = None,
     default_guarantee: DefaultGuarantees = None,
-    steps_as: Annotated[
-        StepsAs,
-        typer.Option(
-            "--steps", help="As the node would, by mode and frequency, or one for each row."
-        ),
-    ] = StepsAs.NODE,
+    steps_as: Annotated[Literal["node", "rows"], typer.Option("--steps")] = "node",
     as_json: Json = False,
-    as_csv: Annotated[
-        bool, typer.Option("--csv", help="Print every step as CSV: t and each value.")
-    ] = False,
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            "--plot",
-            callback=for_pictures,
-            help="SVG to draw into: inputs and outputs; of several monitors, their verdicts.",
-        ),
-    ] = None,
+    as_csv: Annotated[bool, typer.Option("--csv")] = False,
+    plot: Annotated[Path | None, typer.Option("--plot", callback=for_pictures)] = None,
 ) -> None:
     """Run monitors on a recording.
 
     Prints changes of verdicts, or every step as JSON or CSV. Several monitors hear each other.
 
     Example: eddi-scaffold run two_conserts.xml -c consert_a_config.yml --inputs recording.csv
-    """
-    import json
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import refuse_input
-    from eddi_scaffold.common.problems import EddiError, problem
+    Args:
+        files: EDDI XML, a model file of a kind, configurations that name their models, or the
+            folder of a generated package, whose hand-written code is executed then.
+        inputs: CSV with a column t and one per input that no other monitor here gives.
+        bag: ROS 1 or 2 bag with the topics of the configurations.
+        config: eddi_config.yml: ages, defaults, units; may be repeated.
+        steps_as: As the node would, by mode and frequency, or one for each row.
+        as_csv: Print every step as CSV: t and each value.
+        plot: SVG to draw into: inputs and outputs; of several monitors, their verdicts.
+    """
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.packages.assembly import monitors_of, only
     from eddi_scaffold.packages.transaction import FileState, write
@@ -131,7 +96,7 @@ def run(
     console.problems([*problems, *more])
     if plot is not None:
         refuse_input(plot)  # before anything is printed
-    rules = [ROWS if steps_as is StepsAs.ROWS else step_rule(monitor) for monitor in monitors]
+    rules = [ROWS if steps_as == "rows" else step_rule(monitor) for monitor in monitors]
 
     def played() -> Playback:
         if bag is not None:
@@ -156,12 +121,11 @@ def run(
 
 def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None:
     """Return the package that is named in place of a model; its code is executed."""
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
     folder = next((path for path in files if (path / ANSWERS_FILE).is_file()), None)
     if folder is None:
-        inside = [found for path in files for found in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
+        inside = [file for path in files for file in sorted(path.glob(f"*/{ANSWERS_FILE}"))]
         if inside:
             place = Place(str(inside[0].parent.parent))
             names = " or ".join(str(answers.parent) for answers in inside)
@@ -176,7 +140,6 @@ def _package(files: Sequence[Path], others: Sequence[object]) -> Packaged | None
 
 def _unused_lines(monitors: Sequence[BoundMonitor], configs: Sequence[Path]) -> Iterator[Problem]:
     """Warn of hand-written lines in the packages of these monitors (I014)."""
-    from eddi_scaffold.common.problems import Place, problem
     from eddi_scaffold.packages.handwritten import packages_of, written
 
     folders = list(dict.fromkeys([Path.cwd(), *(path.resolve().parent for path in configs)]))
@@ -191,8 +154,6 @@ def _models_and_configs(
     files: Sequence[Path], configs: Sequence[Path], robot: RobotAdditions | None
 ) -> tuple[list[Path], list[Path]]:
     """Separate models from configurations, which may be given instead of their models."""
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, Place, problem
     from eddi_scaffold.config.file import named_model_path
     from eddi_scaffold.monitors.config_reading import read_config
     from eddi_scaffold.monitors.loading import is_config
@@ -217,10 +178,7 @@ def _from_csv(
     package: Packaged | None,
     configs: Sequence[Path],
 ) -> tuple[Recording, Sequence[Problem]]:
-    from functools import partial
 
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import problem
     from eddi_scaffold.monitors.survey import inputs_of_others
     from eddi_scaffold.recordings.csv_recording import read_recording
     from eddi_scaffold.recordings.playing import columns, more_than_all
@@ -237,7 +195,6 @@ def _from_csv(
 def _from_bag(
     monitors: Sequence[BoundMonitor], path: Path, package: Packaged | None
 ) -> tuple[Recording, Sequence[Problem]]:
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.recordings.bags import read_bag
     from eddi_scaffold.recordings.playing import published
 

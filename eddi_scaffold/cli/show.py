@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from eddi_scaffold.cli import exit_status
+from eddi_scaffold.cli.console import console
 from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
+from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.problems import EddiError, has_errors
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
@@ -17,13 +20,7 @@ if TYPE_CHECKING:
 
 
 def show(
-    model: Annotated[
-        Path,
-        typer.Argument(
-            help="EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml "
-            "that names its model."
-        ),
-    ],
+    model: Path,
     name: Name = None,
     config: ConfigFiles = None,
     default_guarantee: DefaultGuarantees = None,
@@ -35,10 +32,11 @@ def show(
     of known values, and the claims that rest on it.
 
     Example: eddi-scaffold show example.xml -c consert_a_config.yml
+
+    Args:
+        model: EDDI XML, a model file of a kind, .rossystem or .ros; or an eddi_config.yml that
+            names its model.
     """
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.files import read_source
-    from eddi_scaffold.common.problems import EddiError, has_errors
     from eddi_scaffold.deployments.joining import accepted_of
     from eddi_scaffold.monitors.loading import read_models, select_models, unfit
     from eddi_scaffold.monitors.survey import configured, mros_of, only, survey_of
@@ -74,8 +72,6 @@ def show(
 
 
 def _show_robot(shown: Shown, *, as_json: bool) -> None:
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import has_errors
 
     if as_json:
         console.json(shown.document)
@@ -88,7 +84,6 @@ def _show_robot(shown: Shown, *, as_json: bool) -> None:
 
 
 def _print(survey: Mapping[str, Any], models: Sequence[Model], chosen: Sequence[Model]) -> None:
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.kinds import kinds
     from eddi_scaffold.monitors.survey import is_one_of
 

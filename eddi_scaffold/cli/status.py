@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.options import ConfigFiles, Json, WherePackagesAre
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import ConfigFiles, Json, Packages, WherePackagesAre
 
 
 def status(
-    packages: Annotated[
-        list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
-    ] = None,
+    packages: Packages = None,
     workspace: WherePackagesAre = None,
-    model: Annotated[
-        Path | None, typer.Option("-m", "--model", help="Compare with this model file.")
-    ] = None,
+    model: Path | None = None,
     config: ConfigFiles = None,
     as_json: Json = False,
 ) -> None:
@@ -27,8 +23,10 @@ def status(
     Each is compared with what would be generated now.
 
     Example: eddi-scaffold status -w catkin_ws
+
+    Args:
+        model: Compare with this model file.
     """
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.packages.rendering import own_template
     from eddi_scaffold.packages.upgrading import groups, refuse_for_several, states_of
 

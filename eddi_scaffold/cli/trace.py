@@ -2,35 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import csv
+import io
 from typing import Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import Json, WherePackagesAre
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import Json, Packages, WherePackagesAre
+from eddi_scaffold.common.problems import EddiError, problem
 
 
 def trace(
-    packages: Annotated[
-        list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
-    ] = None,
+    packages: Packages = None,
     workspace: WherePackagesAre = None,
     as_json: Json = False,
-    as_csv: Annotated[
-        bool, typer.Option("--csv", help="Print one table for a spreadsheet.")
-    ] = False,
+    as_csv: Annotated[bool, typer.Option("--csv")] = False,
 ) -> None:
     """Print what became of each element of the models.
 
     A table of packages: model elements, their places, code and topics.
 
     Example: eddi-scaffold trace -w catkin_ws
-    """
-    import csv
-    import io
 
-    from eddi_scaffold.cli.console import console
-    from eddi_scaffold.common.problems import EddiError, problem
+    Args:
+        as_csv: Print one table for a spreadsheet.
+    """
     from eddi_scaffold.deployments.lifetimes import bounds
     from eddi_scaffold.deployments.support import acceptances, facts_of_package
     from eddi_scaffold.packages.tracing import COLUMNS, trace_of

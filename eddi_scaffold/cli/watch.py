@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import os
+import threading
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eddi_scaffold.cli.options import Json
+from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.options import Files, Json
+from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
     from eddi_scaffold.kinds import Model
@@ -21,51 +26,16 @@ _MASTER = "http://localhost:11311"
 
 
 def watch(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="[FILE]...",
-            help="Models, configurations or a deployment file, so that the page draws the models of"
-            " the monitors; it works without.",
-            show_default=False,
-        ),
-    ] = None,
-    bag: Annotated[
-        Path | None,
-        typer.Option("--bag", help="ROS 1 or 2 bag in which monitors' messages were recorded."),
-    ] = None,
-    master: Annotated[
-        str | None,
-        typer.Option("--master", help=f"ROS 1 master; by default ROS_MASTER_URI, else {_MASTER}."),
-    ] = None,
-    domain: Annotated[
-        list[int] | None,
-        typer.Option(
-            "--domain",
-            min=0,
-            max=232,
-            help="ROS 2 domain, read over DDS; by default ROS_DOMAIN_ID where there is no"
-            " ROS_MASTER_URI. May be repeated.",
-        ),
-    ] = None,
-    robot: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--robot", help="NAME or NAME=/namespace of a robot to watch; may be repeated."
-        ),
-    ] = None,
-    patience: Annotated[
-        float,
-        typer.Option("--patience", min=0.1, help="Seconds of silence that make a verdict unknown."),
-    ] = 3.0,
-    text: Annotated[bool, typer.Option("--text", help="Print a line for each change.")] = False,
+    files: Files = None,
+    bag: Path | None = None,
+    master: str | None = None,
+    domain: Annotated[list[int] | None, typer.Option("--domain", min=0, max=232)] = None,
+    robot: list[str] | None = None,
+    patience: Annotated[float, typer.Option("--patience", min=0.1)] = 3.0,
+    text: bool = False,
     as_json: Json = False,
-    port: Annotated[
-        int, typer.Option("--port", min=0, max=65535, help="Of the page; 0 for any free one.")
-    ] = 0,
-    speed: Annotated[
-        float, typer.Option("--speed", min=0.01, help="How fast the page plays a recording.")
-    ] = 1.0,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535)] = 0,
+    speed: Annotated[float, typer.Option("--speed", min=0.01)] = 1.0,
 ) -> None:
     """Watch which guarantees of robots are active.
 
@@ -73,10 +43,20 @@ def watch(
     prints a line for each change.
 
     Example: eddi-scaffold watch --text --robot arm
-    """
-    import json
 
-    from eddi_scaffold.cli.console import console
+    Args:
+        files: Models, configurations or a deployment file, so that the page draws the models of the
+            monitors; it works without.
+        bag: ROS 1 or 2 bag in which monitors' messages were recorded.
+        master: ROS 1 master; by default ROS_MASTER_URI, else http://localhost:11311.
+        domain: ROS 2 domain, read over DDS; by default ROS_DOMAIN_ID where there is no
+            ROS_MASTER_URI. May be repeated.
+        robot: NAME or NAME=/namespace of a robot to watch; may be repeated.
+        patience: Seconds of silence that make a verdict unknown.
+        text: Print a line for each change.
+        port: Of the page; 0 for any free one.
+        speed: How fast the page plays a recording.
+    """
     from eddi_scaffold.watch.fleet import FleetState
     from eddi_scaffold.watch.following import changes, document, line
     from eddi_scaffold.watch.messages import requested_robots
@@ -98,9 +78,6 @@ def _opened(
     bag: Path | None, master: str | None, domains: list[int] | None, speed: float | None
 ) -> tuple[Source, Clock]:
     """Return the source that is asked for, and what writes its times."""
-    import os
-
-    from eddi_scaffold.common.problems import EddiError, problem
     from eddi_scaffold.watch.following import seconds, time_of_day
     from eddi_scaffold.watch.recording import Recording
     from eddi_scaffold.watch.ros1 import Ros1Graph
@@ -127,20 +104,16 @@ def _serve(
     source: Source, state: FleetState, clock: Clock, port: int, models: Sequence[Path]
 ) -> None:
     """Show the page, as long as nobody interrupts it."""
-    import threading
-
-    from eddi_scaffold.cli.console import console
     from eddi_scaffold.watch.following import follow
     from eddi_scaffold.watch.page import view_of
     from eddi_scaffold.watch.page_server import Feed, open_server
 
-    first = state.snapshot(0.0)
-    feed = Feed(first, view_of(first, clock))
+    feed = Feed(view_of(state.snapshot(0.0), clock))
     with open_server(port, feed, pictures_of(models)) as server:
         console.say(f"the fleet is at http://127.0.0.1:{server.server_port}/ (Ctrl-C ends)")
         threading.Thread(target=server.serve_forever, daemon=True).start()
         try:
-            follow(source, state, lambda now, notes: feed.show(now, view_of(now, clock, notes)))
+            follow(source, state, lambda now, notes: feed.show(view_of(now, clock, notes)))
             threading.Event().wait()
         finally:
             feed.close()

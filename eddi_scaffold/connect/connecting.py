@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import TODO, free_name, full_topic, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -18,23 +18,13 @@ from eddi_scaffold.common.problems import (
     with_excerpts,
 )
 from eddi_scaffold.config.field_types import Fields, declared
-from eddi_scaffold.config.topic_block import (
-    ConfigText,
-    extended,
-    read_block,
-)
+from eddi_scaffold.config.topic_block import extended, read_block
 from eddi_scaffold.config.values import undecided
 from eddi_scaffold.connect.draft import age_line, entry
-from eddi_scaffold.connect.keeping import (
-    Draft,
-    model_id,
-    text_of,
-    topics_of,
-    with_draft,
-)
+from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, decide
 from eddi_scaffold.connect.needs import InputNeed, words
-from eddi_scaffold.connect.rossystem import unified_diff
+from eddi_scaffold.connect.saving import ConfigChange, read_config_text
 from eddi_scaffold.connect.surroundings import (
     Surroundings,
     fulfilments,
@@ -43,16 +33,7 @@ from eddi_scaffold.connect.surroundings import (
 )
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
-from eddi_scaffold.kinds import (
-    DeclaredInput,
-    JsonValue,
-    Kind,
-    Model,
-    ModelDraft,
-    ModelInput,
-    Options,
-    kinds,
-)
+from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, ModelInput, Options, kinds
 from eddi_scaffold.monitors.loading import checked_models, is_config, select_models
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.mros.topics import slug
@@ -60,31 +41,13 @@ from eddi_scaffold.yaml_text.nodes import Map, Scalar, items_of, value_11
 
 
 @dataclass(frozen=True)
-class DraftResult:
-    """A draft.
+class DraftResult(ConfigChange):
+    """A draft."""
 
-    Attributes:
-        name: of the configuration.
-        before: its text, ``None`` when there is no file.
-        after: its new text.
-        decisions: one for each input of the model.
-        kept: inputs that were decided before.
-        problems: of the robot, and of the configuration.
-        todo: how many values are still to be decided.
-    """
-
-    name: str
-    before: str | None
-    after: str
-    decisions: Sequence[Decision]
-    kept: frozenset[str]
-    problems: Sequence[Problem]
-    todo: int
-
-    @property
-    def is_changed(self) -> bool:
-        """Whether there is something to write."""
-        return self.after != self.before
+    decisions: Sequence[Decision]  # one for each input of the model
+    kept: frozenset[str]  # inputs that were decided before
+    problems: Sequence[Problem]  # of the robot, and of the configuration
+    todo: int  # how many values are still to be decided
 
     def state(self, decision: Decision) -> str:
         """Return ``taken``, ``listed`` or ``none``, or ``kept`` where a person has decided."""
@@ -94,10 +57,6 @@ class DraftResult:
     def has_topics(self) -> bool:
         """Whether the configuration names topics of a robot."""
         return bool(topics_of(read_block(Source(self.name, self.after.encode())).root))
-
-    def diff(self) -> str:
-        """Return the change as a unified diff."""
-        return unified_diff(self.before, self.after, self.name)
 
     def as_json(self) -> dict[str, JsonValue]:
         """Return the decisions for programs."""
@@ -124,199 +83,174 @@ def connect(
 ) -> DraftResult:
     """Draft the configuration of a model, or add to one what it does not say yet.
 
-    Args:
-        model: its file.
-        name: of the model, where the file has several.
-        config: the configuration, which need not exist; ``None`` reads none.
-        surroundings: what is given beside the model.
+    A name chooses among several models of the file; the configuration need not exist.
 
     Raises:
         EddiError: something cannot be read, or the configuration cannot be changed.
     """
-    models = checked_models(model, surroundings.default_guarantees).models
-    if config is not None and (config.exists() or config.is_symlink()):
-        document = read_block(read_source(config))
-        before: str | None = document.text
-    else:
-        document, before = ConfigText(str(config or "eddi_config.yml"), ""), None
-    root = document.root
-    chosen = _chosen_model(models, name, root)
-    kind = kinds()[chosen.kind]
-    _refuse_other(document, root, chosen, models)
-    package = package_name(model_id(root) or chosen.name)
-    document, robot_types, robot_ages, robot_problems = with_robot(
-        document, surroundings.system, surroundings.models
-    )
-    model_draft = _model_draft(chosen, root)
-    topics = topics_of(document.root)
-    recorded = _recorded(surroundings.topics, topics, package)
-    topics += recorded
-    others = other_monitors(models, surroundings, package)
-    fulfilled, published = fulfilments(others, chosen, model_draft.inputs, topics)
-    types = {**surroundings.types, **known_messages(), **robot_types, **_declared_types(root)}
-    needs = _needs(root, chosen, model_draft.inputs)
-    decisions = decide(needs, topics, types.get, fulfilled)
-    named = {candidate.topic for decision in decisions for candidate in decision.candidates}
-    new = [
-        replace(topic, type=topic.type.replace("/", "."))
-        for topic in (*recorded, *published)
-        if topic in named
-    ]
-    document = read_block(Source(document.name, extended(document, new).encode()))
-    known = {**robot_ages, **surroundings.ages}
-    full_names = {topic.topic: full_topic(topic.topic, "", package) for topic in topics}
-    ages = {topic: known[full] for topic, full in full_names.items() if full in known}
-    parts = chosen.separate_outputs()
-    outputs: list[dict[str, JsonValue]] = [{"id": package, "topic": f"{package}/{kind.topic}"}]
-    if len(parts) > 1:
-        outputs = [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]
-    draft = Draft(
-        _model_section(chosen, kind, model, config),
-        model_draft.options,
-        model_draft.notes,
-        [entry(decision, ages) for decision in decisions],
-        outputs,
-        {topic.id: age_line(topic, ages) for topic in topics},
-    )
-    after = with_draft(document, draft)
-    unknown = _unknown_inputs(root, [item.id for item in model_draft.inputs])
-    problems = in_order([*robot_problems, *with_excerpts(unknown, before or "")])
-    items = items_of(root.get("EDDIInputs"))
-    kept = frozenset(text_of(item, "id") or "" for item in items if not any(undecided(item)))
-    todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
-    return DraftResult(document.name, before, after, decisions, kept, problems, todo)
+    return _Connecting(model, name, config, surroundings).result()
 
 
-def _chosen_model(models: Sequence[Model], name: str | None, root: Map) -> Model:
-    """Return the model: by its name, else the one that the configuration is of, else the only one.
+class _Connecting:
+    """The model that is chosen, and the configuration as it is."""
 
-    Raises:
-        EddiError: there is none of that name (F005), or several (G005).
-    """
-    id_ = model_id(root)
-    if name is not None:
-        models = select_models(models, name)
-    elif id_ is not None:
-        same = [model for model in models if package_name(model.name) == package_name(id_)]
-        models = same or models
-    if len(models) > 1:
-        names = ", ".join(model.name for model in models)
-        raise EddiError(problem("G005.several", names=names))
-    return models[0]
+    def __init__(
+        self, path: Path, name: str | None, config: Path | None, surroundings: Surroundings
+    ) -> None:
+        self.models = checked_models(path, surroundings.default_guarantees).models
+        self.path, self.surroundings = path, surroundings
+        self.config = config or Path("eddi_config.yml")
+        self.document, self.before = read_config_text(config, self.config)
+        self.root = self.document.root
+        items = items_of(self.root.get("EDDIInputs"))
+        self.entries = [(item, text_of(item, "id")) for item in items]
+        self.model = self._chosen_model(name)
+        self._refuse_other()
+        self.kind = kinds()[self.model.kind]
+        self.package = package_name(model_id(self.root) or self.model.name)
 
+    def _chosen_model(self, name: str | None) -> Model:
+        """Return the model: by its name, else that of the configuration, else the only one."""
+        models: Sequence[Model] = self.models
+        id_ = model_id(self.root)
+        if name is not None:
+            models = select_models(models, name)
+        elif id_ is not None:
+            same = [model for model in models if package_name(model.name) == package_name(id_)]
+            models = same or models
+        if len(models) > 1:
+            names = ", ".join(model.name for model in models)
+            raise EddiError(problem("G005.several", names=names))
+        return models[0]
 
-def _refuse_other(document: ConfigText, root: Map, chosen: Model, models: Sequence[Model]) -> None:
-    """Refuse a file to which the draft of a model must not be added.
+    def _refuse_other(self) -> None:
+        """Refuse a file to which the draft of a model must not be added."""
+        root, text = self.root, self.document.text
+        if root.entries and not is_config(Source(self.document.name, text.encode())):
+            raise EddiError(problem("K001.nothing_added", root.place))
+        section = root.get("Model") or root
+        kind, type_, id_ = kinds()[self.model.kind], text_of(section, "type"), model_id(root)
+        known_types = {known.casefold() for known in kind.config_types}
+        if type_ not in (None, TODO) and str(type_).casefold() not in known_types:
+            raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
+        others = {package_name(model.name) for model in self.models}
+        others.discard(package_name(self.model.name))
+        if id_ is not None and package_name(id_) in others:
+            fields = {"id": id_, "requested": self.model.name}
+            raise EddiError(problem("K026.other_model", section.place, **fields))
 
-    Raises:
-        EddiError: it is no configuration (K001), or that of another kind (K010) or model (K026).
-    """
-    if root.entries and not is_config(Source(document.name, document.text.encode())):
-        raise EddiError(problem("K001.nothing_added", root.place))
-    section = root.get("Model") or root
-    kind, type_, id_ = kinds()[chosen.kind], text_of(section, "type"), model_id(root)
-    known_types = {known.casefold() for known in kind.config_types}
-    if type_ not in (None, TODO) and str(type_).casefold() not in known_types:
-        raise EddiError(problem("K010.kind", section.place, kind=kind.title, declared=type_))
-    owner = package_name(id_) if id_ is not None else None
-    if owner in {package_name(model.name) for model in models} - {package_name(chosen.name)}:
-        raise EddiError(problem("K026.other_model", section.place, id=id_, requested=chosen.name))
-
-
-def _unknown_inputs(root: Map, ids: Sequence[str]) -> Iterator[Problem]:
-    """Warn of entries that the model has no input for (K013)."""
-    items = [(item, text_of(item, "id")) for item in items_of(root.get("EDDIInputs"))]
-    new = sorted({*ids} - {id_ for _, id_ in items})
-    for item, id_ in items:
-        if id_ is None or id_ in ids:
-            continue
-        similar = most_similar(id_, new)
-        hint = f"its inputs: {shortened_list(ids)}"
-        if similar is not None:
-            hint = f"where it is {similar!r} now, write `id: {similar}` and `renamed_from: {id_}`"
-        yield problem("K013.entry_stays", item.place, hint=hint, input=id_)
-
-
-def _declared_types(root: Map) -> dict[str, Fields]:
-    """Return the message types that a configuration declares itself."""
-    types = root.get("MessageTypes")
-    return {
-        name.text: declared(
-            ((text_of(fields, key.text) or "", key.text) for key, _ in fields.entries),
-            name.text.partition("/")[0],
+    def result(self) -> DraftResult:
+        """Join everything."""
+        document, robot_types, robot_ages, robot_problems = with_robot(
+            self.document, self.surroundings.system, self.surroundings.models
         )
-        for name, fields in (types.entries if isinstance(types, Map) else ())
-        if isinstance(fields, Map)
-    }
-
-
-def _needs(root: Map, model: Model, inputs: Sequence[ModelInput]) -> list[InputNeed]:
-    """Return what the inputs need, with the words that the configuration says mean the same."""
-    section = root.get("connect")
-    groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
-    synonyms = frozenset(
-        frozenset(
-            word
-            for item in items_of(group)
-            if isinstance(item, Scalar)
-            for word in words(item.text)
+        ids = [id_ for _, id_ in self.entries if id_ is not None]
+        declared_inputs = [DeclaredInput(id_, None, None, None, self.model.place) for id_ in ids]
+        section = self.root.get("Model")
+        values = value_11(section) if isinstance(section, Map) else {}
+        drafted = self.model.draft(Options(values=values, inputs=tuple(declared_inputs)))
+        topics = topics_of(document.root)
+        recorded = self._recorded(topics)
+        topics += recorded
+        others = other_monitors(self.models, self.surroundings, self.package)
+        fulfilled, published = fulfilments(others, self.model, drafted.inputs, topics)
+        types = {**self.surroundings.types, **known_messages(), **robot_types}
+        types |= self._declared_types()
+        decisions = decide(self._needs(drafted.inputs), topics, types.get, fulfilled)
+        named = {candidate.topic for decision in decisions for candidate in decision.candidates}
+        new = [
+            replace(topic, type=topic.type.replace("/", "."))
+            for topic in (*recorded, *published)
+            if topic in named
+        ]
+        document = read_block(Source(document.name, extended(document, new).encode()))
+        known = {**robot_ages, **self.surroundings.ages}
+        full_names = {topic.topic: full_topic(topic.topic, "", self.package) for topic in topics}
+        ages = {topic: known[full] for topic, full in full_names.items() if full in known}
+        draft = Draft(
+            self._model_section(),
+            drafted.options,
+            drafted.notes,
+            [entry(decision, ages) for decision in decisions],
+            self._outputs(),
+            {topic.id: age_line(topic, ages) for topic in topics},
         )
-        for group in groups
-    )
-    return [
-        InputNeed(
-            item.id,
-            item.type,
-            item.unit,
-            item.description or "",
-            item.is_demand,
-            item.safety,
-            item.states,
-            item.timeout,
-            synonyms,
-            events_of(model.links, item.id),
-        )
-        for item in inputs
-    ]
+        after = with_draft(document, draft)
+        unknown = self._unknown_inputs([item.id for item in drafted.inputs])
+        problems = in_order([*robot_problems, *with_excerpts(unknown, self.before or "")])
+        kept = frozenset(id_ or "" for item, id_ in self.entries if not any(undecided(item)))
+        todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
+        return DraftResult(document.name, self.before, after, decisions, kept, problems, todo)
 
+    def _recorded(self, known: Sequence[RobotTopic]) -> list[RobotTopic]:
+        """Return the topics of a bag that are not known without it, each with an id of its own."""
+        there = {full_topic(topic.topic, "", self.package) for topic in known}
+        taken = {topic.id for topic in known}
+        recorded = []
+        for topic, message in sorted(self.surroundings.topics.items()):
+            if topic not in there:
+                recorded.append(RobotTopic(free_name(slug(topic), taken), message, topic))
+                taken.add(recorded[-1].id)
+        return recorded
 
-def _recorded(
-    topics: Mapping[str, str], known: Sequence[RobotTopic], package: str
-) -> list[RobotTopic]:
-    """Return the topics of a bag that are not known without it, each with an id of its own."""
-    there = {full_topic(topic.topic, "", package) for topic in known}
-    taken = {topic.id for topic in known}
-    recorded = []
-    for topic, message in sorted(topics.items()):
-        if topic not in there:
-            recorded.append(RobotTopic(free_name(slug(topic), taken), message, topic))
-            taken.add(recorded[-1].id)
-    return recorded
+    def _declared_types(self) -> Mapping[str, Fields]:
+        """Return the message types that the configuration declares itself."""
+        types = self.root.get("MessageTypes")
+        return {
+            name.text: declared(
+                ((text_of(fields, key.text) or "", key.text) for key, _ in fields.entries),
+                name.text.partition("/")[0],
+            )
+            for name, fields in (types.entries if isinstance(types, Map) else ())
+            if isinstance(fields, Map)
+        }
 
+    def _needs(self, inputs: Sequence[ModelInput]) -> list[InputNeed]:
+        """Return what the inputs need, with words that mean the same on this robot."""
+        section = self.root.get("connect")
+        groups = items_of(section.get("synonyms")) if isinstance(section, Map) else ()
+        texts = [[i.text for i in items_of(group) if isinstance(i, Scalar)] for group in groups]
+        synonyms = frozenset(frozenset(words(" ".join(group))) for group in texts)
+        return [
+            InputNeed(
+                item.id,
+                item.type,
+                item.unit,
+                item.description or "",
+                item.is_demand,
+                item.safety,
+                item.states,
+                item.timeout,
+                synonyms,
+                events_of(self.model.links, item.id),
+            )
+            for item in inputs
+        ]
 
-def _model_draft(model: Model, root: Map) -> ModelDraft:
-    """Return what the configuration has to say of the model.
+    def _model_section(self) -> dict[str, JsonValue]:
+        """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
+        type_ = self.kind.config_types[0]
+        section: dict[str, JsonValue] = {"id": self.model.name, "type": type_, "frequency": 10}
+        file, folder = self.path.resolve(), self.config.resolve().parent
+        if file.is_relative_to(folder):
+            section["parameters"] = [{"model": file.relative_to(folder).as_posix()}]
+        return section
 
-    Raises:
-        EddiError: no monitor can be made of the model.
-    """
-    ids = [text_of(item, "id") for item in items_of(root.get("EDDIInputs"))]
-    inputs = tuple(
-        DeclaredInput(id_, None, None, None, model.place) for id_ in ids if id_ is not None
-    )
-    section = root.get("Model")
-    values = value_11(section) if isinstance(section, Map) else {}
-    return model.draft(Options(values=values, inputs=inputs))
+    def _outputs(self) -> list[dict[str, JsonValue]]:
+        parts, package = self.model.separate_outputs(), self.package
+        if len(parts) > 1:
+            return [{"id": part, "topic": f"{package}/{part}", "event": part} for part in parts]
+        return [{"id": package, "topic": f"{package}/{self.kind.topic}"}]
 
-
-def _model_section(
-    model: Model, kind: Kind, path: Path, config: Path | None
-) -> dict[str, JsonValue]:
-    """Return ``Model:`` of a new configuration; the file is named where it lies beside it."""
-    section: dict[str, JsonValue] = {
-        "id": model.name, "type": kind.config_types[0], "frequency": 10
-    }  # fmt: skip
-    folder = (config or Path("eddi_config.yml")).resolve().parent
-    if path.resolve().is_relative_to(folder):
-        section["parameters"] = [{"model": path.resolve().relative_to(folder).as_posix()}]
-    return section
+    def _unknown_inputs(self, ids: Sequence[str]) -> Iterator[Problem]:
+        """Warn of entries that the model has no input for (K013)."""
+        new = sorted({*ids} - {id_ for _, id_ in self.entries})
+        for item, id_ in self.entries:
+            if id_ is None or id_ in ids:
+                continue
+            similar = most_similar(id_, new)
+            hint = f"its inputs: {shortened_list(ids)}"
+            if similar is not None:
+                hint = f"where it is {similar!r} now, write `id: {similar}`"
+                hint += f" and `renamed_from: {id_}`"
+            yield problem("K013.entry_stays", item.place, hint=hint, input=id_)

@@ -36,23 +36,16 @@ _PERIODS = 2.5
 _SPARE = 1.2
 _OUTAGE = 10.0
 """Usual periods after which a pause is none of the rate: its source was dead, or switched off."""
-_RARE = 0.05
-"""Share of the gaps that may be such pauses; a topic with more has no period."""
-_FEW = 3
-"""Periods from which a recording says how often a topic is published."""
+_RARE = 0.05  # share of the gaps that may be such pauses; a topic with more has no period
+_FEW = 3  # periods from which a recording says how often a topic is published
 
 
 @dataclass(frozen=True)
 class Age:
-    """When the messages of a topic are too old.
+    """When the messages of a topic are too old."""
 
-    Attributes:
-        seconds: the limit.
-        why: where it is from; empty where a person said so.
-    """
-
-    seconds: float
-    why: str
+    seconds: float  # the limit
+    why: str  # where it is from; empty where a person said so
 
     def line(self) -> str:
         """Return it as a line of an entry."""
@@ -60,12 +53,7 @@ class Age:
 
 
 def recorded_age(times: Sequence[int], where: str) -> Age | None:
-    """Return the limit for a topic that was recorded, ``None`` where that says nothing.
-
-    Args:
-        times: of its messages, nanoseconds, ascending.
-        where: name of the recording.
-    """
+    """Return the limit for a topic by the times (ns, ascending) of its messages in a recording."""
     gaps = [(later - earlier) / 1e9 for earlier, later in pairwise(times)]
     if len(gaps) < _FEW or max(gaps) <= 0:
         return None
@@ -113,20 +101,13 @@ def age_line(topic: RobotTopic, ages: Mapping[str, Age]) -> str | None:
 
 @dataclass(frozen=True)
 class EntryDraft:
-    """One entry of ``EDDIInputs``.
-
-    Attributes:
-        why: its comments.
-        source: the lines that say where the value comes from.
-        taken: keys and texts of these where nothing is open.
-        age: line of the age limit, empty where the input needs none.
-    """
+    """One entry of ``EDDIInputs``."""
 
     id: str
-    why: tuple[str, ...]
-    source: tuple[str, ...]
-    taken: Mapping[str, str]
-    age: str
+    why: tuple[str, ...]  # its comments
+    source: tuple[str, ...]  # the lines that say where the value comes from
+    taken: Mapping[str, str]  # keys and texts of these where nothing is open
+    age: str  # line of the age limit, empty where the input needs none
 
     def lines(self) -> list[str]:
         """Return the whole entry, without indentation."""
@@ -135,12 +116,7 @@ class EntryDraft:
 
 
 def entry(decision: Decision, ages: Mapping[str, Age]) -> EntryDraft:
-    """Return the entry of an input.
-
-    Args:
-        decision: which topic it is, as far as that is clear.
-        ages: topic -> when its messages are too old, where that is known.
-    """
+    """Return the entry of an input, with what is known of the age of each topic."""
     need, taken = decision.need, dict[str, str]()
     why = [f"the EDDI names the event {event}" for event in need.events]
     if decision.state == "taken":

@@ -28,23 +28,15 @@ _HEAD = (
 
 @dataclass(frozen=True)
 class Draft:
-    """What a configuration should say.
+    """What a configuration should say."""
 
-    Attributes:
-        model: keys of ``Model:`` of a new configuration.
-        options: keys of ``Model:`` that are added where they are missing.
-        notes: key path of an option -> what there is to decide.
-        entries: of ``EDDIInputs``.
-        outputs: of ``EDDIOutputs``.
-        ages: id of a simulator output -> line of the age limit, empty where it needs none, ``None``
-            where it is not known.
-    """
-
-    model: Mapping[str, JsonValue]
-    options: Mapping[str, JsonValue]
-    notes: Mapping[tuple[str, ...], str]
-    entries: Sequence[EntryDraft]
-    outputs: Sequence[Mapping[str, JsonValue]]
+    model: Mapping[str, JsonValue]  # keys of `Model:` of a new configuration
+    options: Mapping[str, JsonValue]  # keys of `Model:` that are added where they are missing
+    notes: Mapping[tuple[str, ...], str]  # key path of an option -> what there is to decide
+    entries: Sequence[EntryDraft]  # of `EDDIInputs`
+    outputs: Sequence[Mapping[str, JsonValue]]  # of `EDDIOutputs`
+    # id of a simulator output -> line of the age limit, empty where it needs none, `None` where it
+    # is not known
     ages: Mapping[str, str | None] = field(default_factory=dict)
 
 
@@ -203,11 +195,7 @@ class _Editor(TextEditor):
 
 
 def _refuse_loss(document: ConfigText, after: str) -> None:
-    """Refuse a text in which something that a person wrote would be gone or elsewhere.
-
-    Raises:
-        EddiError: it is written in a way that was not foreseen (K001).
-    """
+    """Refuse a text in which something that a person wrote would be gone or elsewhere."""
     new, problems = read_map(Source(document.name, after.encode()), "K001")
     lost = next(_lost(document.root, new), None)
     if problems or lost is not None:

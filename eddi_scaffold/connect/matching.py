@@ -9,25 +9,18 @@ from functools import cache
 from typing import Literal
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.needs import WORDS, InputNeed, words
 from eddi_scaffold.connect.scoring import ALARM, Candidate, Scorer
 from eddi_scaffold.connect.topics import FieldsOf, FieldUse, RobotTopic, TopicField, leaves
 
-_NO_MEASUREMENTS = (
-    *("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs", "rosgraph_msgs"),
-    *("visualization_msgs", "tf2_msgs"),
-)
 _GUARANTEES, _POSTERIORS = "eddi_messages/ConSertOutput", "eddi_messages/BayesianNetworkOutput"
 _SETTING = re.compile(
     r"angle_.*|range_m(?:in|ax)|m(?:in|ax)_range|field_of_view|time_increment|scan_time|"
     r"intensities|origin|significance_level|time_from_start"
 )
-_PICTURES = ("Image", "CameraInfo", "PointCloud2", "OccupancyGrid")
 _SIZE = re.compile("width|height|resolution|step|point_step|row_step|binning_[xy]")
-_ABOUT_UNCERTAINTY = ("uncertainty", "covariance", "deviation", "std", "variance", "accuracy")
 _COMPARED = ("diagnostic_msgs/", "vision_msgs/")
-_SURE = ((50, 8), (32, 15))
-"""Score and distance to the next candidate from which a topic is taken."""
+_SURE = ((50, 8), (32, 15))  # score and distance to the next candidate from which a topic is taken
 _LEAST_NAME = 15
 _LEAST = 25
 _MOST = 5
@@ -45,38 +38,26 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class Decision:
-    """What is known of the topic of an input.
-
-    Attributes:
-        state: ``taken``: the first candidate is written; ``listed``: a person decides; ``none``.
-        candidates: the best one of each topic, best first.
-        lead: points between the taken one and the next of any topic, ``None`` without a next one.
-        missed: where there are none.
-    """
+    """What is known of the topic of an input."""
 
     need: InputNeed
+    # `taken`: the first candidate is written; `listed`: a person decides; `none`
     state: Literal["taken", "listed", "none"]
-    candidates: tuple[Candidate, ...] = ()
+    candidates: tuple[Candidate, ...] = ()  # the best one of each topic, best first
+    # points between the taken one and the next of any topic, `None` without a next one
     lead: int | None = None
-    missed: NearMiss | None = None
+    missed: NearMiss | None = None  # where there are none
 
 
 @dataclass(frozen=True)
 class Fulfilment:
-    """An output of another monitor that fulfils an input.
-
-    Attributes:
-        field: path of the output in the message.
-        why: for a comment.
-        key: name of the output.
-        is_sure: it fulfils the input; else a person decides.
-    """
+    """An output of another monitor that fulfils an input."""
 
     topic: RobotTopic
-    field: str
-    why: str
-    key: str = ""
-    is_sure: bool = True
+    field: str  # path of the output in the message
+    why: str  # for a comment
+    key: str = ""  # name of the output
+    is_sure: bool = True  # it fulfils the input; else a person decides
 
 
 def decide(
@@ -85,14 +66,7 @@ def decide(
     fields_of: FieldsOf,
     fulfilments: Mapping[str, Sequence[Fulfilment]] | None = None,
 ) -> list[Decision]:
-    """Decide for each input; the same inputs give the same decisions.
-
-    Args:
-        needs: the inputs.
-        topics: of the robot.
-        fields_of: message type -> fields, ``None`` where they are not known.
-        fulfilments: input -> outputs of other monitors that fulfil it.
-    """
+    """Decide for each input; the same inputs give the same decisions."""
     matcher = _Matcher(topics, fields_of)
     by_input = fulfilments or {}
     return [matcher.decide(need, by_input.get(need.id, ())) for need in needs]
@@ -179,7 +153,7 @@ def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
     """Return why a value of a message type cannot fill an input, ``None`` where it might."""
     names = [name.partition("[")[0] for name in leaf.path] or [""]
     package, _, name = message.partition("/")
-    if package in _NO_MEASUREMENTS:
+    if package in WORDS["no_measurements"].split():
         return "it is not a measurement"
     if need.is_demand != (message == _GUARANTEES):
         return "a demand needs the guarantee of another ConSert"
@@ -187,10 +161,10 @@ def objection(need: InputNeed, message: str, leaf: TopicField) -> str | None:
         return "posteriors are not evidence"
     if names[0] in ("header", "layout") or names[-1] in ("secs", "nsecs"):
         return "it is about the message"
-    is_size = name in _PICTURES and _SIZE.fullmatch(names[-1])
+    is_size = name in WORDS["pictures"].split() and _SIZE.fullmatch(names[-1])
     if is_size or any(map(_SETTING.fullmatch, names)):
         return "it is a setting of the sensor"
-    if leaf.path and leaf.is_variance != need.says(*_ABOUT_UNCERTAINTY):
+    if leaf.path and leaf.is_variance != need.says(WORDS["uncertainty"]):
         return "it is an uncertainty" if leaf.is_variance else "it is not an uncertainty"
     if leaf.path and not _has_type(need, message, leaf):
         return f"it is a {leaf.type}"

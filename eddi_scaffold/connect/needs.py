@@ -7,56 +7,27 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from os.path import commonprefix
+from pathlib import Path
 
+from eddi_scaffold.common.toml_tables import read_toml
 from eddi_scaffold.kinds import InputType
 
-Synonyms = frozenset[frozenset[str]]
-"""Groups of words; those of a group mean the same."""
-_SYNONYMS: Synonyms = frozenset(
-    frozenset(group.split())
-    for group in (
-        "speed velocity vel",
-        "distance range clearance proximity dist",
-        "scan laser lidar",
-        "battery bms charge power soc",
-        "temperature temp",
-        "humidity moisture",
-        "position pose localization localisation amcl location",
-        "odometry odom",
-        "left port",
-        "right starboard",
-        "obstacle obstacles",
-        "health healthy ok good diagnostics diagnostic status",
-        "person human pedestrian people",
-        "detected detection detections boxes",
-        "yaw heading",
-        "uncertainty covariance deviation std variance accuracy",
-        "gps gnss navsat global",
-        "ground rangefinder altitude height",
-        "current amps",
-        "voltage volts cell",
-        "joint joints",
-        "torque effort",
-        "valid safe",
-    )
-)
-_SAME = {"ahead": "front", "forward": "front", "fwd": "front", "back": "rear", "behind": "rear"}
-_SAYING_NOTHING = frozenset([
-    "the", "is", "a", "of", "in", "to", "and", "an", "are", "data", "eddi", "input", "value",
-    "state", "rt", "msg", "nearest", "minimum", "min", "max", "vehicle", "robot", "system",
-    "sensor", "monitor", "node", "topic", "measured", "actual", "ambient",
-])  # fmt: skip
+WORDS = read_toml(Path(__file__).with_name("words.toml"))
+Synonyms = frozenset[frozenset[str]]  # groups of words; those of a group mean the same
+_SYNONYMS: Synonyms = frozenset(frozenset(group.split()) for group in WORDS["synonyms"])
+_SAYING_NOTHING = frozenset(WORDS["saying_nothing"].split())
 _BREAK = re.compile(r"[^A-Za-z0-9]+|(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _LONG = 4
 _COMMON = 5
-MEANS_THE_SAME = 0.7
-"""From this match on, a word is taken for another one."""
+MEANS_THE_SAME = 0.7  # from this match on, a word is taken for another one
 
 
 @cache
 def words(text: str) -> tuple[str, ...]:
     """Split a name or a sentence into words: lower case, one word for each direction."""
-    return tuple(_SAME.get(word, word) for word in map(str.lower, _BREAK.split(text)) if word)
+    return tuple(
+        WORDS["same"].get(word, word) for word in map(str.lower, _BREAK.split(text)) if word
+    )
 
 
 def _telling(text: str) -> list[str]:
@@ -81,29 +52,19 @@ def _likeness(first: str, second: str, synonyms: Synonyms) -> float:
 
 @dataclass(frozen=True)
 class InputNeed:
-    """What an input needs.
-
-    Attributes:
-        unit: of the model; ``""`` for a ratio, ``None`` where it has none or is not known.
-        description: of the model, for people.
-        is_demand: only the output of another monitor can fulfil it.
-        needs_age: a value that is too old would be dangerous.
-        states: names of the states of one that is a state.
-        timeout: seconds after which the model takes it as unknown.
-        synonyms: words that mean the same on this robot.
-        events: of the EDDI, that say when it holds, with their conditions.
-    """
+    """What an input needs."""
 
     id: str
     type: InputType
+    # of the model; `""` for a ratio, `None` where it has none or is not known
     unit: str | None = None
-    description: str = ""
-    is_demand: bool = False
-    needs_age: bool = True
-    states: tuple[str, ...] = ()
-    timeout: float | None = None
-    synonyms: Synonyms = frozenset()
-    events: tuple[str, ...] = ()
+    description: str = ""  # of the model, for people
+    is_demand: bool = False  # only the output of another monitor can fulfil it
+    needs_age: bool = True  # a value that is too old would be dangerous
+    states: tuple[str, ...] = ()  # names of the states of one that is a state
+    timeout: float | None = None  # seconds after which the model takes it as unknown
+    synonyms: Synonyms = frozenset()  # words that mean the same on this robot
+    events: tuple[str, ...] = ()  # of the EDDI, that say when it holds, with their conditions
 
     @cached_property
     def words(self) -> Sequence[str]:
@@ -135,6 +96,6 @@ class InputNeed:
         """Return the best match of a word among others, from 0 to 1."""
         return max((_likeness(word, other, self.synonyms) for other in others), default=0.0)
 
-    def says(self, *any_of: str) -> bool:
+    def says(self, any_of: str) -> bool:
         """Return whether id or description has one of some words."""
-        return not self.every_word.isdisjoint(any_of)
+        return not self.every_word.isdisjoint(any_of.split())

@@ -1,24 +1,113 @@
-"""Models of a robot, and what they add to a configuration."""
+"""A robot as MROS models describe it: read, checked, and what it adds to configurations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.identifiers import is_ros_name
-from eddi_scaffold.common.problems import EddiError, Place, Problem, did_you_mean, problem
+from eddi_scaffold.common.problems import EddiError, Problem, did_you_mean, problem
 from eddi_scaffold.config.field_types import declared
-from eddi_scaffold.connect.rossystem import Robot, read_robot
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_config
 from eddi_scaffold.monitors.loading import is_config
-from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, read_ros_models
+from eddi_scaffold.mros import SYSTEM_SUFFIX, MrosSyntaxError, System, read_ros_models
 from eddi_scaffold.mros.directory import load_models, load_system, problem_of
 from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.topics import Outputs, TopicEntry, silent_problems, simulator_outputs
+
+_NO_SYSTEM = System("", "indent", "", (), ())
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A system and the models of its nodes, as files of this machine."""
+
+    folder: Path  # of the models
+    path: Path | None  # of the system, `None` where only models are known
+    system: System
+    models: Models
+    problems: tuple[Problem, ...]  # of the files
+
+    def located(self, problems: Iterable[Problem]) -> list[Problem]:
+        """Return problems with files as a person can open them, not relative to the models."""
+        models = self.models
+        inside = {*models.skipped, *(reported.place.file for reported in models.problems)}
+        inside |= {model.file for model in models.files} | {part.file for part in models.systems}
+        paths = {file: str(self.folder / file) for file in inside if file is not None}
+        if self.path is not None:
+            paths[self.system.file] = str(self.path)
+        return [
+            replace(fault, place=replace(fault.place, file=paths.get(file, file)))
+            if (file := fault.place.file) is not None
+            else fault
+            for fault in problems
+        ]
+
+    def message_types(self) -> dict[str, dict[str, str]]:
+        """Return the messages that are specified next to node models; of a name the first."""
+        types: dict[str, dict[str, str]] = {}
+        for package in (package for file in self.models.files for package in file.packages):
+            for spec in package.specs:
+                fields = dict(spec.sections).get("message")
+                if fields is not None:
+                    pairs = ((field.type, field.name) for field in fields if field.value is None)
+                    name = f"{package.name}/{spec.name}"
+                    types.setdefault(name, declared(pairs, package.name))
+        return types
+
+    def simulator_outputs(self, entries: object) -> list[dict[str, JsonValue]]:
+        """Return the entries that ``parse-rossystem`` would write in place of some.
+
+        Topics that ROS does not allow are left out: an error in what nobody wrote would have no
+        line to be mended.
+        """
+        listed = entries if isinstance(entries, list) else []
+        rows = [row for row in listed if isinstance(row, dict)]
+        by_topic = {str(row.get("topic")): row for row in rows}
+        keys = ("id", "type", "topic")
+        written = [[str(row.get(key)) for key in keys] for row in rows]
+        existing = [TopicEntry(id_, type_, topic) for id_, type_, topic in written]
+        new, taken = [], set[str]()
+        for topic in simulator_outputs(self.system, self.models, existing=existing).topics:
+            if is_ros_name(topic.topic) or topic.topic in by_topic:
+                values = {key: getattr(topic, key) for key in keys}
+                new.append({**by_topic.get(topic.topic, {}), **values})
+                taken |= {topic.id, topic.topic}
+        names = ({old.id, old.topic} for old in existing)
+        return [*new, *(row for row, own in zip(rows, names, strict=True) if not own & taken)]
+
+
+def read_robot(system: Path | None, folder: Path) -> Robot:
+    """Read a system and all models of its directory.
+
+    Raises:
+        EddiError: the system cannot be read, or there is no such directory.
+    """
+    if system is None:
+        models = load_models(folder)
+        return Robot(folder, None, _NO_SYSTEM, models, models.problems)
+    try:
+        model, problems = load_system(system, folder)
+    except EddiError as failed:  # who can go no further sees an error in any case
+        raise EddiError(*(replace(fault, level="error") for fault in failed.problems)) from None
+    models = load_models(folder, systems=bool(model.subsystems))
+    return Robot(folder, system, model, models, (*problems, *models.problems))
+
+
+def robot_of(system: Path | None, folder: Path | None) -> Robot | None:
+    """Read what a command was given: a system with models, models alone, or none.
+
+    Raises:
+        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
+    """
+    if folder is None and system is not None:
+        raise EddiError(problem("G017"))
+    return None if folder is None else read_robot(system, folder)
 
 
 @contextmanager
@@ -34,54 +123,22 @@ def robot_models(
         inside, and is told with it.
 
     Raises:
-        EddiError: one of the two cannot be read, or the models of a system are missing (G017).
+        EddiError: as of ``robot_of``.
     """
-    if folder is None:
-        if system is not None:
-            raise EddiError(problem("G017"))
+    robot = robot_of(system, folder)
+    if robot is None:
         yield None, []
         return
-    if system is None:
-        models = load_models(folder)
-        additions = RobotAdditions(types=message_types(models))
-        problems = _located(folder, models.problems)
-    else:
-        robot = read_robot(system, folder)
-        outputs = simulator_outputs(robot.system, robot.models)
-        additions = _additions(robot)
-        problems = robot.located([*robot.problems, *outputs.problems])
-    problems = [replace(reported, level="warning") for reported in problems]
+    outputs = simulator_outputs(robot.system, robot.models)
+    reported = robot.located([*robot.problems, *outputs.problems])
+    problems = [replace(fault, level="warning") for fault in reported]
+    additions = RobotAdditions(types=robot.message_types())
+    if system is not None:
+        additions = replace(additions, outputs=robot.simulator_outputs)
     try:
         yield additions, problems
     except EddiError as refused:
         raise EddiError(*problems, *refused.problems) from None
-
-
-def _additions(robot: Robot) -> RobotAdditions:
-    """Return what a system and its models add to configurations.
-
-    The entries of ``SimulatorOutputs`` become those that ``parse-rossystem`` would write, without
-    topics that ROS does not allow: an error in what nobody wrote would have no line to be mended.
-    """
-
-    def outputs(entries: object) -> list[dict[str, JsonValue]]:
-        listed = entries if isinstance(entries, list) else []
-        rows = [row for row in listed if isinstance(row, dict)]
-        by_topic = {str(row.get("topic")): row for row in rows}
-        place = Place(str(robot.path))
-        keys = ("id", "type", "topic")
-        written = [[str(row.get(key)) for key in keys] for row in rows]
-        existing = [TopicEntry(id_, type_, topic, place) for id_, type_, topic in written]
-        new, taken = [], set[str]()
-        for topic in simulator_outputs(robot.system, robot.models, existing=existing).topics:
-            if is_ros_name(topic.topic) or topic.topic in by_topic:
-                values = {key: getattr(topic, key) for key in keys}
-                new.append({**by_topic.get(topic.topic, {}), **values})
-                taken |= {topic.id, topic.topic}
-        names = ({old.id, old.topic} for old in existing)
-        return [*new, *(row for row, own in zip(rows, names, strict=True) if not own & taken)]
-
-    return RobotAdditions(outputs, message_types(robot.models))
 
 
 def check_robots(
@@ -89,37 +146,33 @@ def check_robots(
 ) -> tuple[list[Problem], RobotAdditions | None]:
     """Check ``.rossystem`` and ``.ros*`` files, and configurations against the systems.
 
-    Args:
-        files: of the MROS family.
-        configs: the other files of the command; those that are configurations are compared.
-        folder: directory of node models; without it the files are only read.
-
     Returns:
-        All problems, and what the models add to configurations.
+        All problems, and what the models of a directory, if there is one, add to configurations.
     """
-    models = load_models(folder, systems=True) if folder is not None else None
-    problems = _located(folder, models.problems) if folder is not None and models else []
+    robot, problems = None, list[Problem]()
+    if folder is not None:
+        models = load_models(folder, systems=True)
+        robot = Robot(folder, None, _NO_SYSTEM, models, models.problems)
+        problems += robot.located(models.problems)
     for path in files:
-        problems += _check_file(path, folder, models, configs)
-    return problems, RobotAdditions(types=message_types(models)) if models is not None else None
+        problems += _check_file(path, robot, configs)
+    return problems, None if robot is None else RobotAdditions(types=robot.message_types())
 
 
-def _check_file(
-    path: Path, folder: Path | None, models: Models | None, configs: Sequence[Path]
-) -> Sequence[Problem]:
+def _check_file(path: Path, robot: Robot | None, configs: Sequence[Path]) -> Sequence[Problem]:
     try:
         if not path.name.endswith(SYSTEM_SUFFIX):
             return read_ros_models(read_source(path).data, str(path)).problems
-        system, problems = load_system(path, folder)
+        system, problems = load_system(path, robot.folder if robot is not None else None)
     except MrosSyntaxError as failed:
         return [problem_of(failed)]
     except EddiError as failed:
         return failed.problems
-    if folder is None or models is None:
+    if robot is None:
         return problems
-    outputs = simulator_outputs(system, models, include=("subscribed", "actions"))
-    problems += [*outputs.problems, *silent_problems(system, models)]
-    problems = Robot(folder, path, system, models, ()).located(problems)
+    outputs = simulator_outputs(system, robot.models, include=("subscribed", "actions"))
+    problems += [*outputs.problems, *silent_problems(system, robot.models)]
+    problems = replace(robot, path=path, system=system).located(problems)
     for config in configs:
         problems += _compared(config, outputs, path)
     return problems
@@ -132,40 +185,16 @@ def _compared(path: Path, outputs: Outputs, system: Path) -> Iterable[Problem]:
     except EddiError:
         return  # reported when the file itself is checked
     config = read_config(source)[0] if is_config(source) else None
-    known = {topic.topic: topic for topic in outputs.topics}
-    for index, entry in enumerate(config.config.SimulatorOutputs if config else ()):
-        assert config is not None
-        topic = known.get(entry.topic)
-        if topic is None:
+    if config is None:
+        return
+    known = {topic.topic: topic.type.replace(".", "/") for topic in outputs.topics}
+    for index, entry in enumerate(config.config.SimulatorOutputs):
+        fields: dict[str, Any] = {"system": system, "topic": entry.topic}
+        type_ = known.get(entry.topic)
+        if type_ is None:
             hint = did_you_mean(entry.topic, known)
             place = config.place("SimulatorOutputs", index, "topic")
-            yield problem("K040.topic", place, hint=hint, system=system, topic=entry.topic)
-        elif topic.type.replace(".", "/") != entry.type:
-            yield problem(
-                "K040.direction",
-                config.place("SimulatorOutputs", index, "type"),
-                topic=entry.topic,
-                actual=topic.type.replace(".", "/"),
-                system=system,
-            )
-
-
-def _located(folder: Path, problems: Iterable[Problem]) -> list[Problem]:
-    return [
-        replace(reported, place=replace(reported.place, file=str(folder / reported.place.file)))
-        for reported in problems
-    ]
-
-
-def message_types(models: Models) -> dict[str, dict[str, str]]:
-    """Return the messages that are specified next to node models; the first of a name is used."""
-    found: dict[str, dict[str, str]] = {}
-    for file in models.files:
-        for package in file.packages:
-            for spec in package.specs:
-                fields = dict(spec.sections).get("message")
-                if fields is not None:
-                    pairs = ((field.type, field.name) for field in fields if field.value is None)
-                    table = declared(pairs, package.name)
-                    found.setdefault(f"{package.name}/{spec.name}", table)
-    return found
+            yield problem("K040.topic", place, hint=hint, **fields)
+        elif type_ != entry.type:
+            place = config.place("SimulatorOutputs", index, "type")
+            yield problem("K040.direction", place, actual=type_, **fields)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
-import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -11,54 +9,34 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal
 
-from eddi_scaffold.common.files import read_source, saved_meanwhile
 from eddi_scaffold.common.problems import (
     EddiError,
-    Place,
     Problem,
     did_you_mean,
     has_errors,
     in_order,
     problem,
+    shortened_list,
     with_excerpts,
 )
-from eddi_scaffold.config.topic_block import (
-    ConfigText,
-    DroppedTopic,
-    OldEntry,
-    read_block,
-    rewritten,
-)
+from eddi_scaffold.config.topic_block import ConfigText, DroppedTopic, OldEntry, rewritten
+from eddi_scaffold.connect.robot import Robot
+from eddi_scaffold.connect.saving import ConfigChange, read_config_text
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.mros.directory import load_models, load_system
-from eddi_scaffold.mros.model import System
-from eddi_scaffold.mros.resolving import Models, flattened
-from eddi_scaffold.mros.topics import (
-    Include,
-    Outputs,
-    Topic,
-    simulator_outputs,
-)
+from eddi_scaffold.mros.resolving import flattened
+from eddi_scaffold.mros.topics import Outputs, Topic, simulator_outputs
 
-_MARK = b"\xef\xbb\xbf"
-_SHOWN = 12
 _INFRASTRUCTURE = ("dynamic_reconfigure", "rcl_interfaces", "bond", "lifecycle_msgs")
 _ONLY, _COMPONENT, _NO_INFRASTRUCTURE = "--only", "--component", "--exclude-infrastructure"
 
 
 @dataclass(frozen=True)
 class Filters:
-    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``.
+    """Which topics are kept; globs are case-sensitive and ``*`` also matches ``/``."""
 
-    Attributes:
-        topics: any match keeps; empty keeps all.
-        components: the same for a component that provides the topic.
-        no_infrastructure: leave out types of ``dynamic_reconfigure``, ``rcl_interfaces``, ``bond``
-            and ``lifecycle_msgs``.
-    """
-
-    topics: tuple[str, ...] = ()
-    components: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()  # any match keeps; empty keeps all
+    components: tuple[str, ...] = ()  # the same for a component that provides the topic
+    # leave out types of `dynamic_reconfigure`, `rcl_interfaces`, `bond` and `lifecycle_msgs`
     no_infrastructure: bool = False
 
     def keeps(self, name: str) -> bool:
@@ -74,19 +52,24 @@ class Filters:
         is_kept = not self.components or _matches(topic.components, *self.components)
         return None if is_kept else _COMPONENT
 
-    def unmatched(self, topics: Collection[str], components: Collection[str]) -> Iterator[Problem]:
-        """Return an error for each glob that matches none of the names that there are."""
-        for option, globs, kind, names in (
-            (_ONLY, self.topics, "topic", {*topics}),
-            (_COMPONENT, self.components, "component", {*components}),
-        ):
-            more = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
-            there = f"there are: {', '.join(sorted(names)[:_SHOWN])}{more}" if names else None
-            for glob in globs:
-                if not _matches(names, glob):
-                    hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
-                    fields = {"kind": kind, "option": option, "pattern": glob}
-                    yield problem("M022.no_match", hint=hint, **fields)
+    def check(self, robot: Robot, outputs: Outputs, topics: Collection[str]) -> None:
+        """Refuse filters that match nothing, with what did not resolve: it may be the cause.
+
+        Raises:
+            EddiError: a glob matches nothing, or together they leave nothing.
+        """
+        systems, _ = flattened(robot.system, robot.models.systems)
+        components = {component.name for part in systems for component in part.components}
+        wrong = [
+            *_unmatched(_ONLY, self.topics, "topic", topics),
+            *_unmatched(_COMPONENT, self.components, "component", components),
+        ]
+        some = self.topics or self.components
+        if some and not wrong and outputs.is_complete and not outputs.topics:
+            wrong = [problem("M022.no_topic", filters=self)]
+        if wrong:
+            problems = in_order([*robot.problems, *outputs.problems])
+            raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
 
     def __str__(self) -> str:
         """Return the filters as they are given on the command line."""
@@ -99,59 +82,24 @@ def _matches(names: Iterable[str], *globs: str) -> bool:
     return any(fnmatchcase(name, glob) for name in names for glob in globs)
 
 
-@dataclass(frozen=True)
-class Robot:
-    """A system and the models of its nodes, as files of this machine.
-
-    Attributes:
-        folder: of the models.
-        path: of the system.
-        problems: of the files.
-    """
-
-    folder: Path
-    path: Path
-    system: System
-    models: Models
-    problems: tuple[Problem, ...]
-
-    def located(self, problems: Iterable[Problem]) -> list[Problem]:
-        """Return problems with files as a person can open them, not relative to the models."""
-        return [replace(problem, place=self._located(problem.place)) for problem in problems]
-
-    def _located(self, place: Place) -> Place:
-        if place.file == self.system.file:
-            return replace(place, file=str(self.path))
-        models = self.models
-        inside = {*models.skipped, *(reported.place.file for reported in models.problems)}
-        inside |= {model.file for model in models.files} | {part.file for part in models.systems}
-        return replace(place, file=str(self.folder / place.file)) if place.file in inside else place
+def _unmatched(
+    option: str, globs: Collection[str], kind: str, names: Collection[str]
+) -> Iterator[Problem]:
+    """Yield an error for each glob that matches none of the names that there are."""
+    there = f"there are: {shortened_list(sorted(names))}" if names else None
+    for glob in globs:
+        if not _matches(names, glob):
+            hint = did_you_mean(re.sub(r"[*?\[\]]", "", glob), names) or there
+            yield problem("M022.no_match", hint=hint, kind=kind, option=option, pattern=glob)
 
 
 @dataclass(frozen=True)
-class Parsed:
-    """What a run found, and what the configuration becomes.
-
-    Attributes:
-        problems: files relative to the directory of models.
-        before: text of the configuration, ``None`` when there is no file.
-        after: its new text; the old one where there are errors and nothing resolved.
-    """
+class Parsed(ConfigChange):
+    """What a run found, and what the configuration becomes."""
 
     robot: Robot
     outputs: Outputs
-    problems: tuple[Problem, ...]
-    before: str | None
-    after: str
-
-    @property
-    def is_changed(self) -> bool:
-        """Whether there is something to write."""
-        return self.after != (self.before or "")
-
-    def diff(self, name: str) -> str:
-        """Return the change of the configuration as a unified diff."""
-        return unified_diff(self.before, self.after, name)
+    problems: tuple[Problem, ...]  # files relative to the directory of models
 
     def summary(self) -> Mapping[str, int]:
         """Return the figures of the last line."""
@@ -197,32 +145,11 @@ class Parsed:
         }
 
 
-def unified_diff(before: str | None, after: str, name: str) -> str:
-    """Return the change of a file, ``None`` for one that is new."""
-    old, new = (before or "").splitlines(keepends=True), after.splitlines(keepends=True)
-    lines = difflib.unified_diff(old, new, name if before is not None else os.devnull, name)
-    return "".join(line if line.endswith("\n") else f"{line}\n" for line in lines)
-
-
-def read_robot(system: Path, folder: Path) -> Robot:
-    """Read a system and all models of its directory.
-
-    Raises:
-        EddiError: the system cannot be read, or there is no such directory.
-    """
-    try:
-        model, problems = load_system(system, folder)
-    except EddiError as failed:  # who can go no further sees an error in any case
-        raise EddiError(*(replace(fault, level="error") for fault in failed.problems)) from None
-    models = load_models(folder, systems=bool(model.subsystems))
-    return Robot(folder, system, model, models, (*problems, *models.problems))
-
-
 def parse(
     robot: Robot,
     config: Path,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     filters: Filters | None = None,
     names: Literal["label", "model"] = "label",
 ) -> Parsed:
@@ -231,17 +158,16 @@ def parse(
     Raises:
         EddiError: the configuration is there and cannot be changed, or the filters leave nothing.
     """
-    is_there = config.exists() or config.is_symlink()
-    document = read_block(read_source(config)) if is_there else ConfigText(str(config), "")
+    document, before = read_config_text(config, config)
     parsed = with_topics(robot, document, include=include, filters=filters, names=names)
-    return parsed if is_there else replace(parsed, before=None)
+    return replace(parsed, before=before)
 
 
 def with_topics(
     robot: Robot,
     document: ConfigText,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     filters: Filters | None = None,
     names: Literal["label", "model"] = "label",
     writes: Callable[[Topic], bool] = lambda _: True,
@@ -255,8 +181,11 @@ def with_topics(
     topics = tuple(topic for topic in every.topics if left_out[topic.topic] is None)
     outputs = replace(every, topics=topics)
     problems = [*robot.problems, *outputs.problems]
-    known = {*left_out, *(old.topic for old in document.old if not outputs.is_complete)}
-    _refuse_filters(filters, robot, outputs, known)
+    filters.check(
+        robot,
+        outputs,
+        {*left_out, *(old.topic for old in document.old if not outputs.is_complete)},
+    )
 
     def absence(old: OldEntry) -> DroppedTopic:
         """Explain why an entry is not rewritten; what may be there all the same stays."""
@@ -277,56 +206,4 @@ def with_topics(
     own = [reported for reported in problems if reported.place.file == document.name]
     others = [reported for reported in problems if reported.place.file != document.name]
     problems = in_order([*others, *with_excerpts(own, document.text)])
-    return Parsed(robot, outputs, tuple(problems), document.text, after)
-
-
-def _refuse_filters(
-    filters: Filters, robot: Robot, outputs: Outputs, topics: Collection[str]
-) -> None:
-    """Refuse filters that match nothing, and report what did not resolve: it may be the cause.
-
-    Raises:
-        EddiError: a glob matches nothing, or together they leave nothing.
-    """
-    systems = flattened(robot.system, robot.models.systems)[0]
-    components = [component.name for part in systems for component in part.components]
-    wrong = list(filters.unmatched(topics, components))
-    some = filters.topics or filters.components
-    if some and not wrong and outputs.is_complete and not outputs.topics:
-        wrong = [problem("M022.no_topic", filters=filters)]
-    if wrong:
-        problems = in_order([*robot.problems, *outputs.problems])
-        raise EddiError(*robot.located(p for p in problems if p.level == "error"), *wrong)
-
-
-def save(path: Path, text: str, before: str | None) -> None:
-    """Replace a configuration as one step; its byte order mark and its mode stay.
-
-    Args:
-        path: the configuration.
-        text: its new text.
-        before: the text that the new one was made of, ``None`` where there was no file.
-
-    Raises:
-        EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
-    """
-    target = path.resolve()
-    temporary = target.with_name(f".eddi-{os.getpid()}")
-    try:
-        mark = _MARK if target.exists() and target.read_bytes().startswith(_MARK) else b""
-        try:
-            with temporary.open("xb") as file:
-                file.write(mark + text.encode())
-                file.flush()
-                os.fsync(file.fileno())
-            now = target.read_bytes().removeprefix(_MARK) if target.exists() else None
-            if now != (None if before is None else before.encode()):
-                raise saved_meanwhile(path)
-            if now is not None:
-                temporary.chmod(target.stat().st_mode & 0o7777)
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as refused:
-        reason = refused.strerror or refused
-        raise EddiError(problem("F002.write", Place(str(path)), reason=reason)) from None
+    return Parsed(document.name, document.text, after, robot, outputs, tuple(problems))

@@ -7,84 +7,34 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from eddi_scaffold.common import units
-from eddi_scaffold.connect.needs import MEANS_THE_SAME, InputNeed, words
+from eddi_scaffold.connect.needs import MEANS_THE_SAME, WORDS, InputNeed, words
 from eddi_scaffold.connect.topics import FieldUse, RobotTopic, TopicField, access
 
-_TELLING = 14
-"""From so many points on, the message alone explains the words of its row."""
+_TELLING = 14  # from so many points on, the message alone explains the words of its row
 _NAME = 50
 ALARM = "true may be bad"
 """Part of a candidate that may be true where the input is false; it is never taken."""
 
 
 _USUAL = [
-    (
-        frozenset(names.split()),
-        frozenset(dimensions.split(", ")),
-        {message: int(points) for message, points in map(str.split, messages.split(", "))},
-    )
-    for names, dimensions, messages in (
-        row.split(" | ")
-        for row in """\
-obstacle distance clearance range proximity scan nearest closest | length | \
-LaserScan 20, Range 20, MultiEchoLaserScan 15
-speed velocity drive | speed | \
-Odometry 20, TwistWithCovarianceStamped 18, TwistStamped 14, VFR_HUD 14, Twist 6
-yaw rate turn angular | angular rate | Odometry 20, Imu 20, TwistStamped 12, Twist 6
-acceleration tilt shock | acceleration | Imu 20
-gps altitude latitude longitude height | length, angle | NavSatFix 20
-battery charge soc capacity level | ratio, charge, voltage, current | BatteryState 20
-temperature temp | temperature in Celsius, temperature in Kelvin | Temperature 20, BatteryState 6
-humidity | ratio | RelativeHumidity 20
-pressure | pressure | FluidPressure 20
-uncertainty covariance deviation localization accuracy | length, angle | \
-PoseWithCovarianceStamped 20, Odometry 12
-joint torque effort | angle, torque, force, angular rate | \
-JointState 20, JointTrajectoryControllerState 10
-health healthy ok diagnostics | bool | DiagnosticArray 20, DiagnosticStatus 20
-detected detection person pedestrian | bool | Detection2DArray 20""".splitlines()
-    )
+    (frozenset(row["words"].split()), row["measures"], row["messages"]) for row in WORDS["usual"]
 ]
-"""An input that has one of these words and measures one of these -> messages with points."""
-_COMMANDS = frozenset(("cmd", "command", "setpoint", "goal", "target", "desired", "reference"))
-_COMMANDED = frozenset([
-    "Twist", "TwistStamped", "PoseStamped", "Float32", "Float64", "Float64MultiArray",
-    "AckermannDriveStamped",
-])  # fmt: skip
-_OF_JOINTS = ("joint", "joints", "torque", "effort")
-_SIDES = tuple(
-    frozenset(group.split())
-    for group in ("front rear left right", "base torso head arm", "up down")
-)
-_BAD_WHEN_TRUE = frozenset([
-    "lost", "fault", "error", "fail", "failed", "failure", "loss", "missing", "invalid",
-    "standby", "stop",
-])  # fmt: skip
-_AXES: Mapping[tuple[str, ...], frozenset[str]] = {
-    ("linear", "x"): frozenset(("front",)),
-    ("linear", "z"): frozenset(("climb", "vertical", "descent", "sink")),
-    ("linear", "y"): frozenset(("lateral", "sideways")),
-    ("angular", "z"): frozenset(),
-    ("angular", "x"): frozenset(("roll",)),
-    ("angular", "y"): frozenset(("pitch",)),
-}
-"""Component of a velocity -> what it is called; the first one is usual."""
+_COMMANDS = frozenset(WORDS["commands"].split())
+_BAD_WHEN_TRUE = frozenset(WORDS["bad_when_true"].split())
+_SIDES = [frozenset(group.split()) for group in WORDS["sides"]]
+_AXES = {tuple(axis.split(".")): frozenset(said.split()) for axis, said in WORDS["axes"].items()}
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A value of a topic that might fill an input.
-
-    Attributes:
-        parts: what the score is made of: name, unit, prior, type, and what counts against it.
-        reasons: the same in words, for a comment.
-    """
+    """A value of a topic that might fill an input."""
 
     topic: RobotTopic
     leaf: TopicField
     access: FieldUse
+    # what the score is made of: name, unit, prior, type, and what counts against it
     parts: Mapping[str, int]
-    reasons: Sequence[str] = ()
+    reasons: Sequence[str] = ()  # the same in words, for a comment
 
     @property
     def score(self) -> int:
@@ -159,7 +109,7 @@ class Scorer:
                 points, explained = more, names
         return points, explained if points >= _TELLING else frozenset()
 
-    def _measures(self, dimensions: frozenset[str], leaf: TopicField) -> bool:
+    def _measures(self, dimensions: Collection[str], leaf: TopicField) -> bool:
         """Return whether input and value, as far as their units are known, have a dimension."""
         if self.need.type == "bool" or "bool" in dimensions:
             return self.need.type == "bool" and "bool" in dimensions
@@ -224,7 +174,7 @@ class Scorer:
         sides = sum(
             bool(asked & group and names & group and not asked & names & group) for group in _SIDES
         )
-        is_command = topic.message in _COMMANDED and names & _COMMANDS
+        is_command = topic.message in WORDS["commanded"].split() and names & _COMMANDS
         is_alarm = need.type == "bool" and names & _BAD_WHEN_TRUE
         is_joint = topic.message.startswith("Joint")
         rest = sum(
@@ -238,7 +188,7 @@ class Scorer:
             ALARM: -15 if is_alarm and not need.every_word & _BAD_WHEN_TRUE else 0,
             "raw": -2 if "raw" in names and not need.says("raw") else 0,
             "planned": -12 if {"desired", "error"} & {*leaf.path[:-1]} else 0,
-            "of joints": -20 if is_joint and not need.says(*_OF_JOINTS) else 0,
+            "of joints": -20 if is_joint and not need.says(WORDS["of_joints"]) else 0,
             "rest": -min(5, rest),
         }
         return {reason: number for reason, number in points.items() if number}

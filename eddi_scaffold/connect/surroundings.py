@@ -8,13 +8,13 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name, key_text
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors, problem
+from eddi_scaffold.common.problems import EddiError, Problem, has_errors
 from eddi_scaffold.config.field_types import MessageFields
 from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.connect.draft import Age, deadline_age
 from eddi_scaffold.connect.matching import Fulfilment
-from eddi_scaffold.connect.robot import message_types
-from eddi_scaffold.connect.rossystem import read_robot, with_topics
+from eddi_scaffold.connect.robot import robot_of
+from eddi_scaffold.connect.rossystem import with_topics
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.eddi_xml.links import events_of
@@ -22,33 +22,23 @@ from eddi_scaffold.kinds import Model, ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs
 from eddi_scaffold.monitors.loading import checked_models
-from eddi_scaffold.mros.directory import load_models
 
-_SILENT = (False,)
-"""What a field may be while nothing is known, that evidence may be made of."""
+_SILENT = (False,)  # what a field may be while nothing is known, that evidence may be made of
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What is given beside the model.
+    """What is given beside the model."""
 
-    Attributes:
-        system: a ``.rossystem``.
-        models: the directory of its node models.
-        configs: of other monitors.
-        default_guarantees: their names.
-        ages: full name of a topic -> when its messages are too old.
-        topics: full name -> type, of those that were recorded.
-        types: of their messages.
-    """
-
-    system: Path | None = None
-    models: Path | None = None
-    configs: Sequence[Path] = ()
-    default_guarantees: Sequence[str] = ()
+    system: Path | None = None  # a `.rossystem`
+    models: Path | None = None  # the directory of its node models
+    configs: Sequence[Path] = ()  # of other monitors
+    default_guarantees: Sequence[str] = ()  # their names
+    # full name of a topic -> when its messages are too old
     ages: Mapping[str, Age] = field(default_factory=dict)
+    # full name -> type, of those that were recorded
     topics: Mapping[str, str] = field(default_factory=dict)
-    types: MessageFields = field(default_factory=dict)
+    types: MessageFields = field(default_factory=dict)  # of their messages
 
 
 def with_robot(
@@ -63,18 +53,16 @@ def with_robot(
     Raises:
         EddiError: one of them cannot be read, or the models of a system are missing (G017).
     """
-    if models is None:
-        if system is not None:
-            raise EddiError(problem("G017"))
+    robot = robot_of(system, models)
+    if robot is None:
         return document, {}, {}, ()
     if system is None:
-        return document, message_types(load_models(models)), {}, ()
-    robot = read_robot(system, models)
+        return document, robot.message_types(), {}, ()
     parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
     after = read_block(Source(document.name, parsed.after.encode()))
     ages = {topic.topic: deadline_age(topic.deadlines) for topic in parsed.outputs.topics}
     known = {topic: age for topic, age in ages.items() if age is not None}
-    return after, message_types(robot.models), known, robot.located(parsed.problems)
+    return after, robot.message_types(), known, robot.located(parsed.problems)
 
 
 def other_monitors(
@@ -106,12 +94,6 @@ def fulfilments(
     """Return what fulfils demands, and evidence: what has its id, or what the EDDI names for it.
 
     For evidence that nothing fulfils, every claim of the others is one that a person may choose.
-
-    Args:
-        monitors: with their configurations.
-        model: whose inputs are sought.
-        inputs: of the model.
-        topics: whose ids stay.
 
     Returns:
         Input -> what fulfils it; the topics that are not among those of the robot yet.

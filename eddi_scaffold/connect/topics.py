@@ -12,17 +12,14 @@ from typing import Literal
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import TODO, attribute, is_identifier
 from eddi_scaffold.config.field_types import Fields, element, is_primitive, python_type
-from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.needs import WORDS, InputNeed, words
 from eddi_scaffold.monitors.message_types.documented import documented
 from eddi_scaffold.mros.topics import TopicEntry
 
 FieldsOf = Callable[[str], Fields | None]
 _DEPTH = 6
-_MOST = 1000
-"""Fields of a message that are looked at, with those inside of its fields."""
+_MOST = 1000  # fields of a message that are looked at, with those inside of its fields
 _MATRIX = re.compile(r"float(?:32|64)\[(9|36)\]")
-_SCANS = ("LaserScan", "MultiEchoLaserScan")
-_DISTANCES = ("distance", "dist", "range", "clearance", "proximity", "nearest", "closest")
 
 
 @dataclass(frozen=True)
@@ -47,20 +44,15 @@ class RobotTopic(TopicEntry):
 
 @dataclass(frozen=True)
 class TopicField:
-    """One value of a message, or one element of a list of values.
+    """One value of a message, or one element of a list of values."""
 
-    Attributes:
-        path: names of fields, with ``[]`` behind a list and ``[7]`` behind one element of a matrix;
-            empty where the fields of the message are not known.
-        type: ``bool``, ``int``, ``float`` or ``str``; empty where it is not known.
-        units: in which it may be; none when it has none, ``None`` when that is not known.
-        is_only: the message holds nothing else.
-    """
-
+    # names of fields, with `[]` behind a list and `[7]` behind one element of a matrix; empty where
+    # the fields of the message are not known
     path: tuple[str, ...]
-    type: str
+    type: str  # `bool`, `int`, `float` or `str`; empty where it is not known
+    # in which it may be; none when it has none, `None` when that is not known
     units: tuple[str, ...] | None
-    is_only: bool = False
+    is_only: bool = False  # the message holds nothing else
 
     @cached_property
     def text(self) -> str:
@@ -132,19 +124,13 @@ def _fields(
 
 @dataclass(frozen=True)
 class FieldUse:
-    """What is written for an input.
+    """What is written for an input."""
 
-    Attributes:
-        key: ``field`` or ``expression``.
-        text: its value.
-        unit: the value is in this one, and converted; ``None`` where it is that of the model.
-        is_complete: nothing in it is left to a person.
-    """
-
-    key: Literal["field", "expression"]
-    text: str
+    key: Literal["field", "expression"]  # `field` or `expression`
+    text: str  # its value
+    # the value is in this one, and converted; `None` where it is that of the model
     unit: str | None = None
-    is_complete: bool = True
+    is_complete: bool = True  # nothing in it is left to a person
 
 
 def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
@@ -158,8 +144,8 @@ def access(need: InputNeed, topic: RobotTopic, leaf: TopicField) -> FieldUse:
     if leaf.is_variance:
         return FieldUse("expression", f"SQRT({name}.{path})", unit, not leaf.lists)
     # a scan has other numbers as well: the share of it that fits a map is not its least range
-    is_distance = need.is_number and (need.unit is not None or need.says(*_DISTANCES))
-    if topic.message in _SCANS and leaf.path[0] == "ranges[]" and is_distance:
+    is_distance = need.is_number and (need.unit is not None or need.says(WORDS["distance"]))
+    if topic.message in WORDS["scans"].split() and leaf.path[0] == "ranges[]" and is_distance:
         every = leaf.text.replace("[]", "[*]")
         return FieldUse("expression", f"MIN({name}.{every}, COVERAGE 0.9)", unit)
     if need.type == "bool" and leaf.type != "bool":

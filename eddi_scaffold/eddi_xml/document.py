@@ -37,32 +37,20 @@ _BY_CLASS = {
     "failuremodel": "failure_model",
     "assurancecasepackage": "assurance_case",
 }
-_BY_FEATURE = {
-    # The class of these features where xsi:type is absent.
-    "failuremodels": "failure_model",
-    "bayesiannetworks": "bayesian_network",
-    "bayesiannetwork": "bayesian_network",
-    "assurancecasepackages": "assurance_case",
-    "assurancecasepackage": "assurance_case",
-    "conserts": "consert",
+_BY_FEATURE = {  # where xsi:type is absent; without the s of its plural
     "consert": "consert",
+    "assurancecasepackage": "assurance_case",
+    "bayesiannetwork": "bayesian_network",
+    "failuremodel": "failure_model",
 }
 
 
 class EddiDocument:
-    """A parsed EDDI.
-
-    Attributes:
-        name: path as the user gave it.
-        document: the document element, which is ``xmi:XMI`` when there are several roots.
-        roots: the root objects; several only below ``xmi:XMI``.
-        references: resolver of this document.
-        limits: limits that reading obeys.
-    """
+    """A parsed EDDI."""
 
     def __init__(self, document: Element, name: str, limits: Limits) -> None:
         self.name, self.document, self.limits = name, document, limits
-        is_xmi = feature_of(document) == "XMI"
+        is_xmi = feature_of(document) == "XMI"  # the element around several roots
         self.roots = tuple(document.iterchildren()) if is_xmi else (document,)
         self.references = References(self.roots)
         self._documents = frozenset((document, *self.roots))
@@ -203,16 +191,15 @@ class EddiDocument:
         """Return the kind of the model that an element is, ``None`` when it is none."""
         feature, parent = fold(feature_of(element)), element.getparent()
         class_name = fold((element.get(XSI_TYPE) or "").rpartition(":")[2])
-        kind = _BY_CLASS.get(class_name) or _BY_FEATURE.get(feature)
+        kind = _BY_CLASS.get(class_name) or _BY_FEATURE.get(feature.removesuffix("s"))
         if kind is None and self.is_root(element):
             kind = _BY_CLASS.get(feature)
         if kind == "state_machine" and self._is_chain(element):
             return "markov_chain"
         if kind == "consert" and parent is not None and not self.is_root(element):
             is_in_package = self.class_of(parent).name == names.PACKAGE_CLASS
-            return (
-                kind if is_in_package or names.CONFIGURATIONS.accepts(feature_of(parent)) else None
-            )
+            is_there = is_in_package or names.CONFIGURATIONS.accepts(feature_of(parent))
+            return kind if is_there else None
         if kind == "assurance_case":
             outer = (fold(feature_of(ancestor)) for ancestor in element.iterancestors())
             return None if any("assurancecasepackage" in feature for feature in outer) else kind
@@ -246,15 +233,11 @@ class EddiDocument:
 
 
 class EddiFindings:
-    """Problems in the order in which they were found; equal remarks are counted, not repeated.
-
-    Attributes:
-        errors: number of errors so far, so that a caller knows whether its part has one.
-    """
+    """Problems in the order in which they were found; equal remarks are counted, not repeated."""
 
     def __init__(self, document: EddiDocument) -> None:
         self.document = document
-        self.errors = 0
+        self.errors = 0  # so far, so that a caller knows whether its part has one
         self._problems: list[Problem] = []
         self._counted: dict[Problem, tuple[Place, int]] = {}
 
@@ -295,12 +278,8 @@ class EddiFindings:
 
     def problems(self) -> list[Problem]:
         """Return everything that was found."""
-        counted = [
-            replace(
-                remark,
-                message=remark.message + (f" ({times} times)" if times > 1 else ""),
-                place=place,
-            )
-            for remark, (place, times) in self._counted.items()
-        ]
-        return [*dict.fromkeys(self._problems), *counted]
+        problems = list(dict.fromkeys(self._problems))
+        for remark, (place, times) in self._counted.items():
+            message = remark.message + (f" ({times} times)" if times > 1 else "")
+            problems.append(replace(remark, message=message, place=place))
+        return problems

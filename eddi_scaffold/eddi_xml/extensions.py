@@ -11,14 +11,12 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, problem
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import Element, select
 from eddi_scaffold.eddi_xml.vocabulary import VALUES
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 EVENTS, SAFEML, MONITORED_BY = "eddi.events", "eddi.safeml", "eddi.monitored_by"
 KEYS = (EVENTS, SAFEML, MONITORED_BY)
@@ -38,21 +36,13 @@ class Value(NamedTuple):
 
 @dataclass(frozen=True)
 class ExtensionMap:
-    """One map of ours.
+    """One map of ours."""
 
-    Attributes:
-        key: one of ``KEYS``, or an unknown one.
-        element: the map itself.
-        owner: the element that it stands on.
-        place: of the map.
-        values: in the order of the file.
-    """
-
-    key: str
-    element: Element
-    owner: Element
-    place: Place
-    values: tuple[Value, ...]
+    key: str  # one of `KEYS`, or an unknown one
+    element: Element  # the map itself
+    owner: Element  # the element that it stands on
+    place: Place  # of the map
+    values: tuple[Value, ...]  # in the order of the file
 
     @cached_property
     def model(self) -> str | None:
@@ -102,13 +92,7 @@ def check_maps(document: EddiDocument) -> Iterator[Problem]:
 def unknown_tags(
     extension_map: ExtensionMap, known: Sequence[str], once: Sequence[str]
 ) -> Iterator[Problem]:
-    """Yield an error (X031) for each tag that a map may not have, or has once too often.
-
-    Args:
-        extension_map: the map.
-        known: tags that it may have.
-        once: those of them that may stand once.
-    """
+    """Yield an error (X031) for each tag that is not known, or stands more than once."""
     seen: set[str] = set()
     for value in extension_map.values:
         if value.tag not in known:

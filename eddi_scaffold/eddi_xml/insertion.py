@@ -10,15 +10,13 @@ from __future__ import annotations
 import codecs
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import extension_maps
 from eddi_scaffold.eddi_xml.parsing import Element, encoding_of
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _MARKUP = re.compile(
     r"<!--.*?-->|<\?.*?\?>|<!\[CDATA\[.*?\]\]>"
@@ -44,13 +42,8 @@ def with_map(
 ) -> bytes:
     """Return the bytes of an EDDI with a map on an element; one of the same model is replaced.
 
-    Args:
-        data: the file.
-        document: the same, parsed.
-        at: the element.
-        key: of the map.
-        values: tags and texts, that of the model first; what a file of its own has no place for
-            stays as it was.
+    Of the tags and texts that of the model comes first; what a file of its own has no place for
+    stays as it was.
 
     Raises:
         EddiError: the file cannot be changed as a text (X036).

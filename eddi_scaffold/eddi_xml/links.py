@@ -10,17 +10,15 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.observers import Observed
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.references import References
 from eddi_scaffold.eddi_xml.vocabulary import fold, local_name
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _DESIGN = frozenset({"architecturepackage", "consertpackage", "ddipackage", "designpackage"})
 """Packages whose elements are no ends of links."""
@@ -28,26 +26,18 @@ _TEXTS = frozenset({"content", "description", "gid", "id", "key", "name", "tag",
 """Attributes that refer to nothing."""
 _MAPS = "keyvaluemaps"
 _TRACE = {"odeelement", "sacmelement"}
-_MOST = 100
-"""Links of one element; an EDDI in which everything refers to everything has more."""
+_MOST = 100  # links of one element; an EDDI in which everything refers to everything has more
 _STEPS = 1_000_000
 """Along references, for all elements together: a broken file may have no end of them."""
 
 
 class Link(NamedTuple):
-    """An element that nothing monitors by itself, and that is linked with one that is monitored.
+    """An element that nothing monitors by itself, and that is linked with one that is monitored."""
 
-    Attributes:
-        class_name: its class as the file states it, or the feature that it is in.
-        name: its name, or else its ``gid``.
-        path: canonical fragment path.
-        line: of its element.
-    """
-
-    class_name: str
-    name: str
-    path: str
-    line: int | None
+    class_name: str  # its class as the file states it, or the feature that it is in
+    name: str  # its name, or else its `gid`
+    path: str  # canonical fragment path
+    line: int | None  # of its element
 
     def as_json(self) -> dict[str, str | int | None]:
         """Return the form in which a package remembers it."""
@@ -55,21 +45,13 @@ class Link(NamedTuple):
 
 
 class Linked(NamedTuple):
-    """An element of a monitored model with its links.
+    """An element of a monitored model with its links."""
 
-    Attributes:
-        element: what it is: the feature that it is in, or the tag of a value (``event``).
-        id: its name.
-        line: of it.
-        links: the nearest first.
-        is_cut: there are more.
-    """
-
-    element: str
-    id: str
-    line: int | None
-    links: tuple[Link, ...]
-    is_cut: bool = False
+    element: str  # what it is: the feature that it is in, or the tag of a value (`event`)
+    id: str  # its name
+    line: int | None  # of it
+    links: tuple[Link, ...]  # the nearest first
+    is_cut: bool = False  # there are more
 
     def as_json(self) -> dict[str, Any]:
         """Return the form in which a package remembers it."""
@@ -82,8 +64,7 @@ class Linked(NamedTuple):
         }
 
 
-Links = Mapping[str, Linked]
-"""Path of an element of a monitored model -> what is linked with it."""
+Links = Mapping[str, Linked]  # path of an element of a monitored model -> what is linked with it
 
 
 def links_of(document: EddiDocument, observed: Observed | None = None) -> Links:
@@ -98,13 +79,7 @@ def events_of(links: Links, id_: str) -> tuple[str, ...]:
 
 
 def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
-    """Return the links of one model: of what lies in the element that it was read from.
-
-    Args:
-        document: the EDDI.
-        place: of the model; of a fault tree, that of one of its causes.
-        links: of the whole document.
-    """
+    """Return the links of what is in the element that a model (or its cause) was read from."""
     element = document.at(place.path) if links and place.path else None
     while element is not None and not document.is_monitored(element):
         parent = element.getparent()
@@ -118,12 +93,7 @@ def links_in(document: EddiDocument, place: Place, links: Links) -> Links:
 
 
 class _LinkGraph:
-    """Which elements of an EDDI refer to which.
-
-    Args:
-        document: the EDDI.
-        observed: what says in it by which monitor it is observed.
-    """
+    """Which elements of an EDDI refer to which."""
 
     def __init__(self, document: EddiDocument, observed: Observed) -> None:
         self._document = document

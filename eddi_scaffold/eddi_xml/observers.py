@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from eddi_scaffold.common.problems import Problem, did_you_mean, problem
 from eddi_scaffold.eddi_xml import vocabulary as names
+from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.extensions import (
     EVENTS,
     MONITORED_BY,
@@ -23,9 +24,6 @@ from eddi_scaffold.eddi_xml.extensions import (
 )
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of
 from eddi_scaffold.eddi_xml.vocabulary import fold
-
-if TYPE_CHECKING:
-    from eddi_scaffold.eddi_xml.document import EddiDocument
 
 _TAGS = ("event", "safeml", "reliability", "network", "subject")
 _TAG_OF_KIND = {
@@ -39,34 +37,23 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class _Event(NamedTuple):
-    """One event of the file.
+    """One event of the file."""
 
-    Attributes:
-        path: of the value that declares it.
-        is_hazard: its polarity is HAZARD.
-        uses: names in its condition.
-    """
-
-    path: str
-    is_hazard: bool
-    uses: frozenset[str]
+    path: str  # of the value that declares it
+    is_hazard: bool  # its polarity is HAZARD
+    uses: frozenset[str]  # names in its condition
 
 
 class Observed:
-    """What observes what in a document, with paths in place of names.
-
-    Attributes:
-        by: element, path of the model or of the event that observes it, and name of what the model
-            claims of it; empty where it claims only one thing.
-        events: path of an event -> paths of the events that it is made of.
-        problems: names that mean nothing (X033), unknown tags (X031).
-    """
+    """What observes what in a document, with paths in place of names."""
 
     def __init__(self, document: EddiDocument) -> None:
         self._document = document
+        # element, path of the model or of the event that observes it, and name of what the model
+        # claims of it; empty where it claims only one thing
         self.by: list[tuple[Element, str, str]] = []
-        self.events: dict[str, list[str]] = {}
-        self.problems: list[Problem] = []
+        self.events: dict[str, list[str]] = {}  # path of an event -> of those that it is made of
+        self.problems: list[Problem] = []  # names that mean nothing (X033), unknown tags (X031)
         self._events: dict[str, _Event] = {}  # by MODEL/NAME
         self._models: dict[str, dict[str, str]] = {tag: {} for tag in _TAGS}  # path by tag and name
         for extension_map in extension_maps(document, EVENTS, SAFEML):

@@ -14,7 +14,7 @@ from lxml import etree
 
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.eddi_xml.vocabulary import local_name
-from eddi_scaffold.eddi_xml.xml_text import HEAD_BYTES, Head, read_head, syntax_hint
+from eddi_scaffold.eddi_xml.xml_text import Head, read_head, syntax_hint
 
 Element: TypeAlias = etree._Element  # noqa: SLF001 - lxml has no public name for it
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
@@ -31,17 +31,11 @@ _LAST_LINE = 65535
 
 
 class Limits(NamedTuple):
-    """How large an untrusted model may be.
+    """How large an untrusted model may be."""
 
-    Attributes:
-        file_bytes: size of the file, checked before parsing.
-        attributes: of one element, which lxml looks up one by one.
-        reference_tokens: references in one attribute.
-    """
-
-    file_bytes: int = 64 * 1024 * 1024
-    attributes: int = 1000
-    reference_tokens: int = 100_000
+    file_bytes: int = 64 * 1024 * 1024  # size of the file, checked before parsing
+    attributes: int = 1000  # of one element, which lxml looks up one by one
+    reference_tokens: int = 100_000  # references in one attribute
 
 
 DEFAULT_LIMITS = Limits()
@@ -61,10 +55,11 @@ def load(
         limit = limits.file_bytes
         return None, [problem("X003.size", Place(name), value=size, limit=limit)]
     stream.seek(0)
-    head = read_head(stream.read(HEAD_BYTES))
+    data = stream.read()
+    head = read_head(data)
     if head.doctype_line is not None:
         return None, [problem("X001.declaration", Place(name, head.doctype_line))]
-    document, undeclared, fault = _parse(stream, head, name)
+    document, undeclared, fault = _parse(data, head, name)
     if document is None or fault is not None:
         return None, [fault] if fault else []
     if _docinfo(document).doctype:
@@ -115,13 +110,7 @@ def feature_of(element: Element) -> str:
 def only(
     elements: Sequence[Element], case: str, place: Callable[[Element], Place]
 ) -> tuple[Element | None, list[Problem]]:
-    """Return the one element that may be there, and an error at each further one.
-
-    Args:
-        elements: all that give the same value.
-        case: of the errors.
-        place: of an element.
-    """
+    """Return the one element that may be there, and an error at each further one."""
     return next(iter(elements), None), [
         problem(case, place(again), feature=feature_of(again), line=line_of(elements[0]))
         for again in elements[1:]
@@ -137,10 +126,6 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
     """Return the texts inside an element that are not white space, each with its parent.
 
     One alone in an element without attributes is none: so EMF writes an attribute of many values.
-
-    Args:
-        element: where to look.
-        deep: look inside its children too.
     """
     steps = "descendant-or-self::*[@* or *]/" if deep else ""
     stray: list[tuple[Element, str]] = []
@@ -151,36 +136,7 @@ def stray_texts(element: Element, *, deep: bool = True) -> list[tuple[Element, s
     return stray
 
 
-class _Input:
-    """A stream with an insertion, as lxml reads it."""
-
-    def __init__(self, stream: BinaryIO, at: int = 0, insertion: bytes = b"") -> None:
-        stream.seek(0)
-        self._stream = stream
-        self._pending = stream.read(at) + insertion
-
-    def read(self, size: int = -1) -> bytes:
-        if self._pending:
-            pending, self._pending = self._pending, b""
-            return pending
-        return self._stream.read(size)
-
-
-def _parser() -> etree.XMLParser:
-    return etree.XMLParser(
-        resolve_entities=False,
-        no_network=True,
-        load_dtd=False,
-        dtd_validation=False,
-        huge_tree=False,
-        remove_comments=True,
-        remove_pis=True,
-    )
-
-
-def _parse(
-    stream: BinaryIO, head: Head, name: str
-) -> tuple[Element | None, list[str], Problem | None]:
+def _parse(data: bytes, head: Head, name: str) -> tuple[Element | None, list[str], Problem | None]:
     """Parse strictly; where only prefixes are undeclared, declare them and parse strictly again.
 
     Recovery of libxml2 would accept such files too, but silently repairs much else, and its error
@@ -190,34 +146,35 @@ def _parse(
     at = head.root_name_end
     for _ in range(_MAX_REPAIRS):
         declared = "".join(f' xmlns:{p}="{_KNOWN_PREFIXES.get(p, p)}"' for p in undeclared)
-        content: Any = _Input(stream, at or 0, declared.encode(head.encoding, "replace"))
-        parser = _parser()
+        insertion = declared.encode(head.encoding, "replace")
+        parser = etree.XMLParser(
+            resolve_entities=False,
+            no_network=True,
+            load_dtd=False,
+            dtd_validation=False,
+            huge_tree=False,
+            remove_comments=True,
+            remove_pis=True,
+        )
         try:
-            return etree.parse(content, parser).getroot(), undeclared, None
+            content = b"".join((data[: at or 0], insertion, data[at or 0 :])) if declared else data
+            return etree.fromstring(content, parser), undeclared, None
         except (etree.XMLSyntaxError, LookupError, ValueError) as failure:
-            missing = [p for p in _missing_prefixes(parser) if p not in undeclared]
-            if not missing or at is None:
-                return None, [], _syntax_error(failure, parser, head, name, repaired=bool(declared))
+            # it also warns, of relative namespaces for example
+            faults = [entry for entry in parser.error_log if entry.level_name != "WARNING"]
+            matches = [_UNDECLARED.match(entry.message) for entry in faults]
+            missing = dict.fromkeys(m[1] for m in matches if m and m[1] not in undeclared)
+            if not missing or None in matches or at is None:
+                fault = _syntax_error(failure, faults, head, name, repaired=bool(declared))
+                return None, [], fault
             undeclared += missing
     return None, [], problem("X001.prefixes", Place(name, 1))
 
 
-def _errors(parser: etree.XMLParser) -> list[Any]:
-    """Return what stops the parser; it also warns, of relative namespaces for example."""
-    return [entry for entry in parser.error_log if entry.level_name != "WARNING"]
-
-
-def _missing_prefixes(parser: etree.XMLParser) -> list[str]:
-    """Return the undeclared prefixes when nothing else is wrong, else nothing."""
-    matches = [_UNDECLARED.match(entry.message) for entry in _errors(parser)]
-    prefixes = dict.fromkeys(match[1] for match in matches if match is not None)
-    return [] if None in matches else list(prefixes)
-
-
 def _syntax_error(
-    failure: Exception, parser: etree.XMLParser, head: Head, name: str, *, repaired: bool
+    failure: Exception, faults: Sequence[Any], head: Head, name: str, *, repaired: bool
 ) -> Problem:
-    entries = [e for e in _errors(parser) if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
+    entries = [e for e in faults if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
     line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
     shifted = repaired and line == head.line_of(head.root_name_end or 0)

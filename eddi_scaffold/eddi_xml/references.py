@@ -18,20 +18,14 @@ from eddi_scaffold.eddi_xml.vocabulary import fold, is_misprint
 _FRAGMENT = re.compile(
     r"(?=/)(?:/{1,2}(?!@)([0-9]{1,9})?|/)?((?:/@[^\W\d][\w-]*(?:\.[0-9]{1,9})?)*)/?"
 )
-_DEEPEST = 256
-"""The depth of a file that the parser reads: a longer path points at nothing."""
+_DEEPEST = 256  # the depth of a file that the parser reads: a longer path points at nothing
 
 
 class Fragment(NamedTuple):
-    """A parsed fragment path.
+    """A parsed fragment path."""
 
-    Attributes:
-        root: which root, 0 where there is one only.
-        segments: ``/@a.0/@b.3``, as written.
-    """
-
-    root: int
-    segments: str
+    root: int  # which root, 0 where there is one only
+    segments: str  # `/@a.0/@b.3`, as written
 
 
 def parse_fragment(text: str) -> Fragment | None:
@@ -68,11 +62,7 @@ class _Children:
 
 
 class References:
-    """Resolves references in one document, with an index of children and a table of paths.
-
-    Attributes:
-        misprints: (printed, intended) feature names that paths needed repaired, with their count.
-    """
+    """Resolves references in one document, with an index of children and a table of paths."""
 
     def __init__(self, roots: Sequence[Element]) -> None:
         self._roots = tuple(roots)
@@ -80,6 +70,7 @@ class References:
         self._index: dict[Element, _Children] = {}
         self._resolved: dict[tuple[int, str], Element] = {}
         self._paths: dict[Element, str] = {}
+        # feature names that paths needed repaired: as printed, as intended
         self.misprints: Counter[tuple[str, str]] = Counter()
 
     def children(self, parent: Element, *folded: str) -> list[Element]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import PurePath
@@ -21,50 +21,20 @@ from eddi_scaffold.eddi_xml.document import MONITORED, EddiDocument
 from eddi_scaffold.eddi_xml.extensions import EVENTS, SAFEML, extension_maps
 from eddi_scaffold.eddi_xml.parsing import XSI_TYPE, Element, feature_of, select
 from eddi_scaffold.eddi_xml.references import References, parse_fragment
-from eddi_scaffold.eddi_xml.vocabulary import Spelling, fold, local_name
+from eddi_scaffold.eddi_xml.vocabulary import METAMODEL, Spelling, fold, local_name
 
-MODELS = ("BayesianNetwork", "ConSert", "FaultTree", "MarkovChain", "StateMachine")
-"""Classes that monitors are made of."""
-PACKAGES = ("ConSertPackage", "DDIPackage", "FailureLogicPackage")
-"""Packages that hold them."""
-OTHERS = (
-    *("AttackTree", "Failure", "FailureModel", "FMEA", "FMEDA", "SecurityViolation"),
-    *("CommonCauseFailure", "Action", "FunctionAction", "MessageAction", "WarningAction"),
-    *("RosAction", "StateMachineAction"),
-    *("AssuranceCasePackage", "ArgumentPackage", "ArtifactPackage", "TerminologyPackage"),
-    *("ArchitecturePackage", "DesignPackage", "DependabilityPackage", "RequirementPackage"),
-    *("DomainPackage", "HARAPackage", "TARAPackage", "StandardPackage", "ODEProductPackage"),
-    *("EventPackage", "TraceabilityPackage", "SafetyRelatedSystem"),
-    *("System", "PhysicalComponent", "LogicalComponent", "SoftwareComponent", "Function"),
+_CLASSES = {group: text.split() for group, text in METAMODEL["classes"].items()}
+_KNOWN = frozenset(
+    fold(name) for group in ("models", "packages", "others") for name in _CLASSES[group]
 )
-"""Classes of the metamodel that are left out on purpose."""
-CLASSES = frozenset(fold(name) for name in (*MODELS, *PACKAGES, *OTHERS))
-"""All that are known, folded."""
-
-_READ_CLASSES = {fold(name): name for name in (*PACKAGES, *MODELS)}
-_COMPLETELY_KNOWN = frozenset({"failurelogic", "bayesiannetwork"})
-"""Packages of which every class should be known."""
+_READ_CLASSES = {fold(name): name for name in (*_CLASSES["packages"], *_CLASSES["models"])}
+_READ, _LEFT_OUT = frozenset(_CLASSES["read"]), frozenset(_CLASSES["left_out"])
+_MODELS = ", ".join(_CLASSES["models"])
+_COMPLETELY_KNOWN = ("failurelogic", "bayesiannetwork")  # packages: every class should be known
 _SIMILAR = 0.8
-_READ = frozenset({"consertpackage", "ddipackage", "designpackage", "failurelogicpackage"})
-"""Packages that readers look into, whether or not there is a model in them."""
-_LEFT_OUT = frozenset({"action", "attacktree", "fmea", "fmeda", "statemachine"})
-"""Models of which no monitors are generated."""
-_DESIGN = frozenset(
-    {"systems", "serviceconfigurations", "requiredservices", "providedservices"}
-    | {"servicetype", "configurations"}
-)
-"""Features of a design that readers look into."""
 _MAPS = "keyvaluemaps"
+# names in the namespaces of all generations of the metamodel
 _ODE = re.compile(r"[/.-](deis|sesame|mergedode|ode|sacm)(?![a-z])", re.IGNORECASE)
-"""Names in the namespaces of all generations of the metamodel."""
-_OTHER_FORMATS = {
-    "launch": "a launch file",
-    "package": "the package.xml of a ROS package",
-    "pnml": "a Petri net",
-    "robot": "a URDF",
-    "sdf": "an SDF world or model",
-    "svg": "a picture",
-}
 
 
 def survey(document: EddiDocument) -> dict[str, Any]:
@@ -81,7 +51,7 @@ def survey(document: EddiDocument) -> dict[str, Any]:
         kind = document.kind_of(element)
         if kind is not None:
             name = document.name_of(element) or PurePath(document.name).stem
-            counts = {key: count(document, element) for key, count in _COUNTS[kind].items()}
+            counts = _counts(document, kind, element)
             models.append({"kind": kind, "name": name, **_at(document, element), "counts": counts})
         # a reference shows by its form, in any attribute
         texts = (str(value) for value in element.values() if "/@" in value)
@@ -118,120 +88,78 @@ def _at(document: EddiDocument, element: Element) -> dict[str, Any]:
     return {"path": place.path or "/", "line": place.line}
 
 
-Count = Callable[[EddiDocument, Element], int]
-
-
-def _at_end_of(*path: Spelling) -> Count:
-    """Count the elements at the end of a path of features."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        elements = [element]
-        for spelling in path:
-            elements = [c for element in elements for c in document.children(element, spelling)]
-        return len(elements)
-
-    return count
-
-
-def _services(feature: Spelling, link: Spelling, listed: Spelling) -> Count:
-    """Count the services that a ConSert refers to, or that its configuration holds."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        tokens = {
-            token
-            for member in document.children(element, feature)
-            for token in (document.attribute(member, link) or "").split()
-        }
-        parent = element.getparent()
-        if parent is None or not names.CONFIGURATIONS.accepts(feature_of(parent)):
-            return len(tokens)
-        return len(document.children(parent, listed)) or len(tokens)
-
-    return count
-
-
-def _basic_events(document: EddiDocument, tree: Element) -> int:
-    causes = document.children(tree, names.CAUSES)
-    types = [document.attribute(cause, names.CAUSE_TYPE) or "" for cause in causes]
-    return sum(fold(type_) == "basicevent" for type_ in types)
-
-
-def _gates(document: EddiDocument, tree: Element) -> int:
-    causes = document.children(tree, names.CAUSES)
-    return sum(document.class_of(cause).name == "gate" for cause in causes)
-
-
-def _below(feature: str, class_name: str = "") -> Count:
-    """Count the elements in a feature at any depth, of one class or of all."""
-
-    def count(document: EddiDocument, element: Element) -> int:
-        below = select(element, f'descendant::*[local-name()="{feature}"]')
-        return sum(class_name in ("", document.class_of(each).name) for each in below)
-
-    return count
-
-
-_FAILURES = _at_end_of(names.FAILURES)
-_CHAIN = {
-    "states": _at_end_of(names.STATES),
-    "transitions": _at_end_of(names.TRANSITIONS),
-    "failures": _FAILURES,
-}
-_COUNTS: Mapping[str, Mapping[str, Count]] = {
+_PATHS: Mapping[str, Mapping[str, Sequence[Spelling]]] = {
     "consert": {
-        "guarantees": _at_end_of(names.GUARANTEES),
-        "demands": _at_end_of(names.DEMANDS),
-        "evidence": _at_end_of(names.EVIDENCE),
-        "gates": _at_end_of(names.GATES),
-        "tree_propagations": _at_end_of(names.PROPAGATIONS),
-        "required_services": _services(
-            names.DEMANDS, names.REQUIRED_SERVICE, names.REQUIRED_SERVICES
-        ),
-        "provided_services": _services(
-            names.GUARANTEES, names.PROVIDED_SERVICE, names.PROVIDED_SERVICES
-        ),
+        "guarantees": [names.GUARANTEES],
+        "demands": [names.DEMANDS],
+        "evidence": [names.EVIDENCE],
+        "gates": [names.GATES],
+        "tree_propagations": [names.PROPAGATIONS],
     },
     "bayesian_network": {
-        "nodes": _at_end_of(names.NODES),
-        "states": _at_end_of(names.NODES, names.NODE_STATES),
-        "connections": _at_end_of(names.CONNECTIONS),
-        "rows": _at_end_of(names.NODES, names.ROWS),
+        "nodes": [names.NODES],
+        "states": [names.NODES, names.NODE_STATES],
+        "connections": [names.CONNECTIONS],
+        "rows": [names.NODES, names.ROWS],
     },
-    "fault_tree": {
-        "causes": _at_end_of(names.CAUSES),
-        "basic_events": _basic_events,
-        "gates": _gates,
-        "failures": _FAILURES,
-    },
-    "markov_chain": _CHAIN,
-    "state_machine": _CHAIN,
-    "fmea": {"entries": _at_end_of(Spelling("entries")), "failures": _FAILURES},
-    "failure_model": {"failures": _FAILURES},
-    "assurance_case": {
-        "argumentation_elements": _below("argumentationElement"),
-        "claims": _below("argumentationElement", "claim"),
-        "artifact_references": _below("argumentationElement", "artifactreference"),
-        "artifact_elements": _below("artifactElement"),
-    },
+    "fault_tree": {"causes": [names.CAUSES], "failures": [names.FAILURES]},
+    "markov_chain": (
+        chain := {
+            "states": [names.STATES],
+            "transitions": [names.TRANSITIONS],
+            "failures": [names.FAILURES],
+        }
+    ),
+    "state_machine": chain,
+    "fmea": {"entries": [Spelling("entries")], "failures": [names.FAILURES]},
+    "failure_model": {"failures": [names.FAILURES]},
+    "assurance_case": {},
 }
+"""Kind -> what of it is counted: the elements at the end of a path of features."""
+
+
+def _counts(document: EddiDocument, kind: str, model: Element) -> dict[str, int]:
+    """Return how much there is of the parts of a model."""
+    parts: dict[str, list[Element]] = {}
+    for key, path in _PATHS[kind].items():
+        parts[key] = [model]
+        for feature in path:
+            parts[key] = [c for each in parts[key] for c in document.children(each, feature)]
+    counts = {key: len(elements) for key, elements in parts.items()}
+    if kind == "fault_tree":
+        causes, failures = parts["causes"], counts.pop("failures")
+        types = [fold(document.attribute(cause, names.CAUSE_TYPE) or "") for cause in causes]
+        gates = sum(document.class_of(cause).name == "gate" for cause in causes)
+        counts |= {"basic_events": types.count("basicevent"), "gates": gates, "failures": failures}
+    if kind == "assurance_case":
+        inside = [e for e in model.iterdescendants() if feature_of(e) == "argumentationElement"]
+        classes = Counter(document.class_of(element).name for element in inside)
+        artifacts = sum(feature_of(e) == "artifactElement" for e in model.iterdescendants())
+        counts = {"argumentation_elements": len(inside), "claims": classes["claim"]}
+        counts["artifact_references"] = classes["artifactreference"]
+        counts["artifact_elements"] = artifacts
+    if kind == "consert":  # the services that it refers to, or that its configuration holds
+        parent = model.getparent()
+        if parent is not None and not names.CONFIGURATIONS.accepts(feature_of(parent)):
+            parent = None
+        for key, elements, link, listed in (
+            ("required_services", "demands", names.REQUIRED_SERVICE, names.REQUIRED_SERVICES),
+            ("provided_services", "guarantees", names.PROVIDED_SERVICE, names.PROVIDED_SERVICES),
+        ):
+            texts = (document.attribute(element, link) or "" for element in parts[elements])
+            services = document.children(parent, listed) if parent is not None else []
+            counts[key] = len(services) or len({token for text in texts for token in text.split()})
+    return counts
 
 
 class Unread(NamedTuple):
-    """Packages and models of one class that nothing reads.
+    """Packages and models of one class that nothing reads."""
 
-    Attributes:
-        class_name: their class as the file states it, or the feature that they are in.
-        number: how many.
-        elements: number of elements, with all inside.
-        inside: class -> how many packages and models of it lie in them.
-        place: of the first one.
-    """
-
-    class_name: str
-    number: int
-    elements: int
-    inside: Mapping[str, int]
-    place: Place
+    class_name: str  # their class as the file states it, or the feature that they are in
+    number: int  # how many
+    elements: int  # number of elements, with all inside
+    inside: Mapping[str, int]  # class -> how many packages and models of it lie in them
+    place: Place  # of the first one
 
     def as_json(self) -> dict[str, object]:
         """Return the stable JSON form of ``show --json``."""
@@ -298,9 +226,8 @@ def _unread_elements(document: EddiDocument) -> Iterator[Element]:
 
 def _unread_of_child(document: EddiDocument, package: Element, child: Element) -> Iterator[Element]:
     """Yield what is not read of a child of a package that is, at least in part."""
-    if document.class_of(package).name not in _READ - {"ddipackage"} and not _holds_models(
-        document, child
-    ):
+    is_read = document.class_of(package).name in _READ - {"ddipackage"}
+    if not is_read and not _holds_models(document, child):
         yield child
         return
     waiting = [child]
@@ -343,7 +270,7 @@ def unused_design(document: EddiDocument) -> Iterator[Problem]:
     for element in waiting:
         for child in element.iterchildren():
             feature = fold(feature_of(child))
-            if feature in _DESIGN:
+            if feature in _CLASSES["design"]:
                 waiting.append(child)
             elif feature != _MAPS and not _holds_models(document, child):
                 unused.append(child)
@@ -358,12 +285,13 @@ def foreign(document: EddiDocument) -> Problem | None:
     """Return F003 for XML that is not an EDDI by any of its roots, ``None`` for one that may be."""
     for root in document.roots:
         uri = str(root.tag).rpartition("}")[0]
-        if document.class_of(root).name in CLASSES or _ODE.search(uri) is not None:
+        if document.class_of(root).name in _KNOWN or _ODE.search(uri) is not None:
             return None
     root = document.roots[0] if document.roots else document.document
     name, place = feature_of(root), document.place(root)
-    if local_name(name) in _OTHER_FORMATS:
-        return problem("F003.foreign", place, name=name, format=_OTHER_FORMATS[local_name(name)])
+    format_ = METAMODEL["other_formats"].get(local_name(name))
+    if format_ is not None:
+        return problem("F003.foreign", place, name=name, format=format_)
     return problem("F003.root", place, name=name)
 
 
@@ -377,7 +305,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             continue  # the root is a model, whose reader knows its parts
         for element in package.iterchildren():
             class_name = document.class_of(element)
-            if element.get(XSI_TYPE) is None or class_name.name in CLASSES:
+            if element.get(XSI_TYPE) is None or class_name.name in _KNOWN:
                 continue
             similar = get_close_matches(class_name.name, _READ_CLASSES, 1, _SIMILAR)
             meant = _READ_CLASSES[similar[0]] if similar else None
@@ -390,7 +318,7 @@ def unknown_classes(document: EddiDocument) -> Iterator[Problem]:
             yield problem(
                 "X006.unknown_class" if is_read else "X006.unread_class",
                 document.place(element),
-                hint=f"did you mean {meant!r}?" if meant else f"known are: {', '.join(MODELS)}",
+                hint=f"did you mean {meant!r}?" if meant else f"known are: {_MODELS}",
                 subject=subject,
                 class_name=class_name.printed,
             )

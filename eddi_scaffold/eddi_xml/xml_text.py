@@ -6,8 +6,7 @@ import codecs
 import re
 from typing import NamedTuple
 
-HEAD_BYTES = 1 << 16
-"""How much of a file is looked at before it is parsed."""
+HEAD_BYTES = 1 << 16  # how much of a file is looked at before it is parsed
 
 _STARTS = (
     (codecs.BOM_UTF8, 3, "latin-1"),
@@ -26,18 +25,13 @@ _ROOT_NAME = re.compile(r"<[^\s/>!?]+")
 
 
 class Head(NamedTuple):
-    """The first bytes of a document, decoded far enough to see its markup.
+    """The first bytes of a document, decoded far enough to see its markup."""
 
-    Attributes:
-        text: the text after a byte order mark; other than UTF-16 read as Latin-1, which keeps
-            byte offsets and every ASCII character.
-        offset: bytes before the text.
-        encoding: codec of ``text``.
-    """
-
+    # the text after a byte order mark; other than UTF-16 read as Latin-1, which keeps byte offsets
+    # and every ASCII character
     text: str
-    offset: int
-    encoding: str
+    offset: int  # bytes before the text
+    encoding: str  # codec of `text`
 
     def line_of(self, index: int) -> int:
         """Return the line, counted from 1, of a character of ``text``."""

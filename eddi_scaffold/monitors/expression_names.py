@@ -14,6 +14,7 @@ from eddi_scaffold.config import field_paths
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.input_rules import check
+from eddi_scaffold.monitors.message_types.documented import documented_at
 
 _TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
 KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TypeVar
 
-from eddi_scaffold.common.problems import Place, problem
+from eddi_scaffold.common.problems import problem
 from eddi_scaffold.mros.model import (
     SECTIONS,
     Artifact,
@@ -40,8 +40,7 @@ _TOKEN = re.compile(
     re.VERBOSE,
 )
 _CLOSING = {"{": "}", "(": ")", "[": "]"}
-_LIST = "({"
-"""Lists of systems open with either bracket."""
+_LIST = "({"  # lists of systems open with either bracket
 _CONNECTIONS = ("TopicConnections", "ServiceConnections", "ActionConnections")
 _SYSTEM_SECTIONS = {section.system_section: section for section in SECTIONS.values()}
 _SECTIONS_OF_2018 = {f"{section.system_entries[-1]}s": section for section in SECTIONS.values()}
@@ -80,8 +79,8 @@ class BraceReader(Cursor):
         """Take the bracket that closes one; the error names its place."""
         bracket = self.text.text[opened]
         if not self.accept(_CLOSING[bracket]):
-            line, col = self.text.place(opened)
-            closes = f"it closes the '{bracket}' of line {line}, column {col}"
+            place = self.text.place(opened)
+            closes = f"it closes the '{bracket}' of line {place.line}, column {place.col}"
             self.fail(*map(repr, others), f"'{_CLOSING[bracket]}' ({closes})")
 
     def block(self, read: Callable[[], T], brackets: str = "{") -> list[T]:
@@ -185,11 +184,11 @@ class BraceReader(Cursor):
                 self.skip_group(self.open())
 
     def _component(self) -> Component:
-        line, col = self.place()
+        place = self.place()
         name = self.name("'ComponentInterface' or the name of a component")
         if name != "ComponentInterface" or not self.is_next("{"):
             self.references_only = True
-            return Component(name, None, None, (), 0, line, col)
+            return Component(name, None, None, (), 0, place)
         opened = self.open()
         name = self.behind("name", "the name of the component") or ""
         namespace = from_node = None
@@ -206,10 +205,10 @@ class BraceReader(Cursor):
             else:
                 section = _SYSTEM_SECTIONS.get(key) or _SECTIONS_OF_2018[key]
                 interfaces += self.block(partial(self._system_interface, section))
-        return Component(name, namespace, from_node, tuple(interfaces), parameters, line, col)
+        return Component(name, namespace, from_node, tuple(interfaces), parameters, place)
 
     def _system_interface(self, section: Section) -> SystemInterface:
-        line, col = self.place()
+        place = self.place()
         self.entry(*section.system_entries)
         name = None if self.is_next("{") else self.name("the name of the interface")
         opened = self.open()
@@ -219,10 +218,10 @@ class BraceReader(Cursor):
         self.close(opened)
         if name is None:  # the interface of package.artifact.node.interface may hold dots itself
             name = ref.split(".", 3)[-1]
-        return SystemInterface(section.kind, name, ref, ns, line, col)
+        return SystemInterface(section.kind, name, ref, ns, place)
 
     def _connection(self, entry: str) -> Connection:
-        line, col = self.place()
+        place = self.place()
         self.entry(entry)
         name = None if self.is_next("{") else self.name("the name of the connection")
         opened = self.open()
@@ -232,7 +231,7 @@ class BraceReader(Cursor):
         targets = self._ends()
         self.close(opened)
         kind = entry.removesuffix("Connection").lower()
-        return Connection(kind, name, sources, targets, line, col)
+        return Connection(kind, name, sources, targets, place)
 
     def _ends(self) -> tuple[str, ...]:
         end = partial(self.name, "component.interface")
@@ -253,7 +252,7 @@ class BraceReader(Cursor):
         self.close(opened, *_PACKAGES)
         problems = []
         while self.is_next("}"):
-            problems.append(problem("M004.brace", Place(self.text.file, *self.place())))
+            problems.append(problem("M004.brace", self.place()))
             self.expect("}")
         self.expect_end("package set")
         return RosModel(self.text.file, "brace", tuple(packages), tuple(problems))
@@ -319,7 +318,7 @@ class BraceReader(Cursor):
         if ns and self.is_next("{", "("):
             self.skip_group()
         self.close(opened)
-        return Interface(section.kind, name, of, ns, *place, *type_place)
+        return Interface(section.kind, name, of, ns, place, type_place)
 
     def _spec(self) -> Spec:
         kind = _SPECS[self.expect(*_SPECS)]

@@ -8,19 +8,14 @@ from pathlib import Path
 
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
-from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX
+from eddi_scaffold.mros import MODEL_SUFFIXES, SYSTEM_SUFFIX, read_ros_models, read_rossystem
 from eddi_scaffold.mros.model import RosModel, System
-from eddi_scaffold.mros.reading import read_ros_models, read_rossystem
 from eddi_scaffold.mros.resolving import Models
 from eddi_scaffold.mros.text import EMPTY_FILE, MrosSyntaxError
 
 
 def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Problem]]:
-    """Read a system for a command.
-
-    Args:
-        path: the ``.rossystem``.
-        folder: directory of models; a system inside of it is named relative to it.
+    """Read a system for a command; inside of a directory of models it is named relative to it.
 
     Returns:
         The system and its warnings.
@@ -42,12 +37,9 @@ def load_system(path: Path, folder: Path | None = None) -> tuple[System, list[Pr
 
 
 def load_models(folder: Path, *, systems: bool = False) -> Models:
-    """Read every model below a directory, in the order of the POSIX paths.
+    """Read every model below a directory, in the order of the POSIX paths, or systems as well.
 
-    Args:
-        folder: links to directories in it are not followed, hidden directories not entered: ours
-            hold copies of models.
-        systems: read ``.rossystem`` files as well, for a system that has sub-systems.
+    Links to directories are not followed, hidden ones not entered: ours hold copies of models.
 
     Raises:
         EddiError: there is no such directory (F001).

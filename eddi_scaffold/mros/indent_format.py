@@ -62,7 +62,7 @@ class IndentReader:
         similar: dict[str, list[str]] = {}  # a generated file may repeat a key thousands of times
         for inner in line.below:
             rest = LineCursor(self.text, inner)
-            place = Place(self.text.file, *rest.place())
+            place = rest.place()
             key = rest.key("a key")
             if key.lower() in keys:
                 yield key.lower(), rest, inner
@@ -76,7 +76,7 @@ class IndentReader:
             else:
                 self.problems.append(problem("M005.unknown_key", place, key=key))
 
-    def _heading(self, line: Line, what: str) -> tuple[str, tuple[int, int]]:
+    def _heading(self, line: Line, what: str) -> tuple[str, Place]:
         """Read a line that is ``name:``; return the name and its place."""
         words = LineCursor(self.text, line)
         place, name = words.place(), words.key(what)
@@ -134,7 +134,7 @@ class IndentReader:
         place, name = words.place(), words.name("the name of a system")
         words.accept(":")
         words.end()
-        return SubSystem(name, *place)
+        return SubSystem(name, place)
 
     def _component(self, line: Line) -> Component:
         name, place = self._heading(line, "the name of a node")
@@ -152,7 +152,7 @@ class IndentReader:
                 parameters += len(inner.below)
                 skip_block(self.text, inner)
             rest.end()
-        return Component(name, namespace, from_node, tuple(interfaces), parameters, *place)
+        return Component(name, namespace, from_node, tuple(interfaces), parameters, place)
 
     def _system_interface(self, line: Line) -> SystemInterface:
         words = LineCursor(self.text, line)
@@ -162,7 +162,7 @@ class IndentReader:
             for key, words, _ in self._known(line, [*_FROM]):
                 ref = words.name("a reference")
                 words.end()
-                return SystemInterface(_FROM[key], label, ref, None, *place)
+                return SystemInterface(_FROM[key], label, ref, None, place)
             words.fail(f"{expected} and a reference behind '{label}:'")
         offset = words.token[2]
         arrow = words.name(f"an arrow ({', '.join(_ARROWS)})")
@@ -173,7 +173,7 @@ class IndentReader:
             raise self.text.error(offset, f"expected a reference behind '{arrow}'")
         ref = words.name("a reference")
         words.end()
-        return SystemInterface(kind, label, ref, None, *place)
+        return SystemInterface(kind, label, ref, None, place)
 
     def _connection(self, line: Line) -> Connection:
         words = LineCursor(self.text, line)
@@ -185,7 +185,7 @@ class IndentReader:
         if len(labels) != 2:
             message = f"a connection has two labels, [from, to], this one has {len(labels)}"
             raise self.text.error(offset, message)
-        return Connection("", None, labels[:1], labels[1:], *place)
+        return Connection("", None, labels[:1], labels[1:], place)
 
     # node models
 
@@ -247,7 +247,7 @@ class IndentReader:
             rest.skip()
         if of is None:
             raise self.text.error(line.offset, f"the interface {quoted(name)} has no 'type:'")
-        return Interface(kind, name, of, ns, *place, *type_place, deadline)
+        return Interface(kind, name, of, ns, place, type_place, deadline)
 
     def _spec(self, line: Line, kind: str) -> Spec:
         words = LineCursor(self.text, line)

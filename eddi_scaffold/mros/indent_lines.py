@@ -29,21 +29,13 @@ _NO_DASH = re.compile(r"-[\d.]+|---")
 
 @dataclass
 class Line:
-    """One logical line and the block below it.
+    """One logical line and the block below it."""
 
-    Attributes:
-        indent: columns before the first token.
-        dash: it begins with ``-``, which is not among the tokens.
-        offset: of the first character that is not white space.
-        tokens: its content, with an ``end`` at the last token.
-        below: the lines of its block.
-    """
-
-    indent: int
-    dash: bool
-    offset: int
-    tokens: list[Token]
-    below: list[Line] = field(default_factory=list)
+    indent: int  # columns before the first token
+    dash: bool  # it begins with `-`, which is not among the tokens
+    offset: int  # of the first character that is not white space
+    tokens: list[Token]  # its content, with an `end` at the last token
+    below: list[Line] = field(default_factory=list)  # the lines of its block
 
 
 def blocks_of(text: Text) -> list[Line]:
@@ -74,7 +66,7 @@ def blocks_of(text: Text) -> list[Line]:
         else:
             message = (
                 f"this line has an indentation of {line.indent}, its block one of "
-                f"{first.indent} (line {text.place(first.offset)[0]}; a tab counts {_TAB})"
+                f"{first.indent} (line {text.place(first.offset).line}; a tab counts {_TAB})"
             )
             raise text.error(line.offset, message)
     return [

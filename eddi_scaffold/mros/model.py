@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.common.problems import Place, Problem
 
 _TYPE = re.compile(r"([A-Za-z]\w*)(?:\.|/(?:(?:msg|srv|action)/)?)([A-Za-z]\w*)", re.ASCII)
 
@@ -21,28 +21,17 @@ InterfaceKind = Literal[
 
 
 class Section(NamedTuple):
-    """How the dialects write interfaces of one kind.
+    """How the dialects write interfaces of one kind."""
 
-    Attributes:
-        kind: with indentation its section in a node model, or with an ``s``.
-        title: for people, as is ``verb``.
-        arrow: in a system with indentation.
-        entry: in a node model with braces, where its section has an ``s`` more.
-        type_word: there, before the type.
-        system_section: in a system with braces.
-        system_entries: there; the section of 2018 is the last one with an ``s``.
-        reference: there, before the reference.
-    """
-
-    kind: InterfaceKind
-    title: str
+    kind: InterfaceKind  # with indentation its section in a node model, or with an `s`
+    title: str  # for people, as is `verb`
     verb: str
-    arrow: str
-    entry: str
-    type_word: str
-    system_section: str
-    system_entries: tuple[str, ...]
-    reference: str
+    arrow: str  # in a system with indentation
+    entry: str  # in a node model with braces, where its section has an `s` more
+    type_word: str  # there, before the type
+    system_section: str  # in a system with braces
+    system_entries: tuple[str, ...]  # there; the section of 2018 is the last one with an `s`
+    reference: str  # there, before the reference
 
 
 SECTIONS: dict[str, Section] = {
@@ -66,57 +55,36 @@ SECTIONS: dict[str, Section] = {
 
 @dataclass(frozen=True, slots=True)
 class SystemInterface:
-    """A publisher, subscriber, ... of one component as a system names it.
-
-    Attributes:
-        name: the name in the system; without one the last part of the reference.
-        ref: ``package.artifact.node.interface`` or ``artifact::interface``.
-        ns: namespace of this interface alone, ``None`` for none.
-    """
+    """A publisher, subscriber, ... of one component as a system names it."""
 
     kind: InterfaceKind
-    name: str
-    ref: str
-    ns: str | None
-    line: int
-    col: int
+    name: str  # the name in the system; without one the last part of the reference
+    ref: str  # `package.artifact.node.interface` or `artifact::interface`
+    ns: str | None  # namespace of this interface alone, `None` for none
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
 class Component:
-    """One running node.
-
-    Attributes:
-        from_node: ``package.artifact.node`` or ``package.node`` that it is an instance of.
-        parameters: how many parameters are set.
-    """
+    """One running node."""
 
     name: str
     namespace: str | None
-    from_node: str | None
+    from_node: str | None  # `package.artifact.node` or `package.node` that it is an instance of
     interfaces: tuple[SystemInterface, ...]
-    parameters: int
-    line: int
-    col: int
+    parameters: int  # how many parameters are set
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """Who talks to whom.
+    """Who talks to whom."""
 
-    Attributes:
-        kind: ``topic``, ``service``, ``action``, or ``""`` where the dialect does not specify it.
-        name: ``None`` for none.
-        sources: ``component.interface`` or labels, from publisher or server.
-        targets: the same of subscriber or client.
-    """
-
-    kind: str
-    name: str | None
-    sources: tuple[str, ...]
-    targets: tuple[str, ...]
-    line: int
-    col: int
+    kind: str  # `topic`, `service`, `action`, or `""` where the dialect does not specify it
+    name: str | None  # `None` for none
+    sources: tuple[str, ...]  # `component.interface` or labels, from publisher or server
+    targets: tuple[str, ...]  # the same of subscriber or client
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,51 +92,37 @@ class SubSystem:
     """The name of a system that is part of another one."""
 
     name: str
-    line: int
-    col: int
+    place: Place
 
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """A ``.rossystem``: which components run, under which names.
+    """A ``.rossystem``: which components run, under which names."""
 
-    Attributes:
-        file: its name, as the reader was given it.
-        from_file: the file that the system refers to.
-        processes: how many processes are listed.
-        references_only: components are names of ``.componentinterface`` files (2018 to 2021).
-        problems: what was not read, though the rest was.
-    """
-
-    file: str
+    file: str  # its name, as the reader was given it
     dialect: Dialect
     name: str
     components: tuple[Component, ...]
     connections: tuple[Connection, ...]
     subsystems: tuple[SubSystem, ...] = ()
-    from_file: str | None = None
-    processes: int = 0
+    from_file: str | None = None  # the file that the system refers to
+    processes: int = 0  # how many processes are listed
+    # components are names of `.componentinterface` files (2018 to 2021)
     references_only: bool = False
-    problems: tuple[Problem, ...] = ()
+    problems: tuple[Problem, ...] = ()  # what was not read, though the rest was
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """A publisher, subscriber, ... of a node as its model names it.
-
-    Attributes:
-        deadline: of its quality of service, as it is written; empty for none.
-    """
+    """A publisher, subscriber, ... of a node as its model names it."""
 
     kind: InterfaceKind
     name: str
     type: str
     ns: str | None
-    line: int
-    col: int
-    type_line: int
-    type_col: int
-    deadline: str = ""
+    place: Place
+    type_place: Place
+    deadline: str = ""  # of its quality of service, as it is written; empty for none
 
     @property
     def ros_type(self) -> str | None:
@@ -189,31 +143,20 @@ class Artifact:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a message.
+    """A field of a message."""
 
-    Attributes:
-        type: as written; ``T[]`` for arrays of any length.
-        name: name of the field or constant.
-        value: text of a constant's value, ``None`` for a field.
-    """
-
-    type: str
-    name: str
-    value: str | None = None
+    type: str  # as written; `T[]` for arrays of any length
+    name: str  # name of the field or constant
+    value: str | None = None  # text of a constant's value, `None` for a field
 
 
 @dataclass(frozen=True, slots=True)
 class Spec:
-    """A message, service or action.
+    """A message, service or action."""
 
-    Attributes:
-        kind: ``topic``, ``service`` or ``action``; ``""`` where the dialect does not specify it.
-        sections: ``message``, or ``request`` and ``response``, or ``goal``, ``result`` and
-            ``feedback`` -> fields.
-    """
-
-    kind: str
+    kind: str  # `topic`, `service` or `action`; `""` where the dialect does not specify it
     name: str
+    # `message`, or `request` and `response`, or `goal`, `result` and `feedback` -> fields
     sections: tuple[tuple[str, tuple[Field, ...]], ...]
 
 

@@ -25,19 +25,12 @@ LOST_TOPICS = ("M007.listed_only", "M023.missing")
 
 @dataclass(frozen=True)
 class Models:
-    """What a directory of models holds, with POSIX paths relative to it.
+    """What a directory of models holds, with POSIX paths relative to it."""
 
-    Attributes:
-        files: in the order of their paths.
-        systems: for sub-systems; in the order of their paths.
-        skipped: files that could not be read.
-        problems: of the files, which may be readable all the same.
-    """
-
-    files: tuple[RosModel, ...]
-    systems: tuple[System, ...] = ()
-    skipped: tuple[str, ...] = ()
-    problems: tuple[Problem, ...] = ()
+    files: tuple[RosModel, ...]  # in the order of their paths
+    systems: tuple[System, ...] = ()  # for sub-systems; in the order of their paths
+    skipped: tuple[str, ...] = ()  # files that could not be read
+    problems: tuple[Problem, ...] = ()  # of the files, which may be readable all the same
 
     @cached_property
     def definitions(self) -> Definitions:
@@ -61,13 +54,9 @@ class NodeModel:
 
 @dataclass(frozen=True)
 class InterfaceReference:
-    """What a system declares about where an interface is defined.
+    """What a system declares about where an interface is defined."""
 
-    Attributes:
-        package: empty in the form ``artifact::interface``, as is ``node``.
-    """
-
-    package: str
+    package: str  # empty in the form `artifact::interface`, as is `node`
     artifact: str
     node: str
     interface: str
@@ -166,19 +155,13 @@ def _dotted(model: NodeModel) -> str:
 
 @dataclass(frozen=True)
 class ResolvedInterface:
-    """One interface of one running node, with its definition.
-
-    Attributes:
-        listed: as the system names it; ``None`` where only the model does.
-        model: of its node.
-        interface: as the model names it.
-    """
+    """One interface of one running node, with its definition."""
 
     system: System
     component: Component
-    listed: SystemInterface | None
-    model: NodeModel
-    interface: Interface
+    listed: SystemInterface | None  # as the system names it; `None` where only the model does
+    model: NodeModel  # of its node
+    interface: Interface  # as the model names it
 
     @property
     def end(self) -> str:
@@ -202,8 +185,7 @@ class ResolvedInterface:
     @property
     def place(self) -> Place:
         """Where the system names it, else its component."""
-        named = self.listed or self.component
-        return Place(self.system.file, named.line, named.col)
+        return (self.listed or self.component).place
 
 
 class Resolver:
@@ -211,18 +193,13 @@ class Resolver:
 
     In the brace dialect exactly the listed interfaces run. In the indentation dialect all
     interfaces of the node model run that ``from:`` names; a listed one is renamed.
-
-    Attributes:
-        interfaces: in the order of the system.
-        problems: what does not resolve; the rest does all the same.
     """
 
     def __init__(
         self, definitions: Definitions, systems: Sequence[System], kinds: Collection[InterfaceKind]
     ) -> None:
-        """Resolve the interfaces of some kinds of systems."""
-        self.interfaces: list[ResolvedInterface] = []
-        self.problems: list[Problem] = []
+        self.interfaces: list[ResolvedInterface] = []  # in the order of the system
+        self.problems: list[Problem] = []  # what does not resolve; the rest does all the same
         self._definitions, self._kinds = definitions, kinds
         for system in systems:
             self._add(system)
@@ -231,7 +208,7 @@ class Resolver:
         for component in system.components:
             models: Sequence[NodeModel] = ()
             if system.dialect == "indent":
-                models = self._models(component, Place(system.file, component.line, component.col))
+                models = self._models(component)
             renamed = {
                 self._listed(system, component, listed, models) for listed in component.interfaces
             }
@@ -240,7 +217,7 @@ class Resolver:
                     model = models[0]
                     self._take(ResolvedInterface(system, component, None, model, interface))
 
-    def _models(self, component: Component, place: Place) -> Sequence[NodeModel]:
+    def _models(self, component: Component) -> Sequence[NodeModel]:
         """Return the models of ``from:``, which is ``package.node`` or, in 2022, three parts."""
         node = component.from_node or ""
         package, dot, name = node.partition(".")
@@ -251,9 +228,10 @@ class Resolver:
                 reason = f"the node {component.name!r} has no 'from:', so its model is not known"
             case = "M007.listed_only" if component.interfaces else "M007.nothing_listed"
             hint = self._definitions.hint_for_node(node)
-            self.problems.append(problem(case, place, hint=hint, reason=reason))
+            self.problems.append(problem(case, component.place, hint=hint, reason=reason))
         elif len({_interfaces(model) for model in models}) > 1:
             files = ", ".join(dict.fromkeys(model.file for model in models))
+            place = component.place
             self.problems.append(problem("M007.several_models", place, node=node, files=files))
         return models
 
@@ -269,7 +247,7 @@ class Resolver:
         name = (listed.kind, reference.interface if reference is not None else "")
         if listed.kind not in self._kinds:
             return name
-        place = Place(system.file, listed.line, listed.col)
+        place = listed.place
         if "?" in listed.name or "?" in listed.ref:
             self.problems.append(problem("M009.question_mark", place, name=listed.name))
             return name
@@ -298,7 +276,7 @@ class Resolver:
             place = resolved.place
             self.problems.append(problem("M009.question_mark", place, name=interface.name))
         elif interface.ros_type is None:
-            place = Place(resolved.model.file, interface.type_line, interface.type_col)
+            place = interface.type_place
             fields = {"type": interface.type, "interface": interface.name}
             self.problems.append(problem("M012.type", place, **fields))
         else:
@@ -322,7 +300,7 @@ def flattened(system: System, known: Sequence[System]) -> tuple[list[System], li
 
     def add(system: System, path: tuple[str, ...]) -> None:
         for part in system.subsystems:
-            place, name = Place(system.file, part.line, part.col), part.name
+            place, name = part.place, part.name
             if name in path:
                 circle = " -> ".join((*path[path.index(name) :], name))
                 problems.append(problem("M023.part_of_itself", place, system=name, circle=circle))

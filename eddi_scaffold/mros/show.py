@@ -21,7 +21,7 @@ def system_json(system: System) -> dict[str, Json]:
             "from": component.from_node,
             "parameters": component.parameters,
             "interfaces": [
-                [interface.kind, interface.name, interface.ref, interface.ns, interface.line]
+                [interface.kind, interface.name, interface.ref, interface.ns, interface.place.line]
                 for interface in component.interfaces
             ],
         }
@@ -53,7 +53,7 @@ def model_json(model: RosModel) -> dict[str, Json]:
                 "node": artifact.node,
                 "parameters": artifact.parameters,
                 "interfaces": [
-                    [interface.kind, interface.name, interface.type, interface.line]
+                    [interface.kind, interface.name, interface.type, interface.place.line]
                     for interface in artifact.interfaces
                 ],
             }

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NoReturn
 
-from eddi_scaffold.common.problems import most_similar
+from eddi_scaffold.common.problems import Place, most_similar
 from eddi_scaffold.mros.model import Dialect, Field
 
 Case = Literal["M001.syntax", "M001.empty", "M001.foreign"]
@@ -22,40 +22,24 @@ _ESCAPE = re.compile(r"\\([\s\S])")
 
 @dataclass(eq=False)
 class MrosSyntaxError(ValueError):
-    """A file cannot be read.
+    """A file cannot be read."""
 
-    Attributes:
-        file: name of the file, as it was given.
-        line: counted from 1.
-        col: character in the line, counted from 1.
-        message: what is wrong, and what was expected.
-        source_line: text of the line.
-        case: ``SYNTAX``, ``FOREIGN_FORMAT`` (another language of the family) or ``EMPTY_FILE``.
-        format: of a foreign format, ``xmi`` or ``rossdl``; else ``""``.
-        dialect: ``brace`` or ``indent`` where that was known already.
-    """
-
-    file: str
-    line: int
-    col: int
-    message: str
-    source_line: str = ""
+    file: str  # name of the file, as it was given
+    line: int  # counted from 1
+    col: int  # character in the line, counted from 1
+    message: str  # what is wrong, and what was expected
+    source_line: str = ""  # text of the line
+    # `SYNTAX`, `FOREIGN_FORMAT` (another language of the family) or `EMPTY_FILE`
     case: Case = SYNTAX
-    format: str = ""
-    dialect: Dialect | None = None
+    format: str = ""  # of a foreign format, `xmi` or `rossdl`; else `""`
+    dialect: Dialect | None = None  # `brace` or `indent` where that was known already
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.col}: {self.message}"
 
 
 class Text:
-    """The text of one file.
-
-    Attributes:
-        text: without byte order mark, with line ends as they are.
-        file: name for messages.
-        dialect: of the errors, where that is known already.
-    """
+    """The text of one file, without byte order mark, with line ends as they are."""
 
     dialect: Dialect | None = None
 
@@ -64,10 +48,10 @@ class Text:
         self.file = file
         self._starts = [0, *(line_end.end() for line_end in re.finditer("\n", self.text))]
 
-    def place(self, offset: int) -> tuple[int, int]:
-        """Return line and column of a character, both counted from 1."""
+    def place(self, offset: int) -> Place:
+        """Return the place of a character."""
         line = bisect_right(self._starts, offset)
-        return line, offset - self._starts[line - 1] + 1
+        return Place(self.file, line, offset - self._starts[line - 1] + 1)
 
     def error(
         self,
@@ -77,9 +61,10 @@ class Text:
         format: str = "",  # noqa: A002 - the name of the field
     ) -> MrosSyntaxError:
         """Return the error at a character."""
-        line, col = self.place(offset)
-        quoted_line = self.text[offset - col + 1 :].partition("\n")[0].rstrip("\r")
-        place = (self.file, line, col)
+        line = bisect_right(self._starts, offset)
+        start = self._starts[line - 1]
+        quoted_line = self.text[start:].partition("\n")[0].rstrip("\r")
+        place = (self.file, line, offset - start + 1)
         return MrosSyntaxError(*place, message, quoted_line, case, format, self.dialect)
 
 
@@ -121,8 +106,8 @@ class Cursor:
         """The token that comes next."""
         return self._tokens[self._index]
 
-    def place(self) -> tuple[int, int]:
-        """Return line and column of what comes next."""
+    def place(self) -> Place:
+        """Return the place of what comes next."""
         return self.text.place(self.token[2])
 
     def at_end(self) -> bool:

@@ -20,69 +20,48 @@ from eddi_scaffold.mros.resolving import (
 )
 
 TopicKind = Literal["published", "action", "subscribed"]
-Include = Literal["subscribed", "actions"]
 _SOURCES = ("publisher", "serviceserver", "actionserver")
 _ILLEGAL = re.compile(r"[^A-Za-z0-9_/]")
 
 
 @dataclass(frozen=True)
 class TopicEntry:
-    """One entry of ``SimulatorOutputs``.
-
-    Attributes:
-        type: ``package.Type``.
-        place: where it is written.
-    """
+    """One entry of ``SimulatorOutputs``."""
 
     id: str
-    type: str
+    type: str  # `package.Type`
     topic: str
-    place: Place = field(default=Place())
+    place: Place = field(default=Place())  # where it is written
 
 
 @dataclass(frozen=True)
 class Topic(TopicEntry):
-    """A topic of a system, with a Python name as its id; its place is there, where it is first.
-
-    Attributes:
-        topic: absolute name.
-        components: who provides it (or, of kind ``subscribed``, who waits for it).
-        deadlines: of those who publish it, as they are written; empty for none.
-    """
+    """A topic of a system, its name absolute, its id a Python name; its place is the first one."""
 
     kind: TopicKind = "published"
-    components: tuple[str, ...] = ()
-    deadlines: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()  # who provides it or, of kind `subscribed`, waits for it
+    deadlines: tuple[str, ...] = ()  # of who publishes it, as they are written; empty for none
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """What a system gives to listen to.
+    """What a system gives to listen to."""
 
-    Attributes:
-        topics: in the order of the system.
-        problems: errors and warnings of the system, not of the files it is made of.
-        components: number of nodes of the system itself.
-        publishers: number of publishers whose topic and type are known.
-        services: number of services, which cannot be listened to.
-        actions: number of actions; their topics come with ``include``.
-        is_complete: nothing was in the way of a topic; else the system may have more of them.
-    """
-
-    topics: tuple[Topic, ...]
+    topics: tuple[Topic, ...]  # in the order of the system
+    # errors and warnings of the system, not of the files it is made of
     problems: tuple[Problem, ...]
-    components: int
-    publishers: int
-    services: int
-    actions: int
-    is_complete: bool
+    components: int  # number of nodes of the system itself
+    publishers: int  # number of publishers whose topic and type are known
+    services: int  # number of services, which cannot be listened to
+    actions: int  # number of actions; their topics come with `include`
+    is_complete: bool  # nothing was in the way of a topic; else the system may have more of them
 
 
 def simulator_outputs(
     system: System,
     models: Models,
     *,
-    include: Collection[Include] = (),
+    include: Collection[str] = (),
     existing: Sequence[TopicEntry] = (),
     names: Literal["label", "model"] = "label",
 ) -> Outputs:
@@ -142,13 +121,7 @@ def silent_problems(system: System, models: Models) -> list[Problem]:
 
 
 class _Collector:
-    """Topics of interfaces, by connections, labels and namespaces.
-
-    Attributes:
-        topics: by their names, without ids.
-        names: topic -> name in the node model.
-        publishers: how many have a topic.
-    """
+    """Topics of interfaces, by connections, labels and namespaces."""
 
     def __init__(self, named: Sequence[System], resolved: Sequence[ResolvedInterface]) -> None:
         """Read the connections of systems whose names count; none where the models' do."""
@@ -174,11 +147,12 @@ class _Collector:
             for connection in part.connections:
                 if connection.kind not in ("topic", ""):
                     continue
-                place = Place(part.file, connection.line, connection.col)
                 for is_source, ends in ((True, connection.sources), (False, connection.targets)):
                     for end in ends:
                         if (count := used[is_source, end]) > 1:
-                            self.problems.append(problem("M018", place, label=end, count=count))
+                            self.problems.append(
+                                problem("M018", connection.place, label=end, count=count)
+                            )
                         if connection.name:
                             self._connection_names.setdefault(end, connection.name)
                 sources = [publishers[end] for end in connection.sources if end in publishers]
@@ -253,14 +227,10 @@ class _Collector:
 
 
 def topic_name(name: str, namespace: str | None, component: str) -> tuple[str, bool]:
-    """Resolve a name as ROS 1 does, with what real models need in addition.
+    """Resolve a name (``/x``, ``~x`` or relative) as ROS 1 does, with what real models need.
 
-    A relative name that already begins with the namespace and a ``/`` is not given it twice.
-
-    Args:
-        name: absolute (``/x``), private (``~x``) or relative.
-        namespace: of the interface, else of its component.
-        component: name of the component; its last segment is the name of the node.
+    A relative name that already begins with the namespace and a ``/`` is not given it twice. The
+    last segment of a component is the name of its node.
 
     Returns:
         The absolute topic, ``/`` when nothing is left of it; whether the relative name began with
@@ -290,16 +260,10 @@ def give_ids(
     existing: Sequence[TopicEntry],
     reserved: Collection[str] = (),
 ) -> tuple[dict[str, str], list[Problem]]:
-    """Give each topic an id, the published ones first.
+    """Give each topic an id, the published ones first; ``names`` are those in the node models.
 
     A topic that has an id already keeps it. Otherwise it is the name in the model if no other
     topic has the same one, else the topic; and a number behind what is taken or reserved.
-
-    Args:
-        published: topic -> name in the model.
-        names: the same of these and all others.
-        existing: entries of the configuration.
-        reserved: ids for none of them.
     """
     counts = Counter(entry.id for entry in existing)
     ids: dict[str, str] = {}

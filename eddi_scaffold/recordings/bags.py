@@ -43,12 +43,9 @@ from eddi_scaffold.recordings.csv_recording import Recording, Sample
 
 _NO_SENSORS = (MESSAGE_PACKAGE, "rosgraph_msgs", "rcl_interfaces")
 """Packages of the messages that monitors publish, and those of ROS about itself."""
-_MOST_HINTS = 20
-"""Topics that similar ones are looked for: to compare texts is slow."""
-_SET_CLOCK_NS = 10**18
-"""Since 2001 the clock of a computer that has been set is beyond this."""
-_BACK_NS = 10**9
-"""Stamps of several publishers of a topic may be out of order by less."""
+_MOST_HINTS = 20  # topics that similar ones are looked for: to compare texts is slow
+_SET_CLOCK_NS = 10**18  # since 2001 the clock of a computer that has been set is beyond this
+_BACK_NS = 10**9  # stamps of several publishers of a topic may be out of order by less
 _TIMES = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
 
 Listeners = Mapping[str, Sequence[tuple[BoundMonitor, SimulatorOutput]]]
@@ -125,16 +122,11 @@ def read_bag(
 
 @dataclass(frozen=True)
 class Contents:
-    """What a bag tells of a robot.
+    """What a bag tells of a robot."""
 
-    Attributes:
-        topics: full name -> type, of those that are not the monitors' own.
-        types: message type -> fields.
-        times: full name of a topic -> when its messages were recorded, in nanoseconds, ascending.
-    """
-
-    topics: Mapping[str, str]
-    types: MessageFields
+    topics: Mapping[str, str]  # full name -> type, of those that are not the monitors' own
+    types: MessageFields  # message type -> fields
+    # full name of a topic -> when its messages were recorded, in nanoseconds, ascending
     times: Mapping[str, Sequence[int]]
 
 
@@ -260,13 +252,7 @@ def _wrong_types(connections: Sequence[Any], listeners: Listeners) -> Iterator[P
 def _check_fields(
     monitor: BoundMonitor, types: MessageFields, there: Collection[str]
 ) -> Iterator[Problem]:
-    """Report fields that the messages of a bag do not have, or not of that type (I012).
-
-    Args:
-        monitor: it has a configuration.
-        types: the messages of the bag.
-        there: full names of the topics in the bag: others cannot be checked.
-    """
+    """Report fields that messages in the bag do not have, or not of that type (I012)."""
     assert monitor.config is not None
     entries = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
     for binding in monitor.inputs:
@@ -334,13 +320,7 @@ def _jumping_back(samples: Sequence[Sample]) -> Iterable[str]:
 
 
 def _absent(place: Place, topics: Mapping[str, str], listeners: Listeners) -> Iterator[Problem]:
-    """Warn of topics without a message (I004), with similar ones, of the same type if there are.
-
-    Args:
-        place: of the bag.
-        topics: full name -> type, of those with messages.
-        listeners: to topics outside.
-    """
+    """Warn of topics without a message (I004), with similar ones, of the same type if there are."""
     lacking = {topic: who[0][1] for topic, who in listeners.items() if topic not in topics}
     if not lacking:
         yield problem("I004.all_topics", place)

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -31,8 +31,7 @@ if TYPE_CHECKING:
 TIME = "t"
 MAX_PROBLEMS = 10
 """Errors that are listed of one file; a wrong column would else be reported for every row."""
-MAX_TIME_S = 9e9
-"""285 years: a monitor counts nanoseconds in 64 bits."""
+MAX_TIME_S = 9e9  # 285 years: a monitor counts nanoseconds in 64 bits
 
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?|[-+]?inf", re.ASCII)
 _WHOLE = re.compile(r"[-+]?\d{1,400}", re.ASCII)
@@ -54,8 +53,7 @@ _EXPECTED: Mapping[str, str] = {
 }
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(NamedTuple):
     """One line of a CSV file: its time in seconds, and the new samples of inputs."""
 
     t: float

@@ -11,8 +11,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.monitor import Tree
 from eddi_runtime.plain_values import follow
 
@@ -22,12 +23,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.publications import publications
 
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-
-
-Message = SimpleNamespace
-"""One attribute for each field, and ``message_type``."""
+Message = SimpleNamespace  # one attribute for each field, and `message_type`
 
 _RANGES = {
     f"{sign}int{bits}": range(2**bits) if sign else range(-(2 ** (bits - 1)), 2 ** (bits - 1))
@@ -36,16 +32,6 @@ _RANGES = {
 }
 _HEADER = "std_msgs/Header"
 _PLAIN_DEFAULTS: Mapping[str, Any] = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
-
-
-def message_of(tree: Tree) -> Message:
-    """Return a message of the product's own package.
-
-    Raises:
-        TypeError: a field is missing, surplus, or of a wrong type.
-    """
-    name, fields = tree
-    return _builder(f"eddi_messages/{name}")(fields)
 
 
 def blank(message_type: str) -> Message:
@@ -61,49 +47,45 @@ def _default(type_: str) -> Any:
 
 
 @cache
-def _builder(message_type: str) -> Callable[[Mapping[str, Any]], Message]:
+def _fields(message_type: str) -> tuple[Mapping[str, str], Mapping[str, Message]]:
+    """Return the types of the fields that a monitor fills, and its headers, which are empty."""
     types = known_messages()[message_type]
-    checks = {
-        name: _check(f"{message_type}.{name}", type_)
-        for name, type_ in types.items()
-        if type_ != _HEADER
-    }
-    rest: dict[str, Any] = {name: blank(_HEADER) for name in types.keys() - checks.keys()}
-
-    def build(fields: Mapping[str, Any]) -> Message:
-        if fields.keys() != checks.keys():
-            raise TypeError(f"{message_type} has {sorted(checks)}, not {sorted(fields)}")
-        checked = {name: check(fields[name]) for name, check in checks.items()}
-        return Message(**checked, **rest, message_type=message_type)
-
-    return build
+    headers = {name: blank(_HEADER) for name, type_ in types.items() if type_ == _HEADER}
+    return {name: types[name] for name in types if name not in headers}, headers
 
 
-def _check(where: str, type_: str) -> Callable[[Any], Any]:
-    """Return what checks a value of a field and returns it as the message holds it."""
+def message_of(tree: Tree) -> Message:
+    """Return a message of the product's own package.
 
-    def checked(fits: bool, value: Any) -> Any:
-        if not fits:
-            raise TypeError(f"{where} cannot be {value!r}")
-        return value
+    Raises:
+        TypeError: a field is missing, surplus, or of a wrong type.
+    """
+    name, fields = tree
+    message_type = f"eddi_messages/{name}"
+    types, headers = _fields(message_type)
+    if fields.keys() != types.keys():
+        raise TypeError(f"{message_type} has {sorted(types)}, not {sorted(fields)}")
+    content = {name: _checked(type_, fields[name]) for name, type_ in types.items()}
+    return Message(**content, **headers, message_type=message_type)
 
-    inner = element(type_)
-    if inner is not None:
-        of_item = _check(where, inner)
-        return lambda value: [
-            of_item(item) for item in checked(isinstance(value, list | tuple), value)
-        ]
-    if type_ == "bool":
-        return lambda value: checked(type(value) is bool, value)
-    if type_ == "string":
-        return lambda value: checked(type(value) is str, value)
-    if type_ in _RANGES:
-        return lambda value: checked(type(value) is int and value in _RANGES[type_], value)
-    if type_ in _PLAIN_DEFAULTS:
-        return lambda value: float(checked(type(value) in (int, float), value))
-    return lambda value: message_of(
-        checked(isinstance(value, tuple) and f"eddi_messages/{value[0]}" == type_, value)
-    )
+
+def _checked(type_: str, value: Any) -> Any:
+    """Return a value of a field as the message holds it."""
+    if type_ in ("bool", "string"):
+        fits = type(value) is (bool if type_ == "bool" else str)
+    elif type_ in _RANGES:
+        fits = type(value) is int and value in _RANGES[type_]
+    elif type_ in _PLAIN_DEFAULTS:
+        fits, value = type(value) in (int, float), float(value)
+    elif (inner := element(type_)) is not None:
+        fits = isinstance(value, list | tuple)
+        value = [_checked(inner, item) for item in value]
+    else:
+        fits = isinstance(value, tuple) and f"eddi_messages/{value[0]}" == type_
+        value = message_of(value)
+    if not fits:
+        raise TypeError(f"a field of type {type_} cannot be {value!r}")
+    return value
 
 
 @dataclass(frozen=True)
@@ -128,19 +110,18 @@ class Channel:
 
 
 class Publications:
-    """The topics of one monitor.
-
-    Attributes:
-        channels: its topics.
-        topics: their full names.
+    """The topics of one monitor, which has a configuration without errors.
 
     Args:
-        monitor: it has a configuration, without errors.
-        full_name: topic as in the configuration -> its full name.
+        monitor: the monitor.
+        full_name: topic as in the configuration -> its full name, if not that of the monitor.
     """
 
-    def __init__(self, monitor: BoundMonitor, full_name: Callable[[str], str]) -> None:
+    def __init__(
+        self, monitor: BoundMonitor, full_name: Callable[[str], str] | None = None
+    ) -> None:
         assert monitor.config is not None
+        full_name = full_name or monitor.topic
         outputs, problems = publications(monitor, monitor.config)
         assert not problems, problems
         self.channels = [
@@ -158,7 +139,7 @@ class Publications:
     def messages(
         self, running: RuntimeMonitor[Any], output: Any, topics: Collection[str]
     ) -> list[tuple[str, Message]]:
-        """Return topic and message of all that a step publishes on the wanted topics."""
+        """Return topic and message of what a step publishes, on some topics."""
         by_message: dict[str, Sequence[Message]] = {}
         published: list[tuple[str, Message]] = []
         for channel in self.channels:

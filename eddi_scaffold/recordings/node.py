@@ -9,8 +9,9 @@ import ast
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from eddi_runtime import Monitor as RuntimeMonitor
 from eddi_runtime.history import EDDIInputBase
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.pasted import understood
@@ -18,11 +19,7 @@ from eddi_runtime.plain_values import by_id, by_key, by_name, given, joined
 
 from eddi_scaffold.monitors.input_binding import InputBinding
 
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-
-SECOND = 1_000_000_000
-"""Nanoseconds."""
+SECOND = 1_000_000_000  # nanoseconds
 
 _HELPERS: Mapping[str, Callable[..., Any]] = {
     called.__name__: called for called in (by_id, by_key, by_name, given, joined)
@@ -78,9 +75,6 @@ class ReplayedNode:
         eddi_input: an ``EDDIInput`` as a package has it: with a method ``processing``.
         running: the monitor; it should have been reset.
         step: what takes the place of ``running.execute_step``, where a package wraps it.
-
-    Attributes:
-        raised: input id -> the first exception of its hand-written lines and its traceback.
     """
 
     def __init__(
@@ -93,6 +87,7 @@ class ReplayedNode:
             setattr(self._eddi_input, spec.attribute, spec.default)
         self._eddi_input.bind(running.inputs)
         self._latest: dict[str, Received] = {}
+        # input id -> the first exception of its hand-written lines and its traceback
         self.raised: dict[str, tuple[str, str]] = {}
 
     def step(self, t: int, messages: Sequence[Received], clock: int | None = None) -> Step:

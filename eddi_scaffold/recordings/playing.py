@@ -5,46 +5,39 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import Any
+
+from eddi_runtime import Monitor as RuntimeMonitor
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
+from eddi_scaffold.kinds import InputType
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.recordings.csv_recording import Recording
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.node import SECOND, GivenInput, Received, ReplayedNode, Step
 
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-
-    from eddi_scaffold.kinds import InputType
-
 MAX_STEPS = 10_000_000
 """Eleven days at 10 Hz, some ten minutes of work: who asks for more has a slip in t."""
 _ALL = {"fraction": 1.0, "percent": 100.0, "pct": 100.0}
 """Unit -> what all of something is in it; a ratio without a name may be more."""
 
-Running = tuple["RuntimeMonitor[Any]", ReplayedNode]
-"""A monitor that runs, and a node of it."""
+Running = tuple["RuntimeMonitor[Any]", ReplayedNode]  # A monitor that runs, and a node of it
 
 
 @dataclass(frozen=True)
 class StepRule:
-    """How a node steps.
+    """How a node steps."""
 
-    Attributes:
-        period: nanoseconds between two steps, ``None``: there are none but those at changes.
-        on_change: it also steps when something comes, or becomes too old; the period counts from
-            the last step then.
-    """
-
+    # nanoseconds between two steps, `None`: there are none but those at changes
     period: float | None
+    # it also steps when something comes, or becomes too old; the period counts from the last step
+    # then
     on_change: bool
 
 
-ROWS = StepRule(None, on_change=True)
-"""One step for each row, or message, and no other."""
+ROWS = StepRule(None, on_change=True)  # one step for each row, or message, and no other
 
 
 def step_rule(monitor: BoundMonitor) -> StepRule:
@@ -57,25 +50,16 @@ def step_rule(monitor: BoundMonitor) -> StepRule:
 
 @dataclass(frozen=True)
 class PlayedMonitor:
-    """One monitor that is played.
+    """One monitor that is played."""
 
-    Attributes:
-        name: for people; empty when it is the only one.
-        running: the monitor; it begins anew.
-        node: it has received nothing yet.
-        rule: how it steps.
-        sources: topic -> ids by which the node knows its messages.
-        limits: id of a source -> the ages, in nanoseconds, that inputs allow it.
-        publisher: what others receive of it.
-    """
-
-    name: str
-    running: RuntimeMonitor[Any]
-    node: ReplayedNode
-    rule: StepRule
-    sources: Mapping[str, Sequence[str]]
+    name: str  # for people; empty when it is the only one
+    running: RuntimeMonitor[Any]  # the monitor; it begins anew
+    node: ReplayedNode  # it has received nothing yet
+    rule: StepRule  # how it steps
+    sources: Mapping[str, Sequence[str]]  # topic -> ids by which the node knows its messages
+    # id of a source -> the ages, in nanoseconds, that inputs allow it
     limits: Mapping[str, Collection[int]]
-    publisher: Publications | None = None
+    publisher: Publications | None = None  # what others receive of it
 
 
 def compiled(monitor: BoundMonitor) -> RuntimeMonitor[Any]:
@@ -88,7 +72,7 @@ def published(monitors: Sequence[BoundMonitor]) -> frozenset[str]:
     """Return the topics that monitors publish which are played together; of one alone, none."""
     if len(monitors) < 2:
         return frozenset()
-    return frozenset().union(*(Publications(m, m.topic).topics for m in monitors))
+    return frozenset().union(*(Publications(m).topics for m in monitors))
 
 
 def columns(monitors: Sequence[BoundMonitor]) -> dict[str, InputType]:
@@ -140,45 +124,27 @@ def of_values(
 ) -> list[PlayedMonitor]:
     """Return monitors that are given their ``columns``, and listen to each other.
 
-    Args:
-        monitors: what to run; several have configurations.
-        rules: how each steps.
-        running: by the package of the only one; without, what the package would be without
-            hand-written lines.
+    A package may run the only one; without, it is what the package would be without hand-written
+    lines.
     """
     shared = published(monitors)
-    inputs = [
-        [b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs]
-        for monitor in monitors
-    ]
-    return _played(monitors, inputs, rules, running)
+    by_value = []
+    for monitor in monitors:
+        bindings = (b if _is_received(b, monitor, shared) else b.by_value() for b in monitor.inputs)
+        by_value.append(replace(monitor, inputs=tuple(bindings)))
+    return of_messages(by_value, rules, running)
 
 
 def of_messages(
     monitors: Sequence[BoundMonitor], rules: Sequence[StepRule], running: Running | None = None
 ) -> list[PlayedMonitor]:
-    """Return monitors that listen to topics, also to those of each other, in the order of steps.
-
-    Args:
-        monitors: what to run; they have configurations.
-        rules: how each steps.
-        running: by the package of the only one.
-    """
-    return _played(monitors, [monitor.inputs for monitor in monitors], rules, running)
-
-
-def _played(
-    monitors: Sequence[BoundMonitor],
-    inputs: Sequence[Sequence[InputBinding]],
-    rules: Sequence[StepRule],
-    running: Running | None,
-) -> list[PlayedMonitor]:
+    """Return monitors that listen to topics, also to those of each other, in the order of steps."""
     several = len(monitors) > 1
     played = []
-    for monitor, bindings, rule in zip(monitors, inputs, rules, strict=True):
+    for monitor, rule in zip(monitors, rules, strict=True):
         sources: dict[str, dict[str, None]] = {}
         limits: dict[str, set[int]] = {}
-        for binding in bindings:
+        for binding in monitor.inputs:
             for source in binding.requires:
                 # a column has no message
                 topic = monitor.topic(source.topic) if source.type else source.id
@@ -186,14 +152,14 @@ def _played(
                 if isinstance(binding.max_age, int | float):
                     limits.setdefault(source.id, set()).add(round(binding.max_age * SECOND))
         name = monitor.config.config.Model.id if several and monitor.config is not None else ""
-        publisher = Publications(monitor, monitor.topic) if several else None
+        publisher = Publications(monitor) if several else None
         if running is None:
             model = compiled(monitor)
-            made = model, ReplayedNode(GivenInput(bindings), model)
+            own = model, ReplayedNode(GivenInput(monitor.inputs), model)
         else:
-            made = running
+            own = running
         topics = {topic: list(ids) for topic, ids in sources.items()}
-        played.append(PlayedMonitor(name, *made, rule, topics, limits, publisher))
+        played.append(PlayedMonitor(name, *own, rule, topics, limits, publisher))
     return _in_order(played)
 
 
@@ -257,7 +223,7 @@ class Steps:
         """Note a step."""
         self._last = t
         self._count += 1
-        self._expiries = {key: at for key, at in self._expiries.items() if at > t}
+        self._expiries = {key: end for key, end in self._expiries.items() if end > t}
         period = self._rule.period
         if period is None:
             self._next = math.inf
@@ -267,8 +233,7 @@ class Steps:
             self._next = self._start + round(self._count * period)
 
 
-Playback = Iterator[tuple[PlayedMonitor, Step]]
-"""The steps of a recording, in the order of time."""
+Playback = Iterator[tuple[PlayedMonitor, Step]]  # the steps of a recording, in the order of time
 
 
 def play(monitors: Sequence[PlayedMonitor], recording: Recording) -> Playback:

@@ -7,17 +7,15 @@ import io
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from eddi_runtime import Monitor as RuntimeMonitor
+from eddi_runtime.monitor import Value
 
 from eddi_scaffold.diagrams.plot import plot, tracks_of
 from eddi_scaffold.recordings.playing import Playback
 
-if TYPE_CHECKING:
-    from eddi_runtime import Monitor as RuntimeMonitor
-    from eddi_runtime.monitor import Value
-
-_PATIENCE_S = 2.0
-"""Of work, after which progress is reported."""
+_PATIENCE_S = 2.0  # of work, after which progress is reported
 _ONLY_INPUTS = "unknown inputs"
 """The reason of a result that only lacks inputs: their names are more precise."""
 

@@ -42,21 +42,16 @@ _PREFIX = "rt"
 _EVERY_S = 1.0
 _SOON_S = 0.2
 _WAIT_S = 0.1
-_GRACE_S = 2.0
-"""Within which the graph tells the node of a writer, if it does."""
+_GRACE_S = 2.0  # within which the graph tells the node of a writer, if it does
 _DEPTH = 10
-_PARTICIPANTS = 10_000
-"""Each tells once of which nodes it is."""
+_PARTICIPANTS = 10_000  # each tells once of which nodes it is
 _BATCH = 100
 _MANY = 100_000
-_STAMP = 12
-"""Bytes of a message before the frame of its header: encapsulation and stamp."""
+_STAMP = 12  # bytes of a message before the frame of its header: encapsulation and stamp
 _REMEMBERED = 512
-_GID_BYTES = (24, 16)
-"""Of an identity on the graph up to Humble, and of later releases."""
+_GID_BYTES = (24, 16)  # of an identity on the graph up to Humble, and of later releases
 _GUID_BYTES = 16
-_DEFINITION = 24
-"""Number of the policy that definitions are alike."""
+_DEFINITION = 24  # number of the policy that definitions are alike
 _ANY = ViewState.Any | InstanceState.Any | SampleState.Any
 _GONE = (
     ViewState.Any
@@ -69,8 +64,7 @@ _GONE = (
 class DdsGraphs:
     """What the monitors in some domains publish, from now on; times are of the monotonic clock.
 
-    Args:
-        domains: their ids; with several, a topic has ``/domain<id>`` before its name.
+    With several domains, a topic has ``/domain<id>`` before its name.
 
     Raises:
         EddiError: there is no such domain, or no network (I010).
@@ -239,8 +233,8 @@ def _classes() -> dict[str, Any]:
         for top in watched
         for name in with_parts(top, known)
     }
-    made = vars(message_classes(texts))
-    classes = {name: made[name.replace("/", "_")] for name in watched}
+    by_name = vars(message_classes(texts))
+    classes = {name: by_name[name.replace("/", "_")] for name in watched}
     for name, cls in classes.items():
         if next(iter(known[name].values()), "") == "std_msgs/Header":
             _decode_changes_only(cls)

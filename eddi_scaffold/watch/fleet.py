@@ -23,10 +23,8 @@ from eddi_scaffold.watch.messages import (
     status_messages,
 )
 
-PATIENCE_S = 3.0
-"""Without a message, after which a verdict counts as unknown, at least."""
-_MISSED = 3
-"""As many usual periods without a message mean silence, where these are longer."""
+PATIENCE_S = 3.0  # without a message, after which a verdict counts as unknown, at least
+_MISSED = 3  # as many usual periods without a message mean silence, where these are longer
 _GAPS = 5
 _CHANGES = 200
 _UNREADABLE = (AttributeError, TypeError, ValueError)
@@ -70,19 +68,15 @@ class RobotView:
 
 @dataclass(frozen=True)
 class Change:
-    """One verdict in a new state, or of a monitor that fell silent or is back.
+    """One verdict in a new state, or of a monitor that fell silent or is back."""
 
-    Attributes:
-        t: seconds.
-        before: the state before, which is the same when the monitor falls silent or is back;
-            ``None``: it is seen for the first time.
-    """
-
-    t: float
+    t: float  # seconds
     robot: str
     monitor: str
     id: str
     state: State
+    # the state before, which is the same when the monitor falls silent or is back; `None`: it is
+    # seen for the first time
     before: State | None
     reasons: tuple[str, ...]
 

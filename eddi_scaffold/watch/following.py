@@ -9,26 +9,17 @@ from dataclasses import asdict
 from eddi_scaffold.watch.fleet import Change, FleetState, Snapshot
 from eddi_scaffold.watch.messages import Source
 
-Clock = Callable[[float], str]
-"""Seconds of a source -> as a person reads them."""
-WAIT_S = 0.1
-"""After which silence is looked for."""
+Clock = Callable[[float], str]  # seconds of a source -> as a person reads them
+WAIT_S = 0.1  # after which silence is looked for
 _FIRST_NOTES_S = 1.5
 _NOTES = 1000
-_SHOW_S = 0.5
-"""Between two views of a page, at least."""
+_SHOW_S = 0.5  # between two views of a page, at least
 _ORIGIN_S = time.time() - time.monotonic()
 """Of the monotonic clock, the same for all times, so that no text changes by itself."""
 
 
 def changes(source: Source, state: FleetState, note: Callable[[str], None]) -> Iterator[Change]:
-    """Yield the changes of verdicts until the source ends.
-
-    Args:
-        source: of messages.
-        state: takes them.
-        note: takes each sentence on what hinders, once.
-    """
+    """Yield the changes of verdicts until the source ends; note what hinders, each thing once."""
     noted: set[str] = set()
 
     def note_new() -> None:

@@ -127,8 +127,7 @@ def plain(text: object) -> str:
 
 
 _AGE = ".age_s"
-_OURS = "runtime_version"
-"""A value that the status of no other node has."""
+_OURS = "runtime_version"  # A value that the status of no other node has
 _INACTIVE = "inactive: "
 _CLAIMS = ("guarantee", "threshold", "event", "in_scope")
 
@@ -143,28 +142,18 @@ class InputReport(NamedTuple):
 
 @dataclass(frozen=True)
 class NodeReport:
-    """One node, as it reported itself last.
+    """One node, as it reported itself last."""
 
-    Attributes:
-        t: when, in seconds on the clock of the receiver.
-        node: its full name.
-        model: id of its model.
-        message: what is wrong, or that all is in order.
-        reasons: guarantee, threshold or event that is inactive -> why, in words.
-        steps: so far.
-        overruns: steps that were left out so far.
-        longest_step: seconds.
-    """
-
-    t: float
-    node: str
-    model: str
-    message: str
+    t: float  # when, in seconds on the clock of the receiver
+    node: str  # its full name
+    model: str  # id of its model
+    message: str  # what is wrong, or that all is in order
     inputs: tuple[InputReport, ...] = ()
+    # guarantee, threshold or event that is inactive -> why, in words
     reasons: Mapping[str, str] = field(default_factory=dict)
-    steps: int = 0
-    overruns: int = 0
-    longest_step: float = 0.0
+    steps: int = 0  # so far
+    overruns: int = 0  # steps that were left out so far
+    longest_step: float = 0.0  # seconds
 
 
 def reports_of(array: Any, t: float) -> Iterator[NodeReport]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from eddi_scaffold.watch.fleet import MonitorView, Snapshot, VerdictView
 
 CONTENT_TYPE = "application/openmetrics-text; version=1.0.0; charset=utf-8"
-STATES = ("active", "not active", "unknown")
-"""From good to bad."""
-MAX_REASONS = 5
-"""Of one guarantee; the label of all others is ``other``."""
+STATES = ("active", "not active", "unknown")  # from good to bad
+MAX_REASONS = 5  # of one guarantee; the label of all others is `other`
 _GUARANTEE = ("robot", "monitor", "guarantee")
 _MONITOR = ("robot", "monitor")
 _INPUT = ("robot", "monitor", "input")

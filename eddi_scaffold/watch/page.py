@@ -6,6 +6,7 @@ import zlib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -50,6 +51,7 @@ class Group:
 class View:
     """The page."""
 
+    snapshot: Snapshot
     time: str  # of the snapshot
     shape: int  # another number when robots, monitors or verdicts came or went
     groups: tuple[Group, ...]
@@ -77,13 +79,7 @@ class View:
 
 
 def view_of(snapshot: Snapshot, clock: Clock, notes: Sequence[str] = ()) -> View:
-    """Return what the page shows of a snapshot.
-
-    Args:
-        snapshot: of the fleet.
-        clock: writes times.
-        notes: of the source.
-    """
+    """Return what the page shows of a snapshot, and of the notes of its source."""
     groups = tuple(_group(number, robot, clock) for number, robot in enumerate(snapshot.robots))
     names = [(group.name, [(r.monitor, r.kind, r.name) for r in group.rows]) for group in groups]
     changes = []
@@ -92,7 +88,7 @@ def view_of(snapshot: Snapshot, clock: Clock, notes: Sequence[str] = ()) -> View
         what = f"{change.robot} {change.monitor} {change.id} is {change.state}{why}"
         changes.append((snapshot.changed - index, f"{clock(change.t).strip()} {what}"))
     time = clock(snapshot.t).strip()
-    return View(time, _number(names), groups, tuple(changes), (*notes, *snapshot.notes))
+    return View(snapshot, time, _number(names), groups, tuple(changes), (*notes, *snapshot.notes))
 
 
 def _group(number: int, robot: RobotView, clock: Clock) -> Group:
@@ -123,65 +119,47 @@ def _number(value: object) -> int:
     return zlib.crc32(repr(value).encode())
 
 
+# a state is told by its words and a mark, its colour only adds to them
 MARKS = {"active": "●", "not active": "✕", "unknown": "?"}
-"""A state is told by its words and a mark, its colour only adds to them."""
 
 
 def render(view: View) -> str:
     """Return the whole page."""
-    parts = {
-        "shape": view.shape,
-        "time": xml_text(view.time),
-        "notes": "".join(f"<li>{xml_text(note)}</li>" for note in view.notes),
-        "empty": "" if view.groups else '<p id="empty">No monitor has been heard of yet.</p>\n',
-        "groups": "".join(map(_group_html, view.groups)),
-        "changes": "".join(
+    empty = "" if view.groups else "No monitor has been heard of yet."
+    return _filled(
+        "page",
+        {"time": view.time, "shape": view.shape, "empty": empty},
+        notes="".join(f"<li>{xml_text(note)}</li>" for note in view.notes),
+        groups="".join(map(_group_html, view.groups)),
+        changes="".join(
             f'<li data-number="{number}">{xml_text(text)}</li>' for number, text in view.changes
         ),
-    }
-    return static("page.html").decode().format_map(parts)
+    )
 
 
+@cache
 def static(name: str) -> bytes:
     """Return a file that belongs to the page."""
     return files(__package__).joinpath("static", name).read_bytes()
 
 
+def _filled(template: str, texts: Mapping[str, object], **html: str) -> str:
+    escaped = {name: xml_text(str(text)) for name, text in texts.items()}
+    return static(f"{template}.html").decode().format_map({**escaped, **html})
+
+
 def _group_html(group: Group) -> str:
-    name = xml_text(group.name)
-    return f"""<section aria-labelledby="{group.id}">
-<h2 id="{group.id}">{name}</h2>
-<p id="{group.id}-summary">{xml_text(group.summary)}</p>
-<details id="{group.id}-graph" open><summary>Graph</summary>
-<img alt="Graph of the guarantees of {name}; the table says the same in words" \
-src="/graph/{group.number}.svg?{group.graph}">
-</details>
-<table>
-<caption class="aside">Guarantees of {name}</caption>
-<thead><tr><th scope="col">Monitor</th><th scope="col">Guarantee</th><th scope="col">State</th>\
-<th scope="col">Why</th><th scope="col">Since</th></tr></thead>
-<tbody>
-{"".join(map(_row_html, group.rows))}</tbody>
-</table>
-<details><summary>Monitors</summary><ul id="{group.id}-facts">\
-{"".join(f"<li>{xml_text(fact)}</li>" for fact in group.facts)}</ul></details>
-</section>
-"""
+    rows = []
+    for row in group.rows:
+        state, why, since = row.parts
+        texts = {**vars(row), "mark": MARKS[state], "state": state, "why": why, "since": since}
+        rows.append(_filled("verdict", texts))
+    facts = "".join(f"<li>{xml_text(fact)}</li>" for fact in group.facts)
+    texts = {key: getattr(group, key) for key in ("id", "number", "name", "summary", "graph")}
+    return _filled("robot", texts, rows="".join(rows), facts=facts)
 
 
-def _row_html(row: Row) -> str:
-    state, why, since = map(xml_text, row.parts)
-    return (
-        f'<tr id="{row.id}" data-state="{state}"><td>{xml_text(row.monitor)} '
-        f'<span class="kind">{xml_text(row.kind)}</span></td>'
-        f'<th scope="row">{xml_text(row.name)}</th>'
-        f'<td><span class="state"><span aria-hidden="true">{MARKS[row.parts[0]]}</span> '
-        f"<span>{state}</span></span></td><td>{why}</td><td>{since}</td></tr>\n"
-    )
-
-
-Pictures = Mapping[tuple[str, str], Diagram]
-"""Title of the kind, name of the model -> its picture."""
+Pictures = Mapping[tuple[str, str], Diagram]  # title of the kind, name of the model -> its picture
 
 
 TONES: dict[State, Tone] = {"active": "output", "not active": "refused", "unknown": "warning"}
@@ -194,12 +172,7 @@ Part = DiagramNode | DiagramEdge
 
 
 def verdict_graph(robot: RobotView, pictures: Pictures) -> str:
-    """Return the SVG of a robot's verdicts.
-
-    Args:
-        robot: what is known of it.
-        pictures: of the models that are known here; of others, only what monitors say is drawn.
-    """
+    """Return the SVG of a robot's verdicts; of models not known here, what monitors say."""
     nodes, edges = [], []
     for number, monitor in enumerate(robot.monitors):
         for part in _parts(f"m{number}", monitor, pictures.get((monitor.title, monitor.name))):

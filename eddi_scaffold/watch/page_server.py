@@ -6,20 +6,16 @@ import json
 import re
 import threading
 import time
-from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
 
 from eddi_scaffold.common import local_server
 from eddi_scaffold.common.local_server import CSS, HTML, JAVASCRIPT, Handler, LimitedServer, Refused
-from eddi_scaffold.watch.fleet import Snapshot
 from eddi_scaffold.watch.metrics import CONTENT_TYPE, metrics_text
 from eddi_scaffold.watch.page import Pictures, View, render, static, verdict_graph
 
-STREAMS = 16
-"""At once; the other connections are for pages."""
-_STREAM_S = 600.0
-"""After which a stream ends; a browser opens it anew."""
+STREAMS = 16  # at once; the other connections are for pages
+_STREAM_S = 600.0  # after which a stream ends; a browser opens it anew
 _ALIVE_S = 5.0
 _PICTURES = 64
 _OLD_S = 10.0
@@ -32,40 +28,25 @@ _POLICY = (
 )
 
 
-@dataclass(frozen=True)
-class Shown:
-    """A snapshot and its view; how many there were before; when, on the monotonic clock."""
-
-    snapshot: Snapshot
-    view: View
-    number: int
-    at: float
-
-
 class Feed:
-    """Holds the newest view, for all who look at it.
+    """Holds the newest view, for all who look at it."""
 
-    Attributes:
-        shown: it.
-        closed: there will be no more.
-    """
-
-    def __init__(self, snapshot: Snapshot, view: View) -> None:
+    def __init__(self, view: View) -> None:
         self._news = threading.Condition()
-        self.shown = Shown(snapshot, view, 0, time.monotonic())
+        self.view, self.since = view, time.monotonic()
         self.closed = False
 
-    def show(self, snapshot: Snapshot, view: View) -> None:
+    def show(self, view: View) -> None:
         """Replace what is shown, and wake who waits for it."""
         with self._news:
-            self.shown = Shown(snapshot, view, self.shown.number + 1, time.monotonic())
+            self.view, self.since = view, time.monotonic()
             self._news.notify_all()
 
-    def after(self, number: int, seconds: float) -> Shown:
-        """Return the newest, and wait for it as long as it is not newer than a number."""
+    def after(self, view: View | None, seconds: float) -> View:
+        """Return the newest, and wait for it as long as it is one that was shown already."""
         with self._news:
-            self._news.wait_for(lambda: self.closed or self.shown.number > number, seconds)
-            return self.shown
+            self._news.wait_for(lambda: self.closed or self.view is not view, seconds)
+            return self.view
 
     def close(self) -> None:
         """Let everybody who waits go."""
@@ -82,14 +63,10 @@ def open_server(
     seconds: float = 20.0,
     connections: int = 32,
 ) -> LimitedServer:
-    """Return a server of the page, not serving yet.
+    """Return a server of the page on a port (0: any that is free), not serving yet.
 
-    Args:
-        port: 0 for any that is free.
-        feed: what is shown.
-        models: pictures of known models, for the graphs.
-        seconds: within which a request has come, and an answer or event is taken.
-        connections: at once; a further one is asked to retry.
+    Within some seconds a request has come, and an answer or event is taken; who connects when there
+    are too many is asked to retry.
 
     Raises:
         EddiError: the port is taken (E024).
@@ -109,30 +86,30 @@ class _Handler(Handler):
 
     def get(self) -> None:
         """Answer with the page, a part of it, its events, or numbers."""
-        path, shown = self.path.partition("?")[0], self.feed.shown
+        path, view = self.path.partition("?")[0], self.feed.view
         if path == "/":
-            self.send(HTTPStatus.OK, HTML, render(shown.view).encode())
+            self.send(HTTPStatus.OK, HTML, render(view).encode())
         elif path == "/events":
             self._stream()
         elif path in _FILES:
             self.send(HTTPStatus.OK, _FILES[path], static(path[1:]))
         elif path == "/metrics":
-            if time.monotonic() - shown.at > _OLD_S:
+            if time.monotonic() - self.feed.since > _OLD_S:
                 raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "the view is not new any more")
-            self.send(HTTPStatus.OK, CONTENT_TYPE, metrics_text(shown.snapshot).encode())
+            self.send(HTTPStatus.OK, CONTENT_TYPE, metrics_text(view.snapshot).encode())
         elif match := _GRAPH.fullmatch(path):
-            self._graph(shown, int(match[1]))
+            self._graph(view, int(match[1]))
         else:
             super().get()
 
-    def _graph(self, shown: Shown, number: int) -> None:
-        if number >= len(shown.view.groups):
+    def _graph(self, view: View, number: int) -> None:
+        if number >= len(view.groups):
             raise Refused(HTTPStatus.NOT_FOUND, "there is no such robot")
-        version = shown.view.groups[number].graph
+        version = view.groups[number].graph
         if version not in self.pictures:
             if len(self.pictures) >= _PICTURES:
                 self.pictures.clear()
-            graph = verdict_graph(shown.snapshot.robots[number], self.models)
+            graph = verdict_graph(view.snapshot.robots[number], self.models)
             self.pictures[version] = graph.encode()
         more = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'"}
         self.send(HTTPStatus.OK, "image/svg+xml", self.pictures[version], more)
@@ -142,13 +119,12 @@ class _Handler(Handler):
             raise Refused(HTTPStatus.SERVICE_UNAVAILABLE, "too many pages are open")
         try:
             self.begin(HTTPStatus.OK, "text/event-stream", {})
-            end, number, sent = time.monotonic() + _STREAM_S, -1, None
+            end, sent = time.monotonic() + _STREAM_S, None
             while time.monotonic() < end and not self.feed.closed:
-                shown = self.feed.after(number, _ALIVE_S)
+                view = self.feed.after(sent, _ALIVE_S)
                 text = ": nothing new\n\n"
-                if shown.number > number:
-                    text = f"data: {json.dumps(shown.view.news(sent))}\n\n"
-                    number, sent = shown.number, shown.view
+                if view is not sent:
+                    text, sent = f"data: {json.dumps(view.news(sent))}\n\n", view
                 self.more_time()
                 self.wfile.write(text.encode())
         finally:

@@ -19,9 +19,7 @@ _TICK_S = 0.25
 class Recording:
     """The messages of a bag; times are seconds since its first message, of any topic.
 
-    Args:
-        path: as of ``read_bag``.
-        speed: seconds of the recording for each second; ``None``: as fast as it can be read.
+    It is played at a speed, or, without one, as fast as it can be read.
 
     Raises:
         EddiError: rosbags is not installed (I010), the bag cannot be read (I011), or no monitor's

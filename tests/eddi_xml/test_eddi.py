@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import io
+import re
 
 import pytest
 
 from eddi_scaffold.common.files import Source, read_source
+from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import Limits
 from eddi_scaffold.eddi_xml.reading import read_document, read_stream, recognises
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
+from tests.cli.command import ROOT
 from tests.data_files import ORACLES
 from tests.eddi_xml.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
 
@@ -21,6 +24,14 @@ def document(text: str) -> EddiDocument:
     assert found is not None
     assert problems == []
     return found
+
+
+def test_every_name_that_readers_use_is_in_the_table() -> None:
+    for path in (ROOT / "eddi_scaffold").rglob("*.py"):
+        for name in re.findall(
+            r"\b(?:names|word|vocabulary)\.([A-Z_]+)\b", path.read_text("utf-8")
+        ):
+            assert hasattr(vocabulary, name), (path, name)
 
 
 @pytest.mark.parametrize(

@@ -153,7 +153,7 @@ def without_limits(kind: Kind, folder: Path) -> BoundMonitor:
 @each_kind
 def test_what_is_accepted_stands_in_what_it_publishes(kind: Kind, tmp_path: Path) -> None:
     monitor = without_limits(kind, tmp_path)
-    running, publisher = compiled(monitor), Publications(monitor, monitor.topic)
+    running, publisher = compiled(monitor), Publications(monitor)
     states = {spec.id: InputState("ok") for spec in running.inputs}
     limitless = {f"{spec.id}: max_age: none" for spec in running.inputs}
     for value, accepted in ((True, limitless), (None, set())):

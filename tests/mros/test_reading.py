@@ -222,9 +222,9 @@ def test_models(text: str, tree: str) -> None:
 
 def test_places() -> None:
     value, *_ = read_rossystem(SYSTEM).components[0].interfaces
-    assert (value.line, value.col, value.ns) == (5, 23, "x")
+    assert (value.place.line, value.place.col, value.ns) == (5, 23, "x")
     _, label, *_ = read_rossystem(INDENT_SYSTEM).components[0].interfaces
-    assert (label.line, label.col) == (14, 9)
+    assert (label.place.line, label.place.col) == (14, 9)
 
 
 @pytest.mark.parametrize(

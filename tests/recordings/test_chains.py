@@ -80,7 +80,7 @@ def _values(monitor: BoundMonitor, part: PlayedMonitor, output: Any) -> Iterator
             truth = row["verdict"] if row["id"] not in hazards else _not(row["verdict"])
             yield row["id"], {True: "true", False: "false", None: "unknown"}[truth]
         return
-    publisher = Publications(monitor, monitor.topic)
+    publisher = Publications(monitor)
     for _, message in publisher.messages(part.running, output, publisher.topics):
         listen = monitor.kind.verdicts.get(message.message_type.partition("/")[2])
         for one in listen(message).verdicts if listen is not None else ():

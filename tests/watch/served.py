@@ -22,8 +22,7 @@ class Fleet:
     def __init__(self) -> None:
         self.state = FleetState()
         self.now = 0.0
-        first = self.state.snapshot(0.0)
-        self.feed = Feed(first, view_of(first, seconds))
+        self.feed = Feed(view_of(self.state.snapshot(0.0), seconds))
 
     def play(self, until: float, robots: tuple[str, ...] = ("/robot1", "/robot2")) -> None:
         for one in warehouse():
@@ -40,8 +39,7 @@ class Fleet:
 
     def show(self) -> None:
         self.state.look(self.now)
-        snapshot = self.state.snapshot(self.now)
-        self.feed.show(snapshot, view_of(snapshot, seconds))
+        self.feed.show(view_of(self.state.snapshot(self.now), seconds))
 
 
 def diagnostics(t: float, node: str, **values: str) -> Message:

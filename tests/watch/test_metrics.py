@@ -35,7 +35,7 @@ def fleet() -> Fleet:
 
 
 def samples(fleet: Fleet) -> dict[str, dict[tuple[str, ...], float]]:
-    return samples_of(fleet.feed.shown.snapshot)
+    return samples_of(fleet.feed.view.snapshot)
 
 
 def test_states_reasons_steps_and_ages(fleet: Fleet) -> None:

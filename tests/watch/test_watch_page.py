@@ -133,7 +133,7 @@ def words_of(picture: str) -> list[str]:
 def test_a_known_model_is_drawn_with_its_states() -> None:
     fleet = Fleet()
     fleet.play(13.0)
-    robot = fleet.feed.shown.snapshot.robots[0]
+    robot = fleet.feed.view.snapshot.robots[0]
     known = words_of(verdict_graph(robot, pictures_of([ROBOT / "warehouse.yml"])))
     assert known.count("AND") == 2
     at = known.index("lacks")
@@ -158,7 +158,7 @@ def test_reasons_are_told_with_topics_where_the_node_reports_them() -> None:
     fleet.take(diagnostics(13.0, "/robot1/lidar", **values))
     fleet.take(diagnostics(13.0, "/robot1/warehouse", **values))
     fleet.show()
-    rows = {(row.monitor, row.name): row.parts[1] for row in fleet.feed.shown.view.groups[0].rows}
+    rows = {(row.monitor, row.name): row.parts[1] for row in fleet.feed.view.groups[0].rows}
     assert rows["lidar", "PathClear"] == late
     assert rows["warehouse", "FullSpeed"] == "PathClear"
     assert rows["warehouse", "StandStill"] == ""  # it is active by now

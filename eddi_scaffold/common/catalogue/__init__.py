@@ -23,11 +23,12 @@ from __future__ import annotations
 
 import difflib
 import re
-import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
+
+from eddi_scaffold.common.toml_tables import read_toml
 
 Level = Literal["error", "warning", "info"]
 FOLDER = Path(__file__).parent
@@ -99,12 +100,7 @@ class Area(NamedTuple):
 @cache
 def area(letter: str) -> Area:
     """Return the codes of one letter: a command loads only the areas of its problems."""
-    if sys.version_info >= (3, 11):
-        import tomllib  # noqa: PLC0415
-    else:
-        import tomli as tomllib  # noqa: PLC0415
-
-    tables = tomllib.loads((FOLDER / f"{letter}.toml").read_text("utf-8"))
+    tables = read_toml(FOLDER / f"{letter}.toml")
     title, about = tables.pop("title"), tables.pop("about")
     return Area(
         letter, title, about, {code: _diagnostic(code, table) for code, table in tables.items()}

@@ -25,14 +25,11 @@ _END_S = 3.0
 
 
 class Ros1Graph:
-    """What the monitors on a graph publish, from now on; times are of the monotonic clock.
+    """What the monitors of a master publish, from now on; times are of the monotonic clock.
 
     rospy runs in a process of its own, on the Python that ROS is installed for: eddi-scaffold may
     be in a virtual environment of another one. It is started again when it ends, as it does when
     the master was started anew, which knows nobody.
-
-    Args:
-        master: address of the master (``ROS_MASTER_URI``).
 
     Raises:
         EddiError: no Python here has rospy (I010).
