@@ -1,8 +1,7 @@
-"""Runtime monitors generated from Executable Digital Dependability Identities (SESAME D7.2).
+"""Runtime monitors of Executable Digital Dependability Identities (SESAME D7.2).
 
-``compiled.py`` of a generated package is the monitor: its class inherits from the part of its kind
-here, and ``execute_step`` evaluates it once. Pure Python 3.8; only what is below
-``eddi_runtime.transports`` knows ROS.
+``compiled.py`` of a package inherits from the part of its kind; ``execute_step`` evaluates once.
+Pure Python 3.8; only what is below ``eddi_runtime.transports`` knows ROS.
 """
 
 from .compatibility import ModelError, __version__, needs

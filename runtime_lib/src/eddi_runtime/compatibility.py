@@ -23,13 +23,7 @@ class ModelError(ValueError):
 
 
 def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
-    """Refuse a compiled monitor that was changed, or that needs another runtime than this one.
-
-    Each part of the runtime runs one format (``FORMAT``).
-
-    Raises:
-        ModelError: with what to run.
-    """
+    """Refuse a compiled monitor that was changed, or needs another runtime (``ModelError``)."""
     for part, wanted in formats.items():
         if wanted != part.FORMAT:
             reason = (

@@ -31,10 +31,7 @@ class Event(NamedTuple):
 
 
 class EventMonitor(Conditions, Monitor[Rows]):
-    """What the class ``Monitor`` of compiled events inherits.
-
-    Not thread-safe: the thread that steps it also asks it.
-    """
+    """What the class ``Monitor`` of compiled events inherits; not thread-safe."""
 
     kind = "event"
     # of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or empty where
@@ -57,15 +54,11 @@ class EventMonitor(Conditions, Monitor[Rows]):
         self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
-        """Evaluate once; never raises an Exception.
+        """Return ``{"id", "verdict", "active", "raised", "cleared"}`` of each event.
 
-        Reads one attribute per input. Absent, None, NaN and whatever is no value for the variable
-        is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE. A time that is no
-        whole number is none: all events are UNKNOWN in this step, which the windows do not see.
-
-        Returns:
-            A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
-            ``verdict`` is True, False, or None for UNKNOWN.
+        What is no value for a variable is UNKNOWN; so is all without a time, which windows do not
+        see. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE. ``verdict`` may be None:
+        UNKNOWN.
         """
         self._waited = look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -113,11 +106,9 @@ class EventMonitor(Conditions, Monitor[Rows]):
             return t
 
     def series(self, output: Rows) -> Verdicts:
-        """Return event id -> verdict, None for UNKNOWN."""
         return {str(row["id"]): row["verdict"] for row in output}
 
     def message(self, output: object) -> list[Tree]:
-        """Return an output as ``EventOutput`` trees without header; never raises."""
         faults: list[str] = []
         trees: list[Tree | None] = []
         if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
@@ -129,7 +120,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return [tree for tree in trees if tree is not None]
 
     def standings(self) -> list[Standing]:
-        """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
         waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
         for one, events in self.blocked().items():
             for name in events:
@@ -146,15 +136,10 @@ class EventMonitor(Conditions, Monitor[Rows]):
         ]
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
 
     def _accepted(self) -> dict[str, list[str]]:
-        """Return event -> the acceptances in use that it may rest on.
-
-        What the text of an event accepts is in use while the event claims something: an EVIDENCE
-        that is TRUE, a HAZARD that is FALSE.
-        """
+        """Return event -> the acceptances in use that it may rest on."""
         found: dict[str, list[str]] = {}
         for event, value in zip(self.events, self._verdicts):
             words = event.accepts if value == (0 if event.hazard else 2) else ()
@@ -163,7 +148,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return found
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> events that are UNKNOWN and depend on it, if it is not known now."""
         unknown = set(not_known)
         found: dict[str, tuple[str, ...]] = {}
         for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
@@ -177,7 +161,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return found
 
     def faults(self) -> Mapping[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         found = {
             self.inputs[k].id: reason
             for k, reason in zip(self.reductions, self._reasons)
@@ -196,7 +179,6 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return fault(self.types[k], self.raw[k]) or beyond
 
     def reset(self) -> None:
-        """Forget everything of former steps."""
         self.restart()
         self._unknown = (1,) * len(self.events)
         self._verdicts = self._unknown

@@ -51,8 +51,7 @@ class Monitor(Protocol[Output]):
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
 
-        ``t_ns``: time of the step in nanoseconds, by any clock that the caller keeps to; None: the
-        machine's monotonic clock. Kinds that know no time ignore it.
+        ``t_ns``: time in nanoseconds by any one clock; None: the machine's monotonic clock.
         """
 
     def as_json(self, output: Output) -> Json:
@@ -63,16 +62,12 @@ class Monitor(Protocol[Output]):
         """Return what ``execute_step`` gave as named values, always the same names."""
 
     def decided(self, output: Output) -> Mapping[str, Value]:
-        """Return what of an output is a verdict: truth values, states, whether it is valid.
-
-        Always the same names; numbers whose last digit changes in every step are not in it.
-        """
+        """Return the verdicts in an output, always the same names; no number that drifts."""
         return self.series(output)
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        """Return what ``execute_step`` gave as a message tree with checked values.
+        """Return what ``execute_step`` gave as checked message trees, None for nothing.
 
-        A list of trees when one step gives several messages; None when nothing is to be published.
         It never raises, whatever a person's code has made of the output.
         """
 
@@ -81,18 +76,16 @@ class Monitor(Protocol[Output]):
         return self._output_faults
 
     def status_message(self) -> Tree | None:
-        """Return the facts behind the last step, without a header; ``None`` if there are none.
+        """Return the facts behind the last step, without a header; None for none.
 
-        A kind that publishes more messages beside its result has a method for each, called as the
-        message with ``_message`` behind it.
+        What a kind publishes beside its result has a method of its own: ``<name>_message``.
         """
         return None
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because this input is not known now.
+        """Return input id -> outputs that are not given because it is not known now.
 
-        ``not_known``: inputs that count as not known whatever they hold, such as one that still
-        has its default because no message has come.
+        ``not_known``: inputs that count as not known whatever they hold, such as a default.
         """
 
     def standings(self) -> Sequence[Standing]:

@@ -37,10 +37,7 @@ _UNKNOWN: Rows = ()
 
 
 class BayesianNetworkMonitor(OfD72, Monitor[Output]):
-    """What the class ``Monitor`` of a compiled Bayesian network inherits.
-
-    Not thread-safe: the thread that steps it also asks it.
-    """
+    """What the class ``Monitor`` of a compiled network inherits; not thread-safe."""
 
     kind = "bayesian_network"
     nodes: tuple[NodeSpec, ...]  # of the network, in the order of the file
@@ -53,12 +50,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
     remembered = 1024  # cases of states whose posteriors are kept at most
 
     def __init__(self, hooks: object | None = None) -> None:
-        """Make the monitor.
-
-        Raises:
-            ModelError: numpy is needed and not installed, or a method observes a node that was not
-                foreseen, and no inference is there for it.
-        """
+        """Make the monitor; ModelError without numpy, or what was not foreseen."""
         self._sources = self.sources()
         self._fed = {source.node: (k, source) for k, source in enumerate(self._sources)}
         self._timed = any(source.reader.timed for source in self._sources)
@@ -77,7 +69,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         self.reset()
 
     def reset(self) -> None:
-        """Forget former steps."""
         for source in self._sources:
             source.reader.reset()
         self._good: tuple[Rows, set[int]] | None = None
@@ -96,15 +87,11 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return tuple([None if type(value) is Absent else value for value in found])
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
-        """Evaluate once; never raises an Exception.
+        """Return one ``BayesianNetworkOutput``, or none; never raises.
 
-        Reads one attribute per input and calls every method of a person. Absent, None, NaN and
-        whatever is no value for an input leave its node unobserved, so that its prior speaks. A
-        time that is no whole number is none, and nothing is held then.
-
-        Returns:
-            One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
-            list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
+        Absent, None, NaN and whatever is no value for an input leave its node unobserved, so that
+        its prior speaks; without a time nothing is held. There is no output where evidence has
+        probability zero and ``on_inconsistent`` is ``silent``.
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -159,11 +146,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return self.engine.infer(states, weights) if rows is _UNKNOWN else rows
 
     def as_json(self, output: Output) -> list[dict[str, Json]] | None:
-        """Return an output as JSON; None when no posterior was given."""
         return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
-        """Return ``Node=state`` -> probability, None where not given; and each threshold."""
+        """Return ``Node=state`` -> probability, and each threshold."""
         found: Named = {
             f"{title}={name}": None for title, states in self._given for name in states
         }
@@ -174,10 +160,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return found
 
     def decided(self, output: Output) -> Named:
-        """Return each threshold, the most probable state of each node, and the status.
-
-        The state is None for what was not given, the first of equally probable ones.
-        """
+        """Return each threshold, the first most probable state, the status."""
         found: Named = dict.fromkeys(title for title, _ in self._given)
         for one in output:
             for given in one.output_nodes:
@@ -186,12 +169,10 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        """Return an output as a ``BayesianNetworkOutput`` tree, None without a posterior."""
         tree, self._output_faults = out.output_message(output)
         return tree
 
     def output_faults(self) -> tuple[str, ...]:
-        """Return what kept posteriors from being published, and which methods failed."""
         last = self._last
         problems = sorted(set(last.answer.problems.values()))
         if last.problem:
@@ -218,7 +199,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return out.PRIOR
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
         _, unobserved = self._evidence()
         return out.status_message(self.model_id, self.status(), unobserved, self.facts())
 
@@ -227,15 +207,12 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return []
 
     def standings(self) -> list[Standing]:
-        """Return nothing: raw posteriors claim nothing."""
         return []
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return nothing: a node that is not observed keeps no posterior from being given."""
         return {}
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         return self.facts().accepted
 
     def facts(self) -> Facts:
@@ -247,7 +224,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return facts._replace(accepted=(*facts.accepted, *further))
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         found: dict[str, str] = {}
         for source, value in zip(self._sources, self._last.raw):
             try:
@@ -259,7 +235,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return found
 
     def _grow(self, flagged: set[int]) -> str:
-        """Take outputs in that a method has flagged; return why nothing can infer them."""
         try:
             self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
         except (ImportError, NotForeseenError) as problem:
@@ -268,11 +243,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return ""
 
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
-        """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
-
-        Raises:
-            NotForeseenError: there is no inference for these nodes.
-        """
+        """Return inference for some nodes, or raise NotForeseenError."""
         reason = self._not_foreseen(outputs, observed)
         if not reason:
             return Engine(self.nodes, self.foreseen)

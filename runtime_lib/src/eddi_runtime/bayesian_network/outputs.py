@@ -56,7 +56,7 @@ class Facts(NamedTuple):
 
 
 def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> tuple[dict[str, Known], list[str]]:
-    """Return observed node -> its state, or its likelihoods; and the nodes that are not."""
+    """Return observed node -> its state or likelihoods; and the nodes that are not."""
     found: dict[str, Known] = {}
     for position, (node, state) in enumerate(zip(nodes, step.states)):
         if position in step.weights:
@@ -155,19 +155,12 @@ class Monitor:
     """The base class of D7.2's monitors."""
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> object:
-        """Evaluate once.
-
-        Raises:
-            NotImplementedError: in this base class.
-        """
+        """Evaluate once."""
         raise NotImplementedError
 
 
 def output_message(output: object) -> tuple[Tree | list[Tree] | None, tuple[str, ...]]:
-    """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
-
-    None when no posterior is given; what a person's code has spoilt is left out and named.
-    """
+    """Return the tree of an output, None for none, and what was wrong; never raises."""
     if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
         return None, ("the output is not a list; nothing is published",)
     faults: list[str] = []

@@ -24,7 +24,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         self._doubtful = [source.reader for source in self._sources if source.reader.doubtful]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
-        """Evaluate once; see ``BayesianNetworkMonitor``."""
         output = super().execute_step(eddi_input, t_ns)
         last = self._last
         if last.problem:
@@ -46,14 +45,10 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         return "BayesianNetworkEvidence", fields
 
     def claims(self) -> list[Claim]:
-        """Return the last result of each threshold, in the order of the configuration."""
         return self._claims.rows()
 
     def beside_json(self) -> dict[str, Json]:
-        """Return the results in addition to the posteriors, as ``json`` can write them.
-
-        A bound that was not computed is None.
-        """
+        """Return what is beside the posteriors; a bound not computed is None."""
         facts, rows = self.facts(), [claim._asdict() for claim in self.claims()]
         for row in rows:
             row.update((k, None) for k in ("low", "high") if not math.isfinite(row[k]))
@@ -65,7 +60,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         }
 
     def standings(self) -> list[Standing]:
-        """Return every threshold after the last step."""
         facts = self.facts()
         return [
             Standing("threshold", claim.id, claim.active, *_why(claim, facts))
@@ -73,7 +67,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         ]
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return input id -> thresholds that are not active; see ``Monitor``."""
         rows = self.claims()
         found: dict[str, tuple[str, ...]] = {}
         if lost := tuple(row.id for row in rows if row.reason in UNKNOWN):
@@ -84,7 +77,6 @@ class ThresholdMonitor(BayesianNetworkMonitor):
         return found
 
     def reset(self) -> None:
-        """Forget former steps."""
         super().reset()
         self._claims.reset()
 

@@ -32,8 +32,7 @@ Rows = List[Dict[str, object]]
 class ConSert(Monitor[Rows]):
     """What the class ``Monitor`` of a compiled ConSert inherits.
 
-    Ids in the output of ``execute_step`` are those that ``guarantee_ids`` of the configuration
-    asks for; everywhere else they are those of the model.
+    Ids in the output are those of ``guarantee_ids``; everywhere else those of the model.
     """
 
     kind = "consert"
@@ -57,10 +56,7 @@ class ConSert(Monitor[Rows]):
         self.reset()
 
     def step(self, source: object) -> tuple[bool, ...]:
-        """Evaluate once: active flags in file order; never raises.
-
-        Compiled monitors write this out, but for models that are too large for a text.
-        """
+        """Return active flags in file order; never raises. Small models write this out."""
         self.raw, self.source = self.read(source), source
         values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
         if self.filter is not None:
@@ -77,10 +73,9 @@ class ConSert(Monitor[Rows]):
         return self.leaves[leaf].judge(raw)[0]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
-        """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
+        """Return ``{'id': ..., 'active': ...}`` for each guarantee, in file order.
 
-        Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
-        is UNKNOWN, and a guarantee is active only when it is TRUE. Never raises an Exception.
+        Absent, None, NaN and whatever is no value for the input is UNKNOWN; active is TRUE alone.
         """
         look_again(eddi_input, t_ns)
         flags = self.step(eddi_input)
@@ -90,7 +85,6 @@ class ConSert(Monitor[Rows]):
         ]
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
-        """Return guarantee id -> is it active."""
         return {str(row["id"]): row["active"] is True for row in output}
 
     def verdicts(self) -> dict[str, str]:
@@ -103,10 +97,9 @@ class ConSert(Monitor[Rows]):
         return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self._leaf_values())}
 
     def best_guarantees(self) -> dict[str, str | None]:
-        """Return provided service id -> its best active guarantee, ``None`` when none is active.
+        """Return service id -> its best active guarantee, None when none is active.
 
-        The lowest ``ranking`` is best, then guarantees without one, in file order; a default
-        guarantee comes last.
+        The lowest ``ranking`` is best, then those without, in file order; a default comes last.
         """
         sets = self._sets()
         active = [guarantee for guarantee in self.guarantees if sets.value(guarantee) == TRUE]
@@ -127,12 +120,10 @@ class ConSert(Monitor[Rows]):
     def explain(
         self, guarantee_id: str | None = None, *, loss_sets: bool = False
     ) -> Explanation | tuple[Explanation, ...]:
-        """Return why a guarantee, by either of its ids, is active or not; None: all of them.
+        """Return why a guarantee, by either id, is active or not; None: all of them.
 
-        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee.
-
-        Raises:
-            LookupError: there is no such guarantee; the message names those there are.
+        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
+        unknown id is a LookupError that names those there are.
         """
         sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
@@ -169,7 +160,6 @@ class ConSert(Monitor[Rows]):
         return tuple(sorted({robot for robots in found for robot in robots}))
 
     def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
-        """Return each input of a guarantee that is TRUE by words of other robots, with these."""
         states = states_of(self.source).items()
         words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
@@ -185,11 +175,6 @@ class ConSert(Monitor[Rows]):
         return found
 
     def standings(self) -> tuple[Standing, ...]:
-        """Return every guarantee after the last step, and for an inactive one what it lacks.
-
-        What is not known comes before what is known to be FALSE: where a guarantee is UNKNOWN,
-        there is a set of inputs that are not known and would activate it.
-        """
         sets, reasons = self._sets(), self.reasons()
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
@@ -202,7 +187,6 @@ class ConSert(Monitor[Rows]):
         return tuple(found)
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         found = accepted(self.inputs, self.source)
         if self.filter is None or not self.filter.accepts:
             return found
@@ -211,11 +195,7 @@ class ConSert(Monitor[Rows]):
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return input id -> inactive guarantees that depend on it, for inputs not known now.
-
-        Not known: missing, stale, NaN, of a wrong type, or named in ``not_known``. An input that
-        is well known to be FALSE is not listed: nothing is wrong with it.
-        """
+        """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
         named = set(not_known)
         unknown = [
             name
@@ -230,7 +210,6 @@ class ConSert(Monitor[Rows]):
         return {name: ids for name, ids in found.items() if ids}
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         return {
             self.inputs[k].id: self.leaves[k].describe(self.raw[k], FAULT)
             for k, (_, why) in enumerate(self._judgements())
@@ -238,11 +217,7 @@ class ConSert(Monitor[Rows]):
         }
 
     def message(self, output: object) -> Tree:
-        """Return an output as a ``ConSertOutput`` tree; never raises.
-
-        Only a bool is taken as active: a row that a person's code has spoilt is published as not
-        active, and ``output_faults`` reports it.
-        """
+        """Return a ``ConSertOutput`` tree; a row that is spoilt is published as not active."""
         faults: list[str] = []
         rows: Sequence[object]
         if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
@@ -255,7 +230,6 @@ class ConSert(Monitor[Rows]):
         return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         sets = self._sets()
         rows: list[Tree] = []
         for guarantee in self.guarantees:
@@ -275,7 +249,6 @@ class ConSert(Monitor[Rows]):
         }
 
     def reset(self) -> None:
-        """Forget former steps: filters begin anew, inputs count as missing."""
         if self.filter is not None:
             self.filter.reset(len(self.inputs))
         self.raw = (ABSENT,) * len(self.inputs)
@@ -292,7 +265,6 @@ class ConSert(Monitor[Rows]):
         return [value for value, _ in self._judgements()]
 
     def _sets(self) -> Sets:
-        """Return the sets of the present state: those of the last one until a value changes."""
         leaf_values = tuple(self._leaf_values())
         if self._found is None or self._found.leaf_values != leaf_values:
             self._found = self._sets_of(leaf_values)

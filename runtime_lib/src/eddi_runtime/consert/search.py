@@ -1,8 +1,7 @@
 """The sets of a ConSert that has too many of them for ``compiled.py``: searched on the robot.
 
-The trees have no negation, so these are minimal path and cut sets. They are found by MOCUS, the
-method of fault tree analysis (union for Or, collection for And, absorption after each step), over
-sets that are kept as the bits of whole numbers, of each gate the smallest.
+The trees have no negation, so these are minimal path and cut sets, found by MOCUS (union for Or,
+collection for And, absorption after each step) over sets as bits of whole numbers.
 """
 
 from __future__ import annotations
@@ -29,12 +28,8 @@ class Graph:
     """The gates of a ConSert. Nodes have numbers: first the inputs, then gates and guarantees.
 
     The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
-    larger number is the one whose ids come first.
-
-    Args:
-        inputs: of the monitor.
-        nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
-            comes first.
+    larger number is the one whose ids come first. ``nodes``: (id, ``And`` or ``Or``, what it
+    reads), which come first.
     """
 
     def __init__(
@@ -76,12 +71,7 @@ _ALREADY = _Family(((0, 0),), truncated=False)
 
 
 class Search(Sets):
-    """Path and cut sets of one state of a graph.
-
-    Args:
-        graph: the graph.
-        leaf_values: truth values of its leaves.
-    """
+    """Path and cut sets of one state of a graph."""
 
     def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
         super().__init__(graph.names, leaf_values)
@@ -98,11 +88,6 @@ class Search(Sets):
         return self._named(self._mocus(one.node, paths=False))
 
     def single_losses(self, one: Guarantee) -> Group:
-        """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id.
-
-        Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
-        all of its TRUE inputs fall with.
-        """
         critical: dict[int, int] = {}
         for k in self._gates_below(one.node):
             if self._values[k] != TRUE:
@@ -117,7 +102,6 @@ class Search(Sets):
         return self._ids(critical.get(one.node, 0))
 
     def blocking(self, one: Guarantee) -> frozenset[str]:
-        """Return the inputs that are reached from the guarantee through nodes not TRUE."""
         found, seen, stack = [], {one.node}, [one.node]
         while stack:
             k = stack.pop()
@@ -154,8 +138,7 @@ class Search(Sets):
     def _mocus(self, node: int, *, paths: bool) -> _Family:
         """Return the minimal sets that reach (paths) or end (cuts) the node.
 
-        Cuts are the paths of the dual graph: And and Or change places, and what is already lost
-        takes the place of what is already there.
+        Cuts are the paths of the dual graph: And and Or, lost and there change places.
         """
         gates = self._gates_below(node)
         users = self._users(gates)
@@ -183,7 +166,6 @@ class Search(Sets):
         return families[node]
 
     def _users(self, gates: list[int]) -> dict[int, int]:
-        """Return how often each node is an input of one of the gates."""
         users: dict[int, int] = {}
         for k in gates:
             for input_ in self._graph.nodes[k - self._graph.leaves].inputs:

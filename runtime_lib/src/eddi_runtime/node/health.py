@@ -52,7 +52,7 @@ class _Seen(NamedTuple):
 class Health:
     """What the loop notes after each step and the diagnostics thread reads.
 
-    The loop replaces whole values and never changes one in place, so no lock is needed.
+    Whole values are replaced and never changed in place, so no lock is needed.
     """
 
     def __init__(
@@ -157,10 +157,7 @@ class Health:
         periodic: bool,
         topics: Mapping[str, str],
     ) -> Report:
-        """Return the present report; called by the diagnostics thread.
-
-        ``periodic``: it is not a report because of a new level.
-        """
+        """Return the present report; called by the diagnostics thread."""
         now = time.monotonic()
         seen, said = self._seen, self._said
         then = {name: receipt.age_at(seen.at) for name, receipt in seen.receipts.items()}
@@ -212,7 +209,7 @@ Collect = Callable[[bool], Status]
 
 
 class Diagnostics:
-    """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
+    """A thread that reports monitors, also those that are slower than 1 Hz, or hang.
 
     Once a second all monitors of the process, and at once those with a new level.
     """

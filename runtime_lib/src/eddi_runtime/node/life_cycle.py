@@ -54,12 +54,8 @@ class Place(Protocol):
 class LifeCycle:
     """Which monitor there is, and whether it steps.
 
-    Transitions are those of the transport's thread, one at a time; steps are in the thread that
-    calls ``run``.
-
-    Args:
-        place: where its nodes are.
-        make: returns a node that knows nothing.
+    Transitions are those of the transport's thread, one at a time; steps are in the thread of
+    ``run``.
     """
 
     def __init__(self, place: Place, make: Callable[[], Managed]) -> None:
@@ -73,11 +69,7 @@ class LifeCycle:
         self.ending = Ending()
 
     def run(self, begun: Callable[[], None]) -> int:
-        """Follow the transitions until the process is to end; return the exit status.
-
-        Args:
-            begun: called before the transport's thread begins.
-        """
+        """Follow the transitions until the process is to end; return the exit status."""
         with self._place.until(self.ending):
             self.ending.on_end(self._stop)
             begun()
@@ -105,11 +97,7 @@ class LifeCycle:
         self._idle.set()
 
     def configure(self) -> None:
-        """Have a monitor, and publishers that do not send yet.
-
-        Raises:
-            Exception: whatever is wrong with it; there is nothing then.
-        """
+        """Have a monitor, and publishers that do not send yet; nothing if that fails."""
         try:
             self._next = self._make()
             self._next.prepare()
@@ -119,11 +107,7 @@ class LifeCycle:
             raise
 
     def prepare(self) -> None:
-        """Have a monitor that knows nothing.
-
-        Raises:
-            Exception: whatever is wrong with it.
-        """
+        """Have a monitor that knows nothing."""
         if not self._idle.is_set():
             raise RuntimeError("the last step has not ended yet")
         self._next = self._next or self._make()

@@ -1,7 +1,7 @@
 """The node of one monitor on any transport: evaluate, publish, report, one step per period.
 
-An adapter in ``eddi_runtime.transports`` inherits ``Node`` and adds how its transport subscribes,
-publishes and tells the time, and how a process on it starts and ends.
+An adapter in ``eddi_runtime.transports`` adds how its transport subscribes, publishes and tells
+the time, and how a process on it starts and ends.
 """
 
 from __future__ import annotations
@@ -138,10 +138,7 @@ class Node:
         return now
 
     def create_ros_msg(self, eddi_output: object) -> object:
-        """Return the message of one output of ``EDDIMonitor.execute_step``.
-
-        A list when one step gives several messages, None when it gives none.
-        """
+        """Return the message of an output of ``execute_step``; a list, None for none."""
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
@@ -175,11 +172,7 @@ class Node:
         publisher: Callable[[], Callable[[list[Status]], None]],
         begun: Callable[[], None],
     ) -> None:
-        """Be the one monitor of a process, until that ends.
-
-        ``publisher`` returns what sends statuses; ``begun`` is called once all topics are
-        advertised and subscribed to.
-        """
+        """Be the one monitor of a process, until that ends."""
         diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
         self.begin(name, diagnostics)
         begun()
@@ -206,8 +199,8 @@ class Node:
     def step(self) -> None:
         """Evaluate the latest messages and publish the result; never raises.
 
-        Whatever goes wrong, the result that is published is the one of knowing nothing, so an
-        old guarantee never stays active.
+        Whatever goes wrong, the result of knowing nothing is published: no old guarantee stays
+        active.
         """
         started = time.monotonic()
         receipts, new = self._receipts.taken()
@@ -310,11 +303,7 @@ class Node:
             LOG.warn("%s", PASTED)
 
     def prepare(self) -> None:
-        """Do what can fail before anything is registered.
-
-        Raises:
-            MessageError: the messages cannot carry the result.
-        """
+        """Do what can fail before anything is registered (MessageError)."""
         self.eddi_input.bind(self._core.inputs)
         result = self._core.message(self._core.execute_step(_Nothing()))
         try:

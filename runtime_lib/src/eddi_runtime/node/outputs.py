@@ -1,8 +1,7 @@
 """What a node publishes: messages of a monitor, or values of them, each on its topic.
 
-A transport may turn ``None`` into ``False`` without a word, take ``2`` for ``True``, and raise for
-a numpy scalar only once somebody listens (rospy does). So every value of a message is checked and
-converted here, field by field, and a message is always filled completely.
+A transport may turn ``None`` into ``False``, take ``2`` for ``True``, and raise for a numpy scalar
+only once somebody listens (rospy does). So each value is checked and converted here.
 """
 
 from __future__ import annotations
@@ -48,11 +47,7 @@ class Converter:
         self._plans: dict[str, tuple[Any, dict[str, str], str | None]] = {}
 
     def message(self, tree: Tree) -> object:
-        """Build one message.
-
-        Raises:
-            MessageError: unknown message, missing or surplus field, value of a wrong type.
-        """
+        """Build one message, all fields of it, each of its type, or raise MessageError."""
         name, fields = tree
         plan = self._plans.get(name)
         if plan is None:
@@ -196,11 +191,7 @@ def channels(outputs: Iterable[Output]) -> Iterator[Output]:
 
 
 def picked(message: object, channel: Output) -> object:
-    """Return what goes to a topic: the message, or the one value of it that is asked for.
-
-    Raises:
-        MessageError: there is no such value in the message.
-    """
+    """Return what goes to a topic: the message, or the one value of it that is asked for."""
     if not channel.field:
         return message
     try:
@@ -213,11 +204,7 @@ def picked(message: object, channel: Output) -> object:
 def check_outputs(
     converter: Converter, result: Trees, monitor: object, outputs: Iterable[Output]
 ) -> None:
-    """Check that the messages of the workspace can carry what the monitor publishes.
-
-    Raises:
-        MessageError: a message is unknown, has other fields, or is not the declared one.
-    """
+    """Raise MessageError where the workspace's messages cannot carry what is published."""
     for channel in channels(outputs):
         of = channel.of
         built = converter.beside(monitor, of) if of else converter.messages(result)

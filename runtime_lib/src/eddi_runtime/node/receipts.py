@@ -87,10 +87,7 @@ class Receipts:
             return dict(self._latest)
 
     def taken(self) -> tuple[dict[str, Receipt], dict[str, list[object]]]:
-        """Return the last messages, and of inputs that take each those since the last call.
-
-        At one instant: one that came between the two would be new without having been received.
-        """
+        """Return the last messages, and of inputs that take each those since the last call."""
         with self._lock:
             new = {name: list(queue) for name, queue in self._queues.items()}
             for queue in self._queues.values():
@@ -119,10 +116,7 @@ class Topic(NamedTuple):
 
 
 class Silence:
-    """Finds the reason for the silence of each topic.
-
-    Nothing is called absent in the time of the start, in which the graph becomes known.
-    """
+    """Finds the reason for the silence of each topic; none is absent in the time of the start."""
 
     def __init__(self, sources: Sequence[Input], grace: float) -> None:
         self._sources = sources
@@ -139,10 +133,7 @@ class Silence:
         return [(one, age) for one, age in found if age is None or age > _QUIET_S]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
-        """Return why nothing usable comes from topics without a recent message, where known.
-
-        ``published``: full names of all topics that somebody publishes.
-        """
+        """Return why nothing usable comes from topics without a recent message."""
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew
         wrong_types, reasons = {}, {}

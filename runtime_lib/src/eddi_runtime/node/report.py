@@ -1,7 +1,6 @@
 """Diagnostics of one monitor: pure functions from facts to levels and messages.
 
-Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" refer to when a
-message came, "satisfied" and "good" only of evidence that speaks for a guarantee.
+"Fresh" and "up to date" refer to when a message came, "satisfied" only to evidence.
 """
 
 from __future__ import annotations

@@ -25,10 +25,7 @@ class StartError(Exception):
 
 @contextmanager
 def reported(package: str) -> Iterator[None]:
-    """End with one line, not a traceback, when the compiled monitor cannot be imported.
-
-    Errors of hand-written modules keep their traceback.
-    """
+    """End with one line, not a traceback, when the compiled monitor cannot be imported."""
     try:
         yield
     except ModelError as error:
@@ -124,10 +121,9 @@ def settings(
     startup_grace: float = STARTUP_GRACE_S,
     choices: Mapping[str, Sequence[str]] = {},
 ) -> tuple[Settings, list[str]]:
-    """Return the settings and what is wrong with the given private parameters.
+    """Return the settings, and what is wrong with the private parameters that are ours.
 
-    Other parameters than ours are left alone. ``choices``: parameter that only the transport has
-    -> its words, the default first.
+    ``choices``: parameter that only the transport has -> its words, the default first.
     """
     default = Settings(frequency, startup_grace=startup_grace)
     values: dict[str, Any] = {name: given.get(name, getattr(default, name)) for name in _RULES}

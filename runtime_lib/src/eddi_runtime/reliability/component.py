@@ -1,7 +1,4 @@
-"""What every model of a monitor can do, what it is given and what it reports in a step.
-
-An input that is not of the right kind counts as unknown.
-"""
+"""What every model of a monitor can do, what it is given and what it reports in a step."""
 
 from __future__ import annotations
 
@@ -135,10 +132,7 @@ FINITE = sys.float_info.max
 
 
 def take(rule: Rule, raw: object) -> tuple[Taken, str]:
-    """Return the value, None when it is not known, and what is wrong with it (empty: nothing).
-
-    Never raises. None and NaN mean unknown and are not wrong.
-    """
+    """Return the value, None when it is not known, and what is wrong with it; never raises."""
     if raw is None:
         return None, ""
     if type(raw) is Absent:  # isinstance asks the object
@@ -224,7 +218,7 @@ class Explanation(NamedTuple):
     ignored: Mapping[str, int]
 
     def text(self) -> str:
-        """Return the explanation as lines for people, without a line end behind the last."""
+        """Return the explanation as lines for people."""
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""

@@ -1,7 +1,4 @@
-"""Fault trees whose diagram would be too large: bounded by all minimal cut sets.
-
-Source: Esary and Proschan 1963.
-"""
+"""Fault trees whose diagram would be too large: bounded by all minimal cut sets."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from .tree import FaultTree
 
 
 class BoundedTree(FaultTree):
-    """Bounds of a coherent tree's probability: max P(cut) <= p <= 1 - prod(1 - P(cut))."""
+    """Bounds: max P(cut) <= p <= 1 - prod(1 - P(cut)) (Esary and Proschan 1963)."""
 
     sets: tuple[tuple[int, ...], ...]  # all minimal cut sets, numbers of events
 
@@ -25,19 +22,15 @@ class BoundedTree(FaultTree):
         super().__init__()
 
     def failure(self, q: Sequence[float]) -> float:
-        """Return the probability that some cut set occurs, as if they shared no event."""
         return float(-np.expm1(self._log_survival(q)))
 
     def survival(self, q: Sequence[float]) -> float:
-        """Return one minus the upper bound, without cancellation."""
         return float(np.exp(self._log_survival(q)))
 
     def lower(self, q: Sequence[float]) -> float:
-        """Return the probability of the most probable cut set."""
         return max((float(p.max()) for p in self._products(q)), default=0.0)
 
     def probability(self, low: list[float], high: list[float]) -> tuple[float, float, float]:
-        """Return the bounds, and one minus the upper one."""
         return self.lower(low), min(self.failure(high), 1.0), self.survival(high)
 
     def _products(self, q: Sequence[float]) -> list[np.ndarray]:

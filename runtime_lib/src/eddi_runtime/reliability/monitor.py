@@ -62,10 +62,7 @@ class Reliability(Monitor[ReliabilityResult]):
         raise NotImplementedError
 
     def _read(self, source: object) -> dict[str, Taken]:
-        """Return the value of each input, None where it is not known; never raises.
-
-        Compiled monitors return usual values at once.
-        """
+        """Return the value of each input, None where it is not known; never raises."""
         return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
     def _believed(self, raws: Sequence[object]) -> dict[str, Taken]:
@@ -86,7 +83,6 @@ class Reliability(Monitor[ReliabilityResult]):
         return values
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         self._source = None
         self._start: int | None = None
         self._last = 0
@@ -107,8 +103,7 @@ class Reliability(Monitor[ReliabilityResult]):
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.
 
-        None, NaN and what is of another kind are unknown. A time that is no whole number is none:
-        the step is not valid.
+        None, NaN and what is of another kind are unknown; without a time the step is not valid.
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -195,7 +190,6 @@ class Reliability(Monitor[ReliabilityResult]):
         return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what was missed before and keeps a threshold from being active."""
         one = self._result
         decides = [
             own.threshold.activate
@@ -229,7 +223,6 @@ class Reliability(Monitor[ReliabilityResult]):
         }
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
-        """Return a result with its names; what is not finite becomes None."""
         return {
             **{name: _finite(value) for name, value in output._asdict().items()},
             "evidence": dict(output.evidence),
@@ -238,16 +231,13 @@ class Reliability(Monitor[ReliabilityResult]):
         }
 
     def series(self, output: ReliabilityResult) -> dict[str, Value]:
-        """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
         numbers = {name: _finite(getattr(output, name)) for name in _NUMBERS}
         return {**numbers, **self.decided(output)}
 
     def decided(self, output: ReliabilityResult) -> dict[str, Value]:
-        """Return valid and each evidence."""
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
         # what may hold although it is not active
         open_ = [one.id for one in self._evidence if one.possible and not one.active]
@@ -271,7 +261,7 @@ class Reliability(Monitor[ReliabilityResult]):
         }
 
     def _refused(self) -> ReliabilityResult:
-        """Return the worst case, for what a person's code has put in place of a result."""
+        """Return the worst case, in place of what is no result."""
         return self._result._replace(
             valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
             evidence={one.threshold.id: False for one in self._evidence},
@@ -279,7 +269,6 @@ class Reliability(Monitor[ReliabilityResult]):
         )  # fmt: skip
 
     def standings(self) -> list[Standing]:
-        """Return every threshold after the last step."""
         return [
             Standing(
                 "threshold", one.id, one.active, *(((), "") if one.active else self._why(one))
@@ -300,14 +289,12 @@ class Reliability(Monitor[ReliabilityResult]):
         return (), "it holds, but not for long enough yet"
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return input id -> evidence that is not given because the input is not known."""
         lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
         uses = self.uses
         names: list[str] = [name for name in not_known if name in uses]
         return dict.fromkeys((*self._result.unknown, *names), lost)
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         return dict(self._faults)
 
 

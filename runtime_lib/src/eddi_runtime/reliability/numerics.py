@@ -33,11 +33,7 @@ _NEW = 1e-9
 
 
 def hazard(age: float, ahead: float, scale: float, shape: float) -> float:
-    """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation.
-
-    Returns:
-        The hazard; ``inf`` when it is larger than any number.
-    """
+    """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation."""
     try:
         if age <= _NEW * ahead:
             return float(((age + ahead) / scale) ** shape - (age / scale) ** shape)

@@ -1,7 +1,7 @@
 """Rotors whose motors are known to work or not.
 
-Sources: Aslansefat et al., "SafeDrones: Real-Time Reliability Evaluation of UAVs" and the paper of
-2019 on multirotor reliability by the same group; motors are numbered as in the name, from 0.
+Sources: SafeDrones (Aslansefat et al. 2022), and the paper of 2019 on multirotor reliability by
+the same group; motors are numbered as in the name, from 0.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Rows:
 
 
 class Propulsion(Component):
-    """The statuses leave one state, or several where one is not known, of which the worst counts.
+    """The statuses leave one state, or several where one is not known: the worst counts.
 
     Args:
         chain: what lies ahead of sets of failed motors; the last state is the loss of the frame.
@@ -56,7 +56,6 @@ class Propulsion(Component):
         self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take the status of each motor."""
         del known
         statuses = self._statuses(values)
         if statuses != self._last:
@@ -70,7 +69,6 @@ class Propulsion(Component):
         return found
 
     def _take(self, values: Values, statuses: tuple[Any, ...]) -> None:
-        """Find the states that are possible."""
         latched = self.latched
         failed: list[bool | None] = []
         unknown: list[str] = []
@@ -100,7 +98,6 @@ class Propulsion(Component):
         return found
 
     def reset(self) -> None:
-        """All motors work."""
         super().reset()
         self._failed = [False] * len(self._inputs)
         self._last = None

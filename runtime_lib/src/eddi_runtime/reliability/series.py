@@ -14,7 +14,6 @@ class Series(Component):
         self._parts = parts
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Combine the estimates of the parts."""
         del values, moment
         parts = [known[name] for name in self._parts]
         low, high = _series([p.low for p in parts]), _series([p.high for p in parts])

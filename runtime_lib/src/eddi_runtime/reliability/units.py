@@ -14,7 +14,6 @@ class KOutOfN(Component):
         self._k, self._rate, self._largest, self._name = k, rate, largest, name
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take how many units are available."""
         del known
         units = values[self._name]
         if units is not None:

@@ -80,17 +80,10 @@ class Reader(NamedTuple):
 
 
 class Graph:
-    """A participant that is a node of ROS 2.
+    """A participant that is a node of ROS 2; StartError where there is no domain, or no network.
 
-    Args:
-        domain: id of the domain.
-        namespace: of the node.
-        name: of the node.
-        distro: of the ROS 2 around: up to Humble, identities on the graph are longer.
-        partition: of DDS in which topics are read and written, empty for that of ROS 2.
-
-    Raises:
-        StartError: there is no such domain, or no network.
+    ``distro``: up to Humble, identities on the graph are longer. ``partition``: in which topics
+    are read and written, empty for that of ROS 2.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Messages of ROS 2 as classes of cyclonedds, and what of them is believed when they arrive.
 
-A writer of another type whose name is the same may match, and its bytes may decode. So bytes must
-have exactly the length of the message that was made of them, and a Boolean must be 0 or 1.
+A writer of another type of the same name may match, and its bytes may decode. So bytes must have
+exactly the length of the message that was made of them, and a Boolean must be 0 or 1.
 """
 
 from __future__ import annotations
@@ -56,10 +56,7 @@ def _read(cls: Any, data: bytes, /, **more: object) -> object:
 
 
 def _differ_in_padding(data: bytes, again: bytes) -> bool:
-    """Return whether bytes differ from those written again in padding only, which is 0 there.
-
-    A Boolean that was neither 0 nor 1 is written as 1.
-    """
+    """Return whether bytes differ in padding only; a Boolean not 0 or 1 became 1."""
     return not any(new == 1 != old for old, new in zip(data[_HEADER:], again[_HEADER:]))
 
 
@@ -68,13 +65,9 @@ def message_classes(
 ) -> SimpleNamespace:
     """Return the classes of messages by name: ``std_msgs_Bool``.
 
-    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type as in ``.msg`` files)
-    and ``MAKERS`` (field -> makes its value in a new message).
-
-    Args:
-        definitions: ``package/Name`` -> ``type field, type field``; a type that is used by another
-            one comes before it.
-        hashes: ``package/Name`` -> by what ROS 2 knows the definition since Iron.
+    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type) and ``MAKERS``
+    (field -> makes its first value). Definitions are ``type field, type field``, used ones first;
+    hashes are those of ROS 2 since Iron.
     """
     made: dict[str, Any] = {}
     for name, text in definitions.items():

@@ -59,15 +59,7 @@ class Arguments(NamedTuple):
 
 
 def arguments(words: Sequence[str], name: str) -> Arguments:
-    """Return what the words of a command line say; only options are read.
-
-    Args:
-        words: of the command line, without the program.
-        name: of the node, unless another one is given.
-
-    Raises:
-        StartError: a word is not understood, or no name of ROS 2.
-    """
+    """Return what the options of a command line say; StartError where one is not understood."""
     remaps: dict[str, str] = {}
     parameters: dict[str, Parameter] = {}
     for option, assignment in _pairs(words):
@@ -118,11 +110,7 @@ def _scalar(text: str) -> Parameter:
 
 
 def domain_id(text: str) -> int:
-    """Return the domain of ``ROS_DOMAIN_ID``.
-
-    Raises:
-        StartError: it is none.
-    """
+    """Return the domain of ``ROS_DOMAIN_ID``, else StartError."""
     if text.isdecimal() and int(text) < _DOMAINS:
         return int(text)
     raise StartError(f"ROS_DOMAIN_ID is {text!r}, a number from 0 to {_DOMAINS - 1} is expected")
@@ -135,14 +123,7 @@ _DEPTH = 5
 
 
 class MonitorNode(Node):
-    """Base class of the generated node.
-
-    Args:
-        monitor: the generated EDDIMonitor.
-        eddi_input: the generated EDDIInput.
-        options: parameters.
-        given: names and remaps.
-    """
+    """Base class of the generated node."""
 
     def __init__(
         self,
@@ -163,17 +144,13 @@ class MonitorNode(Node):
         return self._domain
 
     def topics(self) -> dict[str, str]:
-        """Return input id -> full name of its topic."""
         return {source.id: self._given.topic(source.topic) for source in self._sources}
 
     def advertise(self, channel: Output) -> Publish:
-        """Return what publishes to a topic."""
         qos = writing(channel.qos, self.options.queue_size)
         return self._graph.writer(self._given.topic(channel.topic), channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
-        """Read a topic."""
-
         def receive(message: Any, kept: bool) -> None:
             if isinstance(message, Unreadable):
                 self._unreadable[source.id] = time.monotonic()
@@ -184,7 +161,6 @@ class MonitorNode(Node):
         self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
 
     def simulated_ns(self) -> int | None:
-        """Return the time of ``/clock`` where that counts, 0 before its first message."""
         return self._clock
 
     def _tick(self, message: Any, _: bool) -> None:
@@ -192,12 +168,10 @@ class MonitorNode(Node):
             self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
 
     def check_serialises(self, message: object) -> None:
-        """Raise what writing would raise; for messages made by hand."""
         made: Any = message
         made.serialize()
 
     def graph(self) -> GraphFact:
-        """Return why topics are silent, and which have publishers of another type."""
         quiet = self._silence.quiet(self._receipts.latest())
         known = self._graph.publications() if quiet else []
         topics = [self._topic(source, age, known) for source, age in quiet]
@@ -220,11 +194,7 @@ class MonitorNode(Node):
         return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
 
     def run(self) -> int:
-        """Join the graph and step until the process is to end; return the exit status.
-
-        Raises:
-            StartError: there is no such graph.
-        """
+        """Join the graph (StartError) and step until the end; return the exit status."""
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
         given, distro = self._given, self.options.words["ros_distro"]
         partition = str(given.parameters.get("partition", ""))
@@ -256,12 +226,7 @@ class MonitorNode(Node):
     def main(
         cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
-        """Run the node of a generated package and return its exit status: 1 when it cannot start.
-
-        Args:
-            eddi_input_class: the generated EDDIInput.
-            eddi_monitor_class: the generated EDDIMonitor.
-        """
+        """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         try:
             given = arguments(sys.argv[1:], cls.NAME)

@@ -1,7 +1,7 @@
 """All monitors of a workspace in one process: one node of ROS, a thread for each monitor.
 
-Topics, private parameters and names in the diagnostics are those of separate nodes. A monitor that
-raises, hangs in hand-written code or cannot be started does not stop the others.
+Topics, parameters and names in the diagnostics are those of separate nodes. A monitor that raises,
+hangs in hand-written code or cannot be started does not stop the others.
 """
 
 from __future__ import annotations
@@ -32,11 +32,7 @@ from .watchdog import TypeRefusals, Watchdog, watch
 
 
 class Host:
-    """The process; the generated program of the launcher fills it.
-
-    Args:
-        name: of its node.
-    """
+    """The process; the generated program of the launcher fills it."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -66,11 +62,7 @@ class Host:
         eddi_input_class: Callable[[], EDDIInputBase],
         eddi_monitor_class: Callable[[], Steps],
     ) -> None:
-        """Make the node of a monitor, without ROS.
-
-        Raises:
-            StartError: a node of its name is running, or a parameter of it is wrong.
-        """
+        """Make the node of a monitor, without ROS; StartError where it must not start."""
         name = _full_name(node_class.NAME)
         options = options_of(name, node_class.FREQUENCY, node_class.STARTUP_GRACE)
         node = node_class(eddi_monitor_class(), eddi_input_class(), options)
@@ -119,10 +111,7 @@ class Host:
             watched.start()
 
     def _take_every_message(self) -> None:
-        """Queue the messages of a topic for all monitors if one of them takes each.
-
-        A process has one connection for each topic, and the last subscriber would set its queue.
-        """
+        """Queue the messages of a topic for all monitors if one takes each."""
         nodes = self._nodes.values()
         queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
         for node in nodes:

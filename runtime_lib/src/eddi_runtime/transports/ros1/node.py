@@ -1,7 +1,7 @@
 """The ROS 1 node of one monitor: subscribe, one step per period, publish.
 
-The names ``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_main`` are those
-of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
+``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_main`` are names of SESAME
+D7.2 Fig 31; a person may override them in the generated RosNode.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def diagnostics_publisher() -> Callable[[list[Status]], None]:
 
 
 def start_log() -> None:
-    """Let the log of the process write by rospy; ``rospy.init_node`` has been called.
+    """Let rospy write the log of the process; ``rospy.init_node`` has been called.
 
     Every ``rospy.log*`` asks the ROS master for a parameter before it writes (ros_comm 1.15.15,
     unless that parameter is set), and writes to a pipe that roslaunch has to read.
@@ -140,7 +140,6 @@ class MonitorNode(Node):
         self.ending: RosEnding = RosEnding()
 
     def subscribe(self, source: Input) -> None:
-        """Subscribe to an input topic; blocks while the ROS master does not answer."""
         large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
         self._subscribers[source.id] = rospy.Subscriber(
             source.topic,
@@ -152,30 +151,22 @@ class MonitorNode(Node):
         )
 
     def advertise(self, channel: Output) -> Publish:
-        """Return a publisher: latched, with a queue, so that no subscriber can block."""
         size = self.options.queue_size
         made: Any = rospy.Publisher(channel.topic, channel.type, queue_size=size, latch=True)
         publish: Publish = made.publish
         return publish
 
     def check_serialises(self, message: object) -> None:
-        """Raise what rospy would raise once somebody listens; for messages made by hand."""
         made: Any = message
         made.serialize(BytesIO())
 
     def simulated_ns(self) -> int | None:
-        """Return the time of ``/clock`` where that counts."""
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
     def topics(self) -> Mapping[str, str]:
-        """Return input id -> resolved topic of every subscription."""
         return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
 
     def graph(self) -> GraphFact:
-        """Return what the master knows: topics without a publisher, types that do not fit.
-
-        It also lists a publisher that was killed.
-        """
         watchdog = self._watchdog
         seen = {} if watchdog is None else dict(watchdog.wrong_types)
         expected = self.expected_types()
@@ -214,10 +205,7 @@ class MonitorNode(Node):
         }
 
     def run(self) -> int:
-        """Advertise, publish once, subscribe and loop; return the exit status.
-
-        ``rospy.init_node`` has been called.
-        """
+        """Advertise, publish once, subscribe and loop; return the exit status."""
         self.ending.install()
         start_log()
         self._refusals.install()

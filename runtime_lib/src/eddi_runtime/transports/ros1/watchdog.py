@@ -1,9 +1,8 @@
 """Check the ROS master every few seconds, in a thread of its own.
 
-A rospy node registers once. When roscore is restarted the node stays unknown forever, without any
-report. The watchdog detects it and registers the node again, or ends the process so that
-``respawn`` brings it back. It also finds a second node of the same name and publishers whose
-message type does not fit.
+A rospy node registers once: when roscore is restarted it stays unknown without any report. The
+watchdog registers it again, or ends the process so that ``respawn`` brings it back. It also finds
+a second node of the same name and publishers whose message type does not fit.
 """
 
 from __future__ import annotations
@@ -53,10 +52,7 @@ class TypeRefusals(logging.Handler):
 
 
 def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str:
-    """Return what is wrong with the publisher of a topic, empty once a message came since.
-
-    The master keeps the type of a publisher that is gone, and another one may publish beside it.
-    """
+    """Return what is wrong with a publisher, empty once a message came since: it may be gone."""
     if known is None or (last_receipt is not None and last_receipt > known[0]):
         return ""
     return known[1]
@@ -183,10 +179,9 @@ def watch(
 
 
 def reregister(master: Peer, node: str, own_uri: str) -> None:
-    """Register everything at a new master that rospy's own start registered at the former one.
+    """Register at a new master all that rospy itself registered at the former one.
 
-    The topic manager and the service manager are inner parts of rospy (ros_comm 1.15.15): a test
-    guards this function per version.
+    Both managers are inner parts of rospy (ros_comm 1.15.15): a test guards this per version.
     """
     topics: Any = rospy.impl.registration.get_topic_manager()
     services: Any = rospy.impl.registration.get_service_manager()

@@ -17,16 +17,7 @@ _MOST_QUEUED = 1_000_000
 
 
 def declared_settings(node: Any, frequency: float, startup_grace: float) -> Settings:
-    """Declare the parameters of a node, and return what a person has set.
-
-    Args:
-        node: of rclpy.
-        frequency: steps per second of the generated node.
-        startup_grace: of the generated node.
-
-    Raises:
-        StartError: a parameter has a wrong type or value.
-    """
+    """Declare the parameters of a node of rclpy; return what a person set (StartError)."""
     given: dict[str, Any] = {}
     for name, value, text, ranges in _parameters(frequency, startup_grace):
         given[name] = declared(node, name, value, text, **ranges)
@@ -37,11 +28,7 @@ def declared_settings(node: Any, frequency: float, startup_grace: float) -> Sett
 
 
 def declared(node: Any, name: str, default: object, meaning: str, **ranges: Any) -> Any:
-    """Declare a parameter of a node, and return what a person has set.
-
-    Raises:
-        StartError: it has a wrong type or value.
-    """
+    """Declare a parameter; return what a person has set, or raise StartError."""
     # Read once, so nobody can set them later; 10 is as good a number as 10.0.
     descriptor = ParameterDescriptor(
         description=meaning, read_only=True, dynamic_typing=isinstance(default, float), **ranges

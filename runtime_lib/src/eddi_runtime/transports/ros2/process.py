@@ -45,14 +45,7 @@ class Publication(NamedTuple):
 
 
 class Process:
-    """A node of rclpy.
-
-    Args:
-        name: of the node, unless the command line has another one.
-
-    Raises:
-        StartError: an argument is wrong, or there is no middleware.
-    """
+    """A node of rclpy; StartError where an argument is wrong, or there is no middleware."""
 
     def __init__(self, name: str) -> None:
         try:
@@ -113,11 +106,7 @@ class Process:
             return made()
 
     def alive(self, topic: str) -> bool | None:
-        """Return whether a publisher of a topic gives signs of life, ``None`` if that is not told.
-
-        Args:
-            topic: by the name that the node uses for it.
-        """
+        """Return whether a publisher of a topic gives signs of life, ``None`` if untold."""
         signs = self._signs.get(topic)
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
