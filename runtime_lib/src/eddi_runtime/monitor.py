@@ -2,7 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union, cast
+import math
+from typing import (
+    Any,
+    Iterable,
+    Mapping,
+    NamedTuple,
+    Protocol,
+    Sequence,
+    Tuple,
+    TypeVar,
+    Union,
+    cast,
+)
 
 from .inputs import InputSpec, accepted
 
@@ -18,6 +30,17 @@ Output = TypeVar("Output")
 
 Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
+
+
+def rows_of(output: object) -> Sequence[Any] | None:
+    """Return an output that is a list, None for what a person's code has put in place of one."""
+    # "isinstance" would believe what calls itself a list
+    return cast(Sequence[Any], output) if issubclass(type(output), (list, tuple)) else None
+
+
+def finite(value: Any) -> Any:
+    """Return a number as ``json`` can write it: None for one that is none."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 class Standing(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, overload
 
 from ..inputs import accepted, look_again, states_of
-from ..monitor import Field, Monitor, Standing, Tree
+from ..monitor import Monitor, Standing, Tree, rows_of
 from ..plain_values import ABSENT, plain, read
 from .verdicts import (
     FALSE,
@@ -46,10 +46,8 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
-        self.guarantee_ids = tuple(guarantee.id for guarantee in self.guarantees)
-        self.published_ids = tuple(
-            guarantee.published or guarantee.id for guarantee in self.guarantees
-        )
+        self.guarantee_ids = tuple(one.id for one in self.guarantees)
+        self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
@@ -78,10 +76,9 @@ class ConSert(Monitor[Rows]):
         Absent, None, NaN and whatever is no value for the input is UNKNOWN; active is TRUE alone.
         """
         look_again(eddi_input, t_ns)
-        flags = self.step(eddi_input)
         return [
-            {"id": published_id, "active": flag}
-            for published_id, flag in zip(self.published_ids, flags)
+            {"id": id_, "active": flag}
+            for id_, flag in zip(self.published_ids, self.step(eddi_input))
         ]
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
@@ -125,20 +122,12 @@ class ConSert(Monitor[Rows]):
         ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
         unknown id is a LookupError that names those there are.
         """
-        sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
-            return tuple(
-                self._explain(guarantee, sets, reasons, loss_sets=loss_sets)
-                for guarantee in self.guarantees
-            )
+            return tuple([self.explain(name, loss_sets=loss_sets) for name in self.guarantee_ids])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
-
-    def _explain(
-        self, one: Guarantee, sets: Sets, reasons: dict[str, Reason], *, loss_sets: bool
-    ) -> Explanation:
+        one, sets, reasons = self._named[guarantee_id], self._sets(), self.reasons()
         value, (missing, truncated) = sets.value(one), sets.missing(one)
         active = value == TRUE
         losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
@@ -196,18 +185,14 @@ class ConSert(Monitor[Rows]):
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
         """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
-        named = set(not_known)
-        unknown = [
-            name
-            for name, (value, _) in zip(self._input_ids, self._judgements())
-            if value == UNKNOWN or name in named
-        ]
-        sets = self._sets()
-        blocking = [
-            (guarantee.id, sets.blocking(guarantee)) for guarantee in self.guarantees if unknown
-        ]
-        found = {name: tuple(id_ for id_, by in blocking if name in by) for name in unknown}
-        return {name: ids for name, ids in found.items() if ids}
+        named, sets, found = set(not_known), self._sets(), {}
+        values = zip(self._input_ids, self._judgements())
+        unknown = [name for name, (value, _) in values if value == UNKNOWN or name in named]
+        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
+        for name in unknown:
+            if ids := tuple(id_ for id_, by in blocking if name in by):
+                found[name] = ids
+        return found
 
     def faults(self) -> dict[str, str]:
         return {
@@ -219,10 +204,8 @@ class ConSert(Monitor[Rows]):
     def message(self, output: object) -> Tree:
         """Return a ``ConSertOutput`` tree; a row that is spoilt is published as not active."""
         faults: list[str] = []
-        rows: Sequence[object]
-        if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
-            rows = output
-        else:
+        rows = rows_of(output)
+        if rows is None:
             faults.append("the output is not a list; nothing is published as active")
             rows = [{"id": published_id, "active": False} for published_id in self.published_ids]
         trees = [_row_tree(row, faults) for row in rows]
@@ -232,15 +215,13 @@ class ConSert(Monitor[Rows]):
     def status_message(self) -> Tree:
         sets = self._sets()
         rows: list[Tree] = []
-        for guarantee in self.guarantees:
-            groups, _ = sets.missing(guarantee)
-            missing = [*groups[0]] if groups else []
-            row: dict[str, Field] = {
-                "id": guarantee.id,
-                "verdict": sets.value(guarantee),
-                "missing": missing,
-            }
-            rows.append(("GuaranteeStatus", row))
+        for one in self.guarantees:
+            missing = [*(*sets.missing(one)[0], ())[0]]
+            row: Tree = (
+                "GuaranteeStatus",
+                {"id": one.id, "verdict": sets.value(one), "missing": missing},
+            )
+            rows.append(row)
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,

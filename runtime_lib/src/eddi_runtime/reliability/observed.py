@@ -57,7 +57,7 @@ class Missed:
 
 
 def hull(beliefs: list[Belief]) -> list[Belief]:
-    """Return beliefs of which all of these are mixtures, not more than there are states in them."""
+    """Return beliefs of which all of these are mixtures, at most as many as states in them."""
     if len(beliefs) <= sum(map(any, zip(*beliefs))):
         return beliefs
     columns = list(zip(*beliefs))

@@ -15,7 +15,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence, Union
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status
+from ...node.health import Status, diagnostics_tree
 from ...node.loop import LOG
 from ...node.node import Node
 from ...node.outputs import MessageError, Output, Publish
@@ -24,7 +24,7 @@ from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, settings, write_to_stderr
 from .graph import Graph, Publication, reading, writing
-from .messages import OWN, Unreadable, converter, diagnostics_of
+from .messages import OWN, Unreadable, converter
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _TOPIC = re.compile(r"(?:~/|/)?[A-Za-z_][A-Za-z0-9_]*(?:/[A-Za-z_][A-Za-z0-9_]*)*")
@@ -47,15 +47,10 @@ class Arguments(NamedTuple):
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic."""
-        full = self._expanded(name)
-        return self.remaps.get(full, full)
-
-    def _expanded(self, name: str) -> str:
-        if name.startswith("/"):
-            return name
+        full = name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
         if name.startswith("~/"):
-            return f"{self.full_name}/{name[2:]}"
-        return f"{self.namespace.rstrip('/')}/{name}"
+            full = f"{self.full_name}/{name[2:]}"
+        return self.remaps.get(full, full)
 
 
 def arguments(words: Sequence[str], name: str) -> Arguments:
@@ -167,9 +162,8 @@ class MonitorNode(Node):
         if not isinstance(message, Unreadable):
             self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
 
-    def check_serialises(self, message: object) -> None:
-        made: Any = message
-        made.serialize()
+    def check_serialises(self, message: Any) -> None:
+        message.serialize()
 
     def graph(self) -> GraphFact:
         quiet = self._silence.quiet(self._receipts.latest())
@@ -182,13 +176,14 @@ class MonitorNode(Node):
         found = [one for one in known if one.topic == name]
         unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
         expected = str(source.type.TYPE)
+        connected, alive, unfit = self._graph.listening(name)
         why = fault(
             expected,
             age,
             unreadable=unreadable < (math.inf if age is None else age),
-            refused=self._graph.refused(name),
-            connected=self._graph.matched(name) > 0,
-            alive=self._graph.alive(name),
+            refused=unfit,
+            connected=connected,
+            alive=alive,
             deadline=min((one.deadline for one in found if one.deadline), default=None),
         )
         return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
@@ -220,7 +215,8 @@ class MonitorNode(Node):
     def _statuses(self) -> Callable[[list[Status]], None]:
         cls = OWN.diagnostic_msgs_DiagnosticArray
         write = self._graph.writer("/diagnostics", cls, writing({}, 1))
-        return lambda statuses: write(diagnostics_of(statuses))
+        made = converter(OWN, "diagnostic_msgs")
+        return lambda statuses: write(made.message(diagnostics_tree(statuses)))
 
     @classmethod
     def main(
@@ -234,10 +230,7 @@ class MonitorNode(Node):
             if unknown:
                 text = f"warning: no parameter is called {', '.join(unknown)}: nothing reads it"
                 write_to_stderr(cls.NAME, text)
-            options, wrong = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
-            if wrong:
-                write_to_stderr(cls.NAME, f"error: {'; '.join(wrong)}")
-                return 1
+            options = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
             node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
             node.prepare()
             return node.run()

@@ -11,7 +11,7 @@ import threading
 import traceback
 from contextlib import contextmanager
 from functools import partial
-from typing import Callable, Iterator
+from typing import Any, Callable, Iterator
 
 import rosgraph.names
 import rospy
@@ -106,24 +106,21 @@ class Host:
                 threading.Thread(target=node.ros_main, name=name, daemon=True).start()
         for name, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", ())
-            diagnostics.add(partial(_always, Status(report, name.lstrip("/"), name)))
+            status = Status(report, name.lstrip("/"), name)
+            diagnostics.add(partial(lambda known, _: known, status))
         if watched is not None:
             watched.start()
 
     def _take_every_message(self) -> None:
         """Queue the messages of a topic for all monitors if one takes each."""
-        nodes = self._nodes.values()
+        nodes: list[Any] = [*self._nodes.values()]
         queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
         for node in nodes:
-            node.INPUTS = [  # type: ignore[misc]
-                one._replace(every_message=one.topic in queued) for one in node.INPUTS
-            ]
+            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
 
     def _expected_types(self) -> dict[str, tuple[str, str]]:
-        found: dict[str, tuple[str, str]] = {}
-        for node in self._nodes.values():
-            found.update(node.expected_types())
-        return found
+        nodes = self._nodes.values()
+        return {topic: of for node in nodes for topic, of in node.expected_types().items()}
 
     def _report_now(self) -> None:
         for node in self._nodes.values():
@@ -133,7 +130,3 @@ class Host:
 def _full_name(name: str) -> str:
     """Return the name of the node that a monitor would be by itself."""
     return str(rosgraph.names.resolve_name(name, rospy.names.get_caller_id()))
-
-
-def _always(status: Status, _: bool) -> Status:
-    return status

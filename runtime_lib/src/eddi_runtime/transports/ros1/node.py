@@ -12,14 +12,14 @@ from io import BytesIO
 from types import ModuleType
 from typing import Any, Callable, Iterable, Mapping
 
+import diagnostic_msgs.msg
 import rospy
 import rospy.impl.paramserver
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from ...compatibility import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status
+from ...node.health import Status, diagnostics_tree
 from ...node.loop import LOG
 from ...node.node import Node
 from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
@@ -91,25 +91,10 @@ def _stamped_age(message: object) -> float:
 
 def diagnostics_publisher() -> Callable[[list[Status]], None]:
     """Return what publishes statuses on ``/diagnostics``."""
-    publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
-
-    def publish(statuses: list[Status]) -> None:
-        array = DiagnosticArray(
-            status=[
-                DiagnosticStatus(
-                    level=status.report.level,
-                    name=status.name,
-                    message=status.report.message,
-                    hardware_id=status.node,
-                    values=[KeyValue(key=key, value=value) for key, value in status.report.values],
-                )
-                for status in statuses
-            ]
-        )
-        array.header.stamp = stamp()
-        publisher.publish(array)
-
-    return publish
+    messages: Any = diagnostic_msgs.msg
+    publisher: Any = rospy.Publisher("/diagnostics", messages.DiagnosticArray, queue_size=5)
+    made = converter(messages)
+    return lambda statuses: publisher.publish(made.message(diagnostics_tree(statuses)))
 
 
 def start_log() -> None:
@@ -135,11 +120,14 @@ class MonitorNode(Node):
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._subscribers: dict[str, Any] = {}
-        self._refusals = TypeRefusals()
-        self._watchdog: Watchdog | None = None
-        self.ending: RosEnding = RosEnding()
+        self.share(RosEnding(), TypeRefusals(), None)
 
-    def subscribe(self, source: Input) -> None:
+    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
+        """Take what a process has once; several monitors of one process share it."""
+        self.ending: RosEnding = ending
+        self._refusals, self._watchdog = refusals, watchdog
+
+    def subscribe(self, source: Input) -> None:  # blocks while the ROS master does not answer
         large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
         self._subscribers[source.id] = rospy.Subscriber(
             source.topic,
@@ -150,15 +138,14 @@ class MonitorNode(Node):
             **({"buff_size": source.buffer_bytes} if large else {}),
         )
 
-    def advertise(self, channel: Output) -> Publish:
+    def advertise(self, channel: Output) -> Publish:  # with a queue no subscriber can block
         size = self.options.queue_size
         made: Any = rospy.Publisher(channel.topic, channel.type, queue_size=size, latch=True)
         publish: Publish = made.publish
         return publish
 
-    def check_serialises(self, message: object) -> None:
-        made: Any = message
-        made.serialize(BytesIO())
+    def check_serialises(self, message: Any) -> None:
+        message.serialize(BytesIO())
 
     def simulated_ns(self) -> int | None:
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
@@ -166,15 +153,21 @@ class MonitorNode(Node):
     def topics(self) -> Mapping[str, str]:
         return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
 
-    def graph(self) -> GraphFact:
-        watchdog = self._watchdog
-        seen = {} if watchdog is None else dict(watchdog.wrong_types)
-        expected = self.expected_types()
-        refused = dict(self._refusals.heard)
-        receipts = self._receipts.latest()
-        shared = set() if watchdog is None else watchdog.shared
+    def expected_types(self) -> dict[str, tuple[str, str]]:
+        """Return resolved topic -> (input id, ROS type name) of every subscription."""
+        known = dict(self._subscribers).items()
+        return {one.resolved_name: (name, str(one.type)) for name, one in known}
+
+    def graph(self) -> GraphFact:  # a master also lists a publisher that was killed
+        watchdog, expected = self._watchdog, self.expected_types()
+        state, seen, shared, published = "not watched", {}, set(), None
+        if watchdog is not None:
+            state, seen = watchdog.state, dict(watchdog.wrong_types)
+            shared, published = watchdog.shared, watchdog.published
+        refused, receipts = dict(self._refusals.heard), self._receipts.latest()
         wrong: dict[str, str] = {}
-        mixed: list[str] = []
+        warnings = ["ROS master lost"] if state == LOST else []
+        published = None if state == LOST else published
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
@@ -182,27 +175,16 @@ class MonitorNode(Node):
                 wrong[topic] = text
             elif topic in shared and (topic in seen or topic in refused):
                 _, text = seen.get(topic) or refused[topic]
-                mixed.append(f"a publisher that is registered for {topic} does not fit: {text}")
-        state = "not watched" if watchdog is None else watchdog.state
-        lost = ("ROS master lost",) if state == LOST else ()
-        warnings = (*lost, *mixed)
-        known = None if watchdog is None or lost else watchdog.published
+                warnings.append(f"a publisher that is registered for {topic} does not fit: {text}")
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
         silent = [
-            Topic(topic, kind, (kind,) if topic in known else (), ages[name], _REGISTERED)
+            Topic(topic, kind, (kind,) if topic in published else (), ages[name], _REGISTERED)
             for topic, (name, kind) in expected.items()
-            if known is not None and name in ages
+            if published is not None and name in ages
         ]
-        found = self._silence.explained(silent, known or ())
-        return found._replace(values=(("master", state),), warnings=warnings, wrong_types=wrong)
-
-    def expected_types(self) -> dict[str, tuple[str, str]]:
-        """Return resolved topic -> (input id, ROS type name) of every subscription."""
-        subscribers = dict(self._subscribers)
-        return {
-            subscriber.resolved_name: (name, str(subscriber.type))
-            for name, subscriber in subscribers.items()
-        }
+        found = self._silence.explained(silent, published or ())
+        values = (("master", state),)
+        return found._replace(values=values, warnings=tuple(warnings), wrong_types=wrong)
 
     def run(self) -> int:
         """Advertise, publish once, subscribe and loop; return the exit status."""
@@ -214,10 +196,6 @@ class MonitorNode(Node):
         self.run_on(rospy.get_name(), diagnostics_publisher, begun)
         self.ending.wait()
         return self.ending.status
-
-    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
-        """Be one of several monitors of a process, which has these once."""
-        self.ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
     @classmethod
     def main(

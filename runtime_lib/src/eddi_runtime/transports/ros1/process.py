@@ -25,6 +25,7 @@ from ...node.start import Settings, StartError, settings, write_to_stderr
 
 Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
+_NO_ANSWER = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError)
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -50,26 +51,16 @@ class Peer:
     """One XML-RPC server: the master or the slave API of a node. Not for use by two threads."""
 
     def __init__(self, uri: str, caller: str, timeout: float = TIMEOUT_S) -> None:
-        self.uri = uri
-        self._caller = caller
-        self._timeout = timeout
+        self.uri, self._caller, self._timeout = uri, caller, timeout
 
     def call(self, method: str, *arguments: object) -> object:
         """Return the value of a method of the master or slave API; Unreachable, Refused."""
         try:
             # A new connection per call: the master may have been restarted in between.
-            proxy = xmlrpc.client.ServerProxy(self.uri, transport=_Transport(self._timeout))
-            with proxy:
-                answer = getattr(proxy, method)(self._caller, *arguments)
-            status, text, value = answer
-        except (
-            OSError,
-            http.client.HTTPException,
-            xmlrpc.client.Error,
-            ValueError,
-            TypeError,
-        ) as e:
-            raise Unreachable(f"{self.uri}: {type(e).__name__}: {e}") from e
+            with xmlrpc.client.ServerProxy(self.uri, transport=_Transport(self._timeout)) as proxy:
+                status, text, value = getattr(proxy, method)(self._caller, *arguments)
+        except _NO_ANSWER as error:
+            raise Unreachable(f"{self.uri}: {type(error).__name__}: {error}") from error
         if status != 1:
             raise Refused(str(text))
         return value
@@ -145,25 +136,16 @@ def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
         if uri is not None and answers_as(uri, node, node):
             reason = f"a node with the name {node} is running at {uri}; nothing was started"
             raise StartError(reason)
-    given = _private_parameters(master, node)
-    options, wrong = settings(given, frequency, startup_grace, ON_MASTER_LOSS)
-    if wrong:
-        raise StartError("; ".join(wrong))
-    return options
-
-
-def _private_parameters(master: Peer, node: str) -> dict[str, object]:
-    """Return the private parameters: the master's, then those of the command line."""
     try:
-        given = master.call("getParam", node)
+        held = master.call("getParam", node)
     except (Refused, Unreachable):
-        given = {}
-    parameters: dict[str, object] = dict(given) if isinstance(given, dict) else {}
+        held = {}
+    given: dict[str, object] = dict(held) if isinstance(held, dict) else {}
     try:
-        parameters.update(rospy.client.load_command_line_node_params(list(sys.argv)))
+        given.update(rospy.client.load_command_line_node_params(list(sys.argv)))
     except rospy.ROSInitException as error:
         raise StartError(str(error)) from error
-    return parameters
+    return settings(given, frequency, startup_grace, ON_MASTER_LOSS)
 
 
 class RosEnding(Ending):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import Any, Callable
+from typing import Any, Callable, Dict, Tuple
 
 import rosgraph
 import rospy
@@ -23,6 +23,10 @@ from .process import MASTER_LOST, TAKEN_OVER, Peer, Refused, RosEnding, Unreacha
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
 _REFUSALS = ("md5sum", "types do not match")
+Wrong = Dict[str, Tuple[float, str]]
+"""Topic -> since when (monotonic seconds) its publisher does not fit, and why."""
+Expected = Callable[[], Dict[str, Tuple[str, str]]]
+"""Returns resolved topic -> (input id, ROS type name) of all subscriptions."""
 
 
 class TypeRefusals(logging.Handler):
@@ -33,7 +37,7 @@ class TypeRefusals(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self.heard: dict[str, tuple[float, str]] = {}
+        self.heard: Wrong = {}
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep the reason of a refused connection."""
@@ -61,19 +65,14 @@ def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str
 class Watchdog:
     """Compares what the master knows with what this node is.
 
-    ``expected`` returns resolved topic -> (input id, ROS type name) of all subscriptions;
     ``changed`` is called whenever ``state`` or ``wrong_types`` changed.
     """
 
     def __init__(
-        self,
-        options: Settings,
-        ending: RosEnding,
-        expected: Callable[[], dict[str, tuple[str, str]]],
-        changed: Callable[[], None],
+        self, options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
     ) -> None:
         self.state = OK  # of the master
-        self.wrong_types: dict[str, tuple[float, str]] = {}  # topic -> when found, and what
+        self.wrong_types: Wrong = {}
         # topics with a publisher -> type, when the master was asked last
         self.published: dict[str, str | None] | None = None
         self.shared: set[str] = set()  # topics with more than one publisher, then
@@ -132,7 +131,9 @@ class Watchdog:
             LOG.info("the ROS master answers again and still knows this node")
             self.state = OK
         self.shared = {topic for topic, names in nodes.items() if len(names) > 1}
-        self._check_types({topic: types.get(topic) for topic, names in nodes.items() if names})
+        # Only topics with a publisher: the master keeps the types of all others, too.
+        self.published = {topic: types.get(topic) for topic, names in nodes.items() if names}
+        self._check_types(self.published)
 
     def _return(self) -> None:
         """Make a master that does not know this node know it, or end."""
@@ -153,13 +154,11 @@ class Watchdog:
         LOG.warn("the ROS master did not know this node any more: registered again")
 
     def _check_types(self, published: dict[str, str | None]) -> None:
-        # Only topics with a publisher: the master keeps the types of all others, too.
-        self.published = published
-        wrong: dict[str, tuple[float, str]] = {}
+        wrong: Wrong = {}
         for topic, (_, expected) in self._expected().items():
-            found = published.get(topic)
-            if found not in (None, "*", expected):
-                text = f"{expected} expected, the publisher sends {found}"
+            sent = published.get(topic)
+            if sent not in (None, "*", expected):
+                text = f"{expected} expected, the publisher sends {sent}"
                 known = self.wrong_types.get(topic)
                 if known is None or known[1] != text:
                     LOG.error("wrong message type on %s: %s", topic, text)
@@ -169,10 +168,7 @@ class Watchdog:
 
 
 def watch(
-    options: Settings,
-    ending: RosEnding,
-    expected: Callable[[], dict[str, tuple[str, str]]],
-    changed: Callable[[], None],
+    options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
 ) -> Watchdog | None:
     """Return the watchdog of this process, ``None`` where a person wants none."""
     return Watchdog(options, ending, expected, changed) if options.watchdog_period else None

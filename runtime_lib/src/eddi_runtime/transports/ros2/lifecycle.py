@@ -11,8 +11,7 @@ from ...node.life_cycle import LifeCycle
 from ...node.loop import LOG
 from ...plain_values import one_line
 from .node import MonitorNode
-from .parameters import declared
-from .process import Process, Receive
+from .process import Process, Receive, declared
 
 __all__ = ["ManagedMonitorNode"]
 

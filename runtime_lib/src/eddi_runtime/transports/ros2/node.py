@@ -10,7 +10,7 @@ import time
 from types import ModuleType
 from typing import Any, Callable, ClassVar, Iterable, Mapping
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+import diagnostic_msgs.msg
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
@@ -18,19 +18,19 @@ from rclpy.time import Time
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status
+from ...node.health import Status, diagnostics_tree
 from ...node.node import Node
 from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
 from ...node.publications import fault
 from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from .parameters import deadline, declared_settings, keeps, reading, refused, writing
-from .process import Process
+from .process import Process, deadline, declared_settings, keeps, reading, refused, writing
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
 _SEQUENCE = re.compile(r"sequence<(.*?)(?:, (\d+))?>")
 _ARRAY = re.compile(r"(.*)(\[\d+\])")
+_DEPTH = 5
 
 
 def msg_type(of: str) -> str:
@@ -58,27 +58,6 @@ def ros_type(message: object) -> str:
 def converter(messages: ModuleType, stamp: Callable[[], object]) -> Converter:
     """Return what makes messages of a package (``eddi_messages.msg``)."""
     return Converter(MessageClasses(messages, _fields, ros_type, stamp))
-
-
-def diagnostics_of(statuses: list[Status], stamp: object) -> object:
-    """Return statuses as one message."""
-    array = DiagnosticArray(
-        status=[
-            DiagnosticStatus(
-                level=bytes([status.report.level]),
-                name=status.name,
-                message=status.report.message,
-                hardware_id=status.node,
-                values=[KeyValue(key=key, value=value) for key, value in status.report.values],
-            )
-            for status in statuses
-        ]
-    )
-    array.header.stamp = stamp
-    return array
-
-
-_DEPTH = 5
 
 
 class MonitorNode(Node):
@@ -158,8 +137,10 @@ class MonitorNode(Node):
 
     def statuses(self) -> Callable[[list[Status]], None]:
         """Return what publishes statuses."""
-        publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
-        return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
+        messages: Any = diagnostic_msgs.msg
+        made = converter(messages, self._process.stamp)
+        publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, writing({}, 1))
+        return lambda rows: publish(made.message(diagnostics_tree(rows, lambda n: bytes([n]))))
 
     @classmethod
     def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
@@ -177,13 +158,12 @@ class MonitorNode(Node):
     ) -> int:
         """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
-        process = None
+        process: Any = None
         try:
             process = cls.PROCESS(cls.NAME)
             options = declared_settings(process.node, cls.FREQUENCY, cls.STARTUP_GRACE)
-            around = process
             return cls.serve(
-                around, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, around)
+                process, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, process)
             )
         except (StartError, ModelError, MessageError) as error:
             write_to_stderr(cls.NAME, f"error: {error}")
