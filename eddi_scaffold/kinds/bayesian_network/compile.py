@@ -46,7 +46,6 @@ from eddi_scaffold.program.python_text import Part as Text
 FORMAT = 3
 MODULES = (
     "claims", "direct", "explain", "memory", "patterns", "readers", "schedule", "tables",
-    "threshold_monitor",
 )  # fmt: skip
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
@@ -80,7 +79,7 @@ def monitor_lines(
     if for_any_node is not None:
         general = _ProgramText(module, for_any_node, "all_", loop=True).text
     bases = ["explain.Explaining"] if options.explain else []
-    bases += ["threshold_monitor.ThresholdMonitor"] if options.thresholds else []
+    bases += ["claims.ThresholdMonitor"] if options.thresholds else []
     specs = []
     for k, (node, attribute) in enumerate(zip(network.nodes, by_number.attributes, strict=True)):
         fields = [text_literal(node.id), literal(node.states), text_literal(attribute)]

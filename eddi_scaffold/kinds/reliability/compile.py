@@ -59,8 +59,8 @@ FORMAT = 2
 NODES_WRITTEN_OUT = 4000
 """Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
 MODULES = (
-    *("battery", "chain", "cut_sets", "laws", "large_chain", "large_tree", "observed"),
-    *("processor", "rotors", "series", "tree", "units"),
+    *("battery", "chain", "laws", "large_chain", "large_tree", "observed"),
+    *("processor", "rotors", "tree", "units"),
 )
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 
@@ -197,7 +197,7 @@ class _Classes:
                 fields = (component.k, component.rate, component.largest, component.available)
                 return call("units.KOutOfN", map(literal, fields))
             case Series():
-                return call("series.Series", map(text_literal, component.parts))
+                return call("units.Series", map(text_literal, component.parts))
             case FaultTree():
                 return self._tree(component)
 
@@ -258,7 +258,7 @@ def tree_lines(
     events, diagram = tree.events, tree.diagram
     is_written_out = diagram is not None and diagram.size <= limit
     exact = "tree.FaultTree" if is_written_out else "large_tree.LargeTree"
-    yield f"class {name}({exact if diagram else 'cut_sets.BoundedTree'}):"
+    yield f"class {name}({exact if diagram else 'large_tree.BoundedTree'}):"
     yield from assignment("names", tuple_of(text_literal(event.name) for event in events), 4)
     observed = tuple((i, event.input) for i, event in enumerate(events) if event.input is not None)
     models = tuple((i, event.model) for i, event in enumerate(events) if event.law == "model")

@@ -125,12 +125,15 @@ class Health:
         for spec in self._inputs:
             known = self._eddi_input.states.get(spec.id)
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
-            of = [receipts[name] for name in spec.requires if name in receipts]
+            present = [receipts[name] for name in spec.requires if name in receipts]
             if spec.id in faults and state in (FRESH, INVALID):
-                state, reason = INVALID, faults[spec.id] if state == FRESH else reason
+                state, reason = (
+                    INVALID,
+                    faults[spec.id] if state == FRESH else reason,
+                )
             elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and any(receipt.latched for receipt in of):
+            elif state == FRESH and any(receipt.latched for receipt in present):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING

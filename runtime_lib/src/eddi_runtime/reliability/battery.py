@@ -10,9 +10,8 @@ from itertools import accumulate, repeat
 from operator import mul
 from typing import Sequence
 
-from .component import Component, Estimate, Known, Moment, Values, sure
+from .component import Component, Estimate, Known, Matrix, Moment, Values, dot, factors, sure
 from .laws import Arrhenius
-from .numerics import Matrix, dot, factors
 
 _BANDS = {4: 0, 3: 2, 2: 4}
 _EMPTY = 6
@@ -56,7 +55,6 @@ class Battery(Component):
         self._band, self._missed = 4, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        del known
         level = self._believed(values[self._level])
         factor, colder = 1.0, False
         if self._heat is not None and self._hot is not None:

@@ -6,8 +6,7 @@ import math
 from operator import mul
 from typing import Collection, Sequence, Tuple
 
-from .component import Estimate, Moment, sure
-from .numerics import Matrix, dot, factors
+from .component import Estimate, Matrix, Moment, dot, factors, sure
 
 INCONSISTENT = "inconsistent"
 _LEAST = 1e-8

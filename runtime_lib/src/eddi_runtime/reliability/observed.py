@@ -126,7 +126,6 @@ class MarkovChain(Component):
         self._may_have_failed = False  # for all that is seen now
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        del known
         verdicts = self._verdicts(values)
         seen = self._seen.get(verdicts)
         if seen is None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from .component import NAN, Component, Estimate, Known, Moment, Values
+from .component import NAN, Component, Estimate, Known, Moment, Values, hazard
 from .laws import Arrhenius, Limit
-from .numerics import hazard
 
 _LARGEST_STRESS = 1e300
 
@@ -39,7 +38,6 @@ class Processor(Component):
         self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        del known
         unknown: list[str] = []
         hot, known_hot = self._hot.most(values, self)
         if not known_hot:

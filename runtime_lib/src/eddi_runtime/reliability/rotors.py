@@ -25,7 +25,6 @@ class Rows:
 
     def rows(self, at: int) -> Sequence[Row]:
         """Return what lies ahead of each state."""
-        del at
         return self._rows
 
 
@@ -56,7 +55,6 @@ class Propulsion(Component):
         self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        del known
         statuses = self._statuses(values)
         if statuses != self._last:
             self._take(values, statuses)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Sequence, Tuple
 
-from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, sure
-from .numerics import hazard
+from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, hazard, sure
 
 if TYPE_CHECKING:  # a tree without dynamic gates has no chain
     from .chain import Chain
