@@ -7,23 +7,12 @@ from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
 from ..compatibility import ModelError
 from ..inputs import look_again, step_time
-from ..monitor import Json, Monitor, Standing, Tree
+from ..monitor import Field, Json, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import Methods, NotForeseenError
-from .outputs import (
-    NO_ANSWER,
-    BayesianNetworkOutput,
-    Facts,
-    Known,
-    Node,
-    Outcome,
-    Source,
-    Step,
-    evidence_of,
-    facts_of,
-)
+from .outputs import NO_ANSWER, BayesianNetworkOutput, Facts, Known, Node, Outcome, Source, Step
 from .outputs import Monitor as OfD72
 
 if TYPE_CHECKING:
@@ -81,9 +70,8 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def read(self, eddi_input: object) -> tuple[object, ...]:
         """Return the value of each source; compiled monitors write this out."""
-        found = [
-            read(eddi_input, source.spec.attribute, source.spec.id) for source in self._sources
-        ]
+        specs = [source.spec for source in self._sources]
+        found = [read(eddi_input, spec.attribute, spec.id) for spec in specs]
         return tuple([None if type(value) is Absent else value for value in found])
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
@@ -150,21 +138,17 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def series(self, output: Output) -> Named:
         """Return ``Node=state`` -> probability, and each threshold."""
-        found: Named = {
-            f"{title}={name}": None for title, states in self._given for name in states
-        }
-        for one in output:
-            for given in one.output_nodes:
-                found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
+        found: Named = {f"{title}={name}": None for title, names in self._given for name in names}
+        for node in (node for one in output for node in one.output_nodes):
+            found.update((f"{node.title}={one.name}", one.value) for one in node.outcomes)
         found.update((claim.id, claim.active) for claim in self.claims())
         return found
 
     def decided(self, output: Output) -> Named:
         """Return each threshold, the first most probable state, the status."""
         found: Named = dict.fromkeys(title for title, _ in self._given)
-        for one in output:
-            for given in one.output_nodes:
-                found[given.title] = max(given.outcomes, key=lambda two: two.value).name
+        for node in (node for one in output for node in one.output_nodes):
+            found[node.title] = max(node.outcomes, key=lambda one: one.value).name
         found.update((claim.id, claim.active) for claim in self.claims())
         return {**found, "status": self.status_name()}
 
@@ -188,19 +172,27 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def status(self) -> int:
         """Return OK 0, PARTIAL 1, PRIOR 2, INCONSISTENT 3 or ERROR 4 for the last step."""
-        last = self._last
+        last, (observed, unobserved) = self._last, self._evidence()
         if last.rows is None:
             return out.INCONSISTENT
         if last.answer.problems or last.problem:
             return out.ERROR
-        observed, unobserved = self._evidence()
-        if observed:
-            return out.PARTIAL if unobserved else out.OK
-        return out.PRIOR
+        return out.PRIOR if not observed else out.PARTIAL if unobserved else out.OK
 
     def status_message(self) -> Tree:
-        _, unobserved = self._evidence()
-        return out.status_message(self.model_id, self.status(), unobserved, self.facts())
+        facts = self.facts()
+        fields: dict[str, Field] = {
+            "bayesian_network_id": self.model_id,
+            "status": self.status(),
+            "unobserved": self._evidence()[1],
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "undecided": [f"{node}: {', '.join(of)}" for node, of in facts.undecided.items()],
+            "accepted": list(facts.accepted),
+            "relevance_nodes": [],
+            "relevance": [],
+        }
+        return "BayesianNetworkStatus", fields
 
     def claims(self) -> list[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
@@ -217,11 +209,34 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def facts(self) -> Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
-        facts = facts_of(self._last, self.engine.observable, self.nodes, self._fed)
-        further = super().accepted()
-        if self._last.rows is None and self.on_inconsistent != "silent":
-            further = (*further, f"on_inconsistent: {self.on_inconsistent}")
-        return facts._replace(accepted=(*facts.accepted, *further))
+        step, unknown, accepted = self._last, [], []
+        undecided: dict[str, tuple[str, ...]] = {}
+        for position, node in enumerate(self.engine.observable):
+            if node in step.answer.findings:
+                continue
+            if node not in self._fed or node in step.answer.problems:
+                unknown.append(self.nodes[node].id)
+                continue
+            number, (_, spec, reader) = self._fed[node]
+            raw = step.raw[number] if step.raw else None
+            taken = step.states[position]
+            try:
+                known, key = reader.known(raw, step.weights.get(position, taken))
+            except Exception:  # noqa: BLE001 - a hostile object
+                known, key = False, ""
+            if not known:
+                unknown.append(spec.id)
+            if key:
+                accepted.append(f"{spec.id}: {key}")
+            if reader.possible:
+                states = dict.fromkeys((taken, *reader.possible))
+                undecided[self.nodes[node].id] = tuple(self.nodes[node].states[k] for k in states)
+        accepted = [*dict.fromkeys(accepted), *super().accepted()]
+        if step.rows is None and self.on_inconsistent != "silent":
+            accepted.append(f"on_inconsistent: {self.on_inconsistent}")
+        failed = step.rows is None or step.problem or step.answer.problems
+        valid = not (unknown or undecided or failed)
+        return Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(accepted))
 
     def faults(self) -> dict[str, str]:
         found: dict[str, str] = {}
@@ -273,21 +288,17 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
             reason = self._not_foreseen(engine.outputs, engine.observable)
             logging.getLogger(__name__).warning("%s, so steps take longer", reason)
-        self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
         self._shown = self._shown_with(set())
-        self._given = [title[1:] for title in self._titles if title[0] not in self._judged_only]
-        self._readers = [
-            (self._positions[source.node], source.reader.read, source.reader.absent)
-            for source in self._sources
-        ]
+        given = [nodes[node] for node in engine.outputs if node not in self._judged_only]
+        self._given = [(node.id, node.states) for node in given]
+        pairs = [(self._positions[source.node], source.reader) for source in self._sources]
+        self._readers = [(position, reader.read, reader.absent) for position, reader in pairs]
 
     def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:
         """Return (place, title, states) of each output that is given in a step."""
-        return [
-            (place, title, states)
-            for place, (node, title, states) in enumerate(self._titles)
-            if node in self.given or node in flagged
-        ]
+        pairs = [*enumerate(self.engine.outputs)]
+        shown = [(k, self.nodes[one]) for k, one in pairs if one in self.given or one in flagged]
+        return [(place, node.id, node.states) for place, node in shown]
 
     def _output(self, rows: Rows, flagged: set[int]) -> Output:
         shown = self._shown_with(flagged) if flagged else self._shown
@@ -295,4 +306,12 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
     def _evidence(self) -> tuple[dict[str, Known], list[str]]:
-        return evidence_of(self._last, [self.nodes[one] for one in self.engine.observable])
+        """Return observed node -> its state or likelihoods; and the nodes that are not."""
+        nodes, last = [self.nodes[one] for one in self.engine.observable], self._last
+        found: dict[str, Known] = {}
+        for position, (node, state) in enumerate(zip(nodes, last.states)):
+            if position in last.weights:
+                found[node.id] = tuple(last.weights[position])
+            elif state < len(node.states):
+                found[node.id] = node.states[state]
+        return found, [node.id for node in nodes if node.id not in found]
