@@ -1,22 +1,49 @@
-"""What every monitor offers."""
+"""What every monitor offers, and whether a compiled one and this runtime fit."""
 
 from __future__ import annotations
 
+import hashlib
 import math
-from typing import (
-    Any,
-    Iterable,
-    Mapping,
-    NamedTuple,
-    Protocol,
-    Sequence,
-    Tuple,
-    TypeVar,
-    Union,
-    cast,
-)
+from types import ModuleType
+from typing import Any, Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import InputSpec, accepted
+
+__version__ = "1.0.0"
+"""Of this runtime."""
+
+_MARK = b"\n# sha256 of the lines below: "
+
+
+class ModelError(ValueError):
+    """A monitor cannot run."""
+
+    def __init__(self, path: str, reason: str) -> None:
+        super().__init__(f"{path}: {reason}" if path else reason)
+        # the file of the compiled monitor, or another name for where it came from
+        self.path = path
+        self.reason = reason  # what is wrong, one sentence without a full stop
+
+
+def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
+    """Refuse a compiled monitor that was changed, or needs another runtime (``ModelError``)."""
+    for part, wanted in formats.items():
+        if wanted != part.FORMAT:
+            reason = (
+                f"compiled for format {wanted} of {part.__name__}, but eddi_runtime {__version__}"
+                f" runs {part.FORMAT}: run `eddi-scaffold upgrade`"
+            )
+            raise ModelError(file, reason)
+    try:
+        with open(file, "rb") as opened:  # noqa: PTH123 - pathlib would double the time of a start
+            _, mark, rest = opened.read().partition(_MARK)
+    except OSError:
+        return  # byte code alone, or a text that was compiled in memory
+    digest, _, below = rest.partition(b"\n")
+    if not mark or digest.decode("ascii", "replace") != hashlib.sha256(below).hexdigest():
+        reason = "the file was changed after it was generated: run `eddi-scaffold upgrade`"
+        raise ModelError(file, f"{reason} or `copier recopy --trust --force` in the package")
+
 
 Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
 Tree = Tuple[str, Mapping[str, Field]]
@@ -35,7 +62,8 @@ Value = Union[bool, float, str, None]
 def rows_of(output: object) -> Sequence[Any] | None:
     """Return an output that is a list, None for what a person's code has put in place of one."""
     # "isinstance" would believe what calls itself a list
-    return cast(Sequence[Any], output) if issubclass(type(output), (list, tuple)) else None
+    rows: Any = output
+    return rows if issubclass(type(output), (list, tuple)) else None
 
 
 def finite(value: Any) -> Any:
@@ -79,7 +107,8 @@ class Monitor(Protocol[Output]):
 
     def as_json(self, output: Output) -> Json:
         """Return what ``execute_step`` gave as ``json`` can write it: as it is, where it can."""
-        return cast(Json, output)
+        made: Json = output  # type: ignore[assignment]
+        return made
 
     def series(self, output: Output) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""

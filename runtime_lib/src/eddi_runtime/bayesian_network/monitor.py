@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
-from ..compatibility import ModelError
 from ..inputs import look_again, step_time
-from ..monitor import Field, Json, Monitor, Standing, Tree
+from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights

@@ -7,9 +7,8 @@ import time
 from collections import deque
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from ..compatibility import __version__
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Tree
+from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
 from .loop import LOG, Waker
 from .receipts import Receipt

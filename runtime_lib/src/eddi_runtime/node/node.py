@@ -11,9 +11,8 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Sequence
 
-from ..compatibility import __version__
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Steps
+from ..monitor import Monitor, Steps, __version__
 from ..plain_values import one_line
 from .health import Diagnostics, Health, Status
 from .loop import LOG, Ending, Schedule, Waker

@@ -9,7 +9,7 @@ import sys
 from contextlib import contextmanager, suppress
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
-from ..compatibility import ModelError
+from ..monitor import ModelError
 
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 

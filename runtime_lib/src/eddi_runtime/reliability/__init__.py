@@ -7,11 +7,6 @@ from .monitor import Reliability
 FORMAT = 2
 
 __all__ = [
-    "FORMAT",
-    "Explanation",
-    "Importance",
-    "Reliability",
-    "ReliabilityResult",
-    "Rule",
+    "FORMAT", "Explanation", "Importance", "Reliability", "ReliabilityResult", "Rule",
     "Threshold",
-]
+]  # fmt: skip

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Sequence, Union
 
 import numpy as np
 
-from ..compatibility import ModelError
+from ..monitor import ModelError
 
 Array = Any
 """An array of the backend: ``numpy.ndarray`` or ``torch.Tensor``."""

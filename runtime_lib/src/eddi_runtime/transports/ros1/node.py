@@ -16,9 +16,8 @@ import diagnostic_msgs.msg
 import rospy
 import rospy.impl.paramserver
 
-from ...compatibility import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
-from ...monitor import Steps
+from ...monitor import ModelError, Steps
 from ...node.health import Status, diagnostics_tree
 from ...node.loop import LOG
 from ...node.node import Node
