@@ -3,7 +3,7 @@
 
     script/reference.py    # after a change of a public signature or docstring
 
-Modules are parsed, not imported: ``eddi_runtime.ros1`` can be imported only where ROS is.
+Modules are parsed, not imported: ``transports.ros1`` can be imported only where ROS is.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ MODULES = {
     "eddi_runtime": ROOT / "runtime_lib" / "src",
     "eddi_runtime.history": ROOT / "runtime_lib" / "src",
     "eddi_runtime.node.node": ROOT / "runtime_lib" / "src",
-    "eddi_runtime.ros1": ROOT / "runtime_lib" / "src",
+    "eddi_runtime.transports.ros1": ROOT / "runtime_lib" / "src",
 }
 """Public module -> the folder of the import path that contains it."""
 _HEAD = """# Reference

@@ -20,7 +20,7 @@ MODEL, CONFIG = EXAMPLE / "two_conserts.xml", EXAMPLE / "consert_a_config.yml"
 SCRIPT: dict[str, Any] = runpy.run_path(str(HERE / "script" / "reference.py"))
 RUNTIME = HERE / "runtime_lib" / "src" / "eddi_runtime"
 ONLY_IN_ROS = {
-    "eddi_runtime.ros1": "ros1.py",
+    "eddi_runtime.transports.ros1": "transports/ros1/__init__.py",
     "eddi_runtime.transports.ros2": "transports/ros2/__init__.py",
     "eddi_runtime.transports.ros2.lifecycle": "transports/ros2/lifecycle.py",
 }
@@ -49,7 +49,7 @@ def test_templates_import_what_is_public() -> None:
         for module, names in IMPORT.findall(path.read_text("utf-8"))
         for name in names.split(",")
     }
-    assert ("eddi_runtime.ros1", "reported") in found
+    assert ("eddi_runtime.transports.ros1", "reported") in found
     for module, name in found - {("eddi_runtime.transports.ros1.host", "Host")}:
         if module in ONLY_IN_ROS:
             assert f'"{name}"' in (RUNTIME / ONLY_IN_ROS[module]).read_text("utf-8")

@@ -31,7 +31,7 @@ def test_a_copy_inside_of_a_package_works(tmp_path):
     shutil.copytree(
         Path(eddi_runtime.__file__).parent,
         package / "eddi_runtime",
-        ignore=shutil.ignore_patterns("node", "transports", "ros1.py", "__pycache__"),
+        ignore=shutil.ignore_patterns("node", "transports", "__pycache__"),
     )
     (package / "__init__.py").write_text("")
     model = consert(["e"], guarantees=["G"], edges=["e>G"])

@@ -117,7 +117,7 @@ def test_without_it_the_package_says_what_to_run(world: World, tmp_path: Path, f
         skip = shutil.ignore_patterns("__pycache__")  # its text would be of the same second
         shutil.copytree(world.site / name, tmp_path / name, ignore=skip)
     if found != "none":
-        version = tmp_path / "eddi_runtime" / "compatibility.py"
+        version = tmp_path / "eddi_runtime" / "monitor.py"
         text = version.read_text("utf-8")
         assert text.count(__version__) == 1
         version.write_text(text.replace(__version__, found), "utf-8")

@@ -13,7 +13,7 @@ import std_msgs.msg
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.node.outputs import MessageError
 from eddi_runtime.node.receipts import Receipts
-from eddi_runtime.ros1 import Input
+from eddi_runtime.transports.ros1 import Input
 from eddi_runtime.transports.ros1.node import Callback, converter
 
 

@@ -9,7 +9,7 @@ import json
 import time
 
 import rclpy
-from eddi_runtime.transports.ros2.parameters import keeps, reading, refused, writing
+from eddi_runtime.transports.ros2.process import keeps, reading, refused, writing
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import ReliabilityPolicy
 from std_msgs.msg import Bool

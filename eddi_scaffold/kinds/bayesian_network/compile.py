@@ -33,7 +33,6 @@ from eddi_scaffold.program.monitor_text import (
 FORMAT = 3
 MODULES = (
     "claims", "direct", "explain", "memory", "patterns", "readers", "schedule", "tables",
-    "threshold_monitor",
 )  # fmt: skip
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 _ROOM = "bayesian_network"
@@ -67,7 +66,7 @@ def monitor_lines(
     if for_any_node is not None:
         general = _ProgramText(module, for_any_node, "all_", loop=True).text
     bases = ["explain.Explaining"] if options.explain else []
-    bases += ["threshold_monitor.ThresholdMonitor"] if options.thresholds else []
+    bases += ["claims.ThresholdMonitor"] if options.thresholds else []
     specs = []
     for k, (node, attribute) in enumerate(zip(network.nodes, by_number.attributes, strict=True)):
         fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]

@@ -21,8 +21,8 @@ FORMAT = 2
 NODES_WRITTEN_OUT = 4000
 """Nodes of a diagram up to which its sums are written out; a loop is slower, but has no text."""
 MODULES = (
-    *("battery", "chain", "cut_sets", "laws", "large_chain", "large_tree", "observed"),
-    *("processor", "rotors", "series", "tree", "units"),
+    *("battery", "chain", "laws", "large_chain", "large_tree", "observed"),
+    *("processor", "rotors", "tree", "units"),
 )
 """Modules of the runtime's part, of which a package has those that its monitor uses."""
 
@@ -178,7 +178,7 @@ class _Classes:
             case lowering.KOutOfN():
                 return py.call("units.KOutOfN", map(py.literal, component))
             case lowering.Series():
-                return py.call("series.Series", map(py.text_literal, component.parts))
+                return py.call("units.Series", map(py.text_literal, component.parts))
             case lowering.FaultTree():
                 return self._tree(component)
 
@@ -221,7 +221,7 @@ def tree_lines(
     events, diagram = tree.events, tree.diagram
     is_written_out = diagram is not None and diagram.size <= limit
     exact = "tree.FaultTree" if is_written_out else "large_tree.LargeTree"
-    yield f"class {name}({exact if diagram else 'cut_sets.BoundedTree'}):"
+    yield f"class {name}({exact if diagram else 'large_tree.BoundedTree'}):"
     yield from py.assignment(
         "names", py.tuple_of(py.text_literal(event.name) for event in events), 4
     )

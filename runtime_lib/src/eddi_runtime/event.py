@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple
 
-from .expressions import Conditions, Value, reduced, scaled, stamp
+from . import monitor
+from .expressions import Conditions, reduced, scaled, stamp
+from .expressions import Value as Number
 from .inputs import accepted, look_again, step_time
-from .monitor import Monitor, Standing, Tree
+from .monitor import Monitor, Standing, Tree, rows_of
 from .plain_values import Absent, is_nan, plain, read, show
 
 __all__ = ["FORMAT", "Event", "EventMonitor"]
@@ -15,7 +17,6 @@ __all__ = ["FORMAT", "Event", "EventMonitor"]
 FORMAT = 1
 
 Rows = List[Dict[str, Any]]
-Verdicts = Dict[str, Union[bool, float, str, None]]
 _VERDICTS = (False, None, True)
 _REASONS = ("the condition is FALSE", "the condition is not decided yet")
 _WANTED = {"number": "a number", "bool": "True or False", "text": "a text", "list": "a list"}
@@ -31,10 +32,7 @@ class Event(NamedTuple):
 
 
 class EventMonitor(Conditions, Monitor[Rows]):
-    """What the class ``Monitor`` of compiled events inherits.
-
-    Not thread-safe: the thread that steps it also asks it.
-    """
+    """What the class ``Monitor`` of compiled events inherits; not thread-safe."""
 
     kind = "event"
     # of each input: ``number``, ``bool``, ``text``, ``list``, the texts of an ENUM, or empty where
@@ -46,26 +44,20 @@ class EventMonitor(Conditions, Monitor[Rows]):
     reductions: tuple[int, ...] = ()  # for each reduction of a list the number of its first input
     raw: tuple[object, ...]  # values of the inputs in the last step, None where there is none
     # evaluates once at a time: 0, 1 or 2 for each event; compiled monitors have it
-    step: Callable[[object, int], tuple[Value, ...]]
+    step: Callable[[object, int], tuple[Number, ...]]
     _source: Any
-    _unknown: tuple[Value, ...]
-    _verdicts: tuple[Value, ...]
-    _reasons: list[str]
+    _verdicts: tuple[Number, ...]
     _waited = 0.0  # seconds from the last ``processing`` to the last step
 
     def __init__(self) -> None:
         self.reset()
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
-        """Evaluate once; never raises an Exception.
+        """Return ``{"id", "verdict", "active", "raised", "cleared"}`` of each event.
 
-        Reads one attribute per input. Absent, None, NaN and whatever is no value for the variable
-        is UNKNOWN. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE. A time that is no
-        whole number is none: all events are UNKNOWN in this step, which the windows do not see.
-
-        Returns:
-            A new list of ``{"id", "verdict", "active", "raised", "cleared"}`` in file order;
-            ``verdict`` is True, False, or None for UNKNOWN.
+        What is no value for a variable is UNKNOWN; so is all without a time, which windows do not
+        see. An EVIDENCE event is active when TRUE, a HAZARD unless FALSE. ``verdict`` may be None:
+        UNKNOWN.
         """
         self._waited = look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -85,20 +77,18 @@ class EventMonitor(Conditions, Monitor[Rows]):
                 "id": event.id,
                 "verdict": _VERDICTS[int(value)],
                 "active": value == 2 or (event.hazard and value == 1),
-                "raised": value == 2 and last != 2,
-                "cleared": value != 2 and last == 2,
+                "raised": value == 2 != last,
+                "cleared": value != 2 == last,
             }
             for event, value, last in zip(self.events, now, before)
         ]
 
     def read(self, source: object) -> tuple[object, ...]:
         """Return the value of each input, None where it cannot be read; never raises."""
-        found = []
-        for spec in self.inputs:
-            value = read(source, spec.attribute, spec.id)
-            value = None if type(value) is Absent else value
-            found.append(value if spec.factor is None else scaled(value, *spec.factor))
-        return tuple(found)
+        raws = [read(source, spec.attribute, spec.id) for spec in self.inputs]
+        values = [None if type(raw) is Absent else raw for raw in raws]
+        factors = [spec.factor for spec in self.inputs]
+        return tuple([scaled(v, *f) if f is not None else v for v, f in zip(values, factors)])
 
     def reduce(self, number: int, function: Callable[..., float | bool], *raws: object) -> object:
         """Return a reduction of lists, and keep why it is not known."""
@@ -112,49 +102,33 @@ class EventMonitor(Conditions, Monitor[Rows]):
         except Exception:  # noqa: BLE001 - any object may be given as input
             return t
 
-    def series(self, output: Rows) -> Verdicts:
-        """Return event id -> verdict, None for UNKNOWN."""
+    def series(self, output: Rows) -> Mapping[str, monitor.Value]:
         return {str(row["id"]): row["verdict"] for row in output}
 
     def message(self, output: object) -> list[Tree]:
-        """Return an output as ``EventOutput`` trees without header; never raises."""
         faults: list[str] = []
-        trees: list[Tree | None] = []
-        if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
-            accepts = self._accepted()
-            trees = [_row_tree(row, accepts, faults) for row in output]
-        else:
+        rows = rows_of(output)
+        if rows is None:
             faults.append("the output is not a list; nothing is published")
+        accepts = self._accepted() if rows else {}
+        trees = [_row_tree(row, accepts, faults) for row in rows or ()]
         self._output_faults = tuple(faults)
         return [tree for tree in trees if tree is not None]
 
     def standings(self) -> list[Standing]:
-        """Return every event after the last step; a HAZARD that is UNKNOWN is active, too."""
-        waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
-        for one, events in self.blocked().items():
-            for name in events:
-                waits[name].append((one, "not known"))
-        return [
-            Standing(
-                "event",
-                event.id,
-                value == 2 or (event.hazard and value == 1),
-                tuple(waits[event.id]),
-                "" if value == 2 or waits[event.id] else _REASONS[int(value)],
-            )
-            for event, value in zip(self.events, self._verdicts)
-        ]
+        blocked, found = self.blocked().items(), []
+        for event, value in zip(self.events, self._verdicts):
+            active = value == 2 or (event.hazard and value == 1)
+            waits = tuple((name, "not known") for name, ids in blocked if event.id in ids)
+            reason = "" if value == 2 or waits else _REASONS[int(value)]
+            found.append(Standing("event", event.id, active, waits, reason))
+        return found
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         return tuple(dict.fromkeys(one for found in self._accepted().values() for one in found))
 
     def _accepted(self) -> dict[str, list[str]]:
-        """Return event -> the acceptances in use that it may rest on.
-
-        What the text of an event accepts is in use while the event claims something: an EVIDENCE
-        that is TRUE, a HAZARD that is FALSE.
-        """
+        """Return event -> the acceptances in use that it may rest on."""
         found: dict[str, list[str]] = {}
         for event, value in zip(self.events, self._verdicts):
             words = event.accepts if value == (0 if event.hazard else 2) else ()
@@ -163,21 +137,15 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return found
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> events that are UNKNOWN and depend on it, if it is not known now."""
-        unknown = set(not_known)
-        found: dict[str, tuple[str, ...]] = {}
+        unknown, found = set(not_known), {}
+        undecided = [event for event, value in zip(self.events, self._verdicts) if value == 1]
         for k, (spec, raw) in enumerate(zip(self.inputs, self.raw)):
-            events = tuple(
-                event.id
-                for event, value in zip(self.events, self._verdicts)
-                if value == 1 and k in event.needs
-            )
+            events = tuple(event.id for event in undecided if k in event.needs)
             if events and (spec.id in unknown or raw is None or is_nan(raw) or self._fault(k)):
                 found[spec.id] = events
         return found
 
     def faults(self) -> Mapping[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         found = {
             self.inputs[k].id: reason
             for k, reason in zip(self.reductions, self._reasons)
@@ -196,9 +164,8 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return fault(self.types[k], self.raw[k]) or beyond
 
     def reset(self) -> None:
-        """Forget everything of former steps."""
         self.restart()
-        self._unknown = (1,) * len(self.events)
+        self._unknown: tuple[Number, ...] = (1,) * len(self.events)
         self._verdicts = self._unknown
         self._reasons = [""] * len(self.reductions)
         self.raw = self._taken = (None,) * len(self.inputs)

@@ -15,10 +15,7 @@ __all__ = ["EDDIInputBase", "Messages"]
 
 
 class Messages(List[Any]):
-    """The values of all messages since the last step, oldest first: empty when none has come.
-
-    The class distinguishes it from one message that is a list itself.
-    """
+    """The values of all messages since the last step, oldest first; no message is a list so."""
 
 
 class EDDIInputBase(inputs.EDDIInputBase):
@@ -33,20 +30,17 @@ class EDDIInputBase(inputs.EDDIInputBase):
         super().__init__(specs)
 
     def bind(self, specs: Sequence[InputSpec]) -> None:
-        """Take over attribute names, age limits and expressions, where ``EDDIInput`` has none."""
         super().bind(specs)
         self.__expressions: dict[str, Expression] = {
             spec.id: spec.expression() for spec in specs if spec.expression is not None
         }
 
     def received(self, source: str) -> None:
-        """Have the message of a SimulatorOutput id count as new in the next ``processing``."""
         super().received(source)
         for expression in self.__expressions.values():
             expression.forget_messages()
 
     def look_again(self, t_ns: int | None) -> float:
-        """Make unknown what is too old at a step; a message is new in one step only."""
         waited = super().look_again(t_ns)
         for attribute, read in self.__each.items():
             if read and getattr(self, attribute, None) is not None:
@@ -63,9 +57,8 @@ class EDDIInputBase(inputs.EDDIInputBase):
     ) -> None:
         """Call ``process`` once for each new message of the first id; never raises.
 
-        The attribute becomes ``Messages``, the values oldest first; None represents a
-        message that ``process`` could not use. Of the other ids the latest message is passed.
-        It is None as a whole while a message is missing, or when the latest is too old.
+        The attribute becomes ``Messages``: None for a message that ``process`` could not use. Of
+        other ids the latest is passed. It is None while one is missing, or the latest is too old.
         """
         attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id)
@@ -101,8 +94,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
     ) -> None:
         """Call ``process`` in every step, whatever has come; never raises.
 
-        A message that is missing, or older than the limit, is None for ``process`` and UNKNOWN for
-        ``expression``, whose windows go on.
+        A message that is missing or too old is None and UNKNOWN; windows go on.
         """
         attribute, limit = self.__spec(input_id)
         try:
@@ -130,7 +122,7 @@ class EDDIInputBase(inputs.EDDIInputBase):
         self.__leave(input_id, after, value)
 
     def expression(self, input_id: str) -> bool | float | str | None:
-        """Return what the expression of an input gives in this step, None for UNKNOWN.
+        """Return what the expression of an input gives, None for UNKNOWN.
 
         Once in a step and only below ``update_expression``: it moves the expression's windows.
         """

@@ -12,10 +12,7 @@ _LARGEST = 2**63
 
 
 def step_time(given: object) -> int | None:
-    """Return the time of a step in nanoseconds; None: what was given is no time. Never raises.
-
-    Given is a whole number of 64 bits; None: the machine's monotonic clock.
-    """
+    """Return the time of a step in nanoseconds, None for what is none; never raises."""
     if given is None:
         return time.monotonic_ns()
     given = given if type(given) is int else plain(given)
@@ -80,7 +77,7 @@ class Word(NamedTuple):
 
 
 def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
-    """Return ``input: key`` for each key of the inputs that is in use in this step; never raises.
+    """Return ``input: key`` for each key of the inputs in use in this step; never raises.
 
     Where the messages are not watched (``states``), no input is known to rest on such a key.
     """
@@ -109,11 +106,7 @@ def states_of(eddi_input: object) -> Mapping[str, InputState]:
 
 
 def look_again(eddi_input: object, t_ns: int | None) -> float:
-    """Make unknown what of an ``EDDIInput`` is too old at the time of a step, see ``Monitor``.
-
-    Returns:
-        The seconds since its last ``processing``. Other objects have no ages: 0.
-    """
+    """Make unknown what is too old at a step; return the seconds since ``processing``."""
     given: Any = eddi_input
     return given.look_again(t_ns) if issubclass(type(given), EDDIInputBase) else 0.0
 
@@ -121,8 +114,7 @@ def look_again(eddi_input: object, t_ns: int | None) -> float:
 class EDDIInputBase:
     """Base of the generated ``EDDIInput``: an input that cannot be trusted becomes None.
 
-    A message that is handed in as another object than before is new; the same object is the same
-    message, and ages.
+    A message that is handed in as another object than before is new; the same object ages.
     """
 
     # generated classes have it: takes the latest messages by SimulatorOutput id, and the time in
@@ -203,10 +195,7 @@ class EDDIInputBase:
             self.__leave(name, InputState("stale", TWO_CLOCKS), None)
 
     def received(self, source: str) -> None:
-        """Have the message of a SimulatorOutput id count as new in the next ``processing``.
-
-        For a new sample in an object that was handed in before.
-        """
+        """Have the same object count as a new message in the next ``processing``."""
         self.__arrivals.pop(source, None)
 
     def look_again(self, t_ns: int | None) -> float:
@@ -234,9 +223,9 @@ class EDDIInputBase:
     ) -> None:
         """Call ``process`` with the messages it requires; never raises.
 
-        While a message is missing, the input keeps its default if it never had a value, else it
-        becomes None: a value whose source has gone is not evidence. It also becomes None when a
-        message is older than the limit, and when ``process`` raises or assigns nothing.
+        Without a message the default is kept if there never was a value, else it becomes None: a
+        value whose source has gone is no evidence. So it does when a message is too old, or the
+        call fails.
         """
         attribute, _ = self.__spec(input_id)
         before = self.states.get(input_id, _NEW)

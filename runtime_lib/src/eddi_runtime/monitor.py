@@ -1,10 +1,49 @@
-"""What every monitor offers."""
+"""What every monitor offers, and whether a compiled one and this runtime fit."""
 
 from __future__ import annotations
 
-from typing import Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union, cast
+import hashlib
+import math
+from types import ModuleType
+from typing import Any, Iterable, Mapping, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
 
 from .inputs import InputSpec, accepted
+
+__version__ = "1.0.0"
+"""Of this runtime."""
+
+_MARK = b"\n# sha256 of the lines below: "
+
+
+class ModelError(ValueError):
+    """A monitor cannot run."""
+
+    def __init__(self, path: str, reason: str) -> None:
+        super().__init__(f"{path}: {reason}" if path else reason)
+        # the file of the compiled monitor, or another name for where it came from
+        self.path = path
+        self.reason = reason  # what is wrong, one sentence without a full stop
+
+
+def needs(file: str, formats: Mapping[ModuleType, int]) -> None:
+    """Refuse a compiled monitor that was changed, or needs another runtime (``ModelError``)."""
+    for part, wanted in formats.items():
+        if wanted != part.FORMAT:
+            reason = (
+                f"compiled for format {wanted} of {part.__name__}, but eddi_runtime {__version__}"
+                f" runs {part.FORMAT}: run `eddi-scaffold upgrade`"
+            )
+            raise ModelError(file, reason)
+    try:
+        with open(file, "rb") as opened:  # noqa: PTH123 - pathlib would double the time of a start
+            _, mark, rest = opened.read().partition(_MARK)
+    except OSError:
+        return  # byte code alone, or a text that was compiled in memory
+    digest, _, below = rest.partition(b"\n")
+    if not mark or digest.decode("ascii", "replace") != hashlib.sha256(below).hexdigest():
+        reason = "the file was changed after it was generated: run `eddi-scaffold upgrade`"
+        raise ModelError(file, f"{reason} or `copier recopy --trust --force` in the package")
+
 
 Field = Union[str, bool, int, float, Sequence["Field"], "Tree"]
 Tree = Tuple[str, Mapping[str, Field]]
@@ -18,6 +57,18 @@ Output = TypeVar("Output")
 
 Value = Union[bool, float, str, None]
 """A named result for people and plots; None is unknown."""
+
+
+def rows_of(output: object) -> Sequence[Any] | None:
+    """Return an output that is a list, None for what a person's code has put in place of one."""
+    # "isinstance" would believe what calls itself a list
+    rows: Any = output
+    return rows if issubclass(type(output), (list, tuple)) else None
+
+
+def finite(value: Any) -> Any:
+    """Return a number as ``json`` can write it: None for one that is none."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 class Standing(NamedTuple):
@@ -51,28 +102,24 @@ class Monitor(Protocol[Output]):
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
         """Evaluate once; never raises, whatever the attributes of ``eddi_input`` are.
 
-        ``t_ns``: time of the step in nanoseconds, by any clock that the caller keeps to; None: the
-        machine's monotonic clock. Kinds that know no time ignore it.
+        ``t_ns``: time in nanoseconds by any one clock; None: the machine's monotonic clock.
         """
 
     def as_json(self, output: Output) -> Json:
         """Return what ``execute_step`` gave as ``json`` can write it: as it is, where it can."""
-        return cast(Json, output)
+        made: Json = output  # type: ignore[assignment]
+        return made
 
     def series(self, output: Output) -> Mapping[str, Value]:
         """Return what ``execute_step`` gave as named values, always the same names."""
 
     def decided(self, output: Output) -> Mapping[str, Value]:
-        """Return what of an output is a verdict: truth values, states, whether it is valid.
-
-        Always the same names; numbers whose last digit changes in every step are not in it.
-        """
+        """Return the verdicts in an output, always the same names; no number that drifts."""
         return self.series(output)
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        """Return what ``execute_step`` gave as a message tree with checked values.
+        """Return what ``execute_step`` gave as checked message trees, None for nothing.
 
-        A list of trees when one step gives several messages; None when nothing is to be published.
         It never raises, whatever a person's code has made of the output.
         """
 
@@ -81,18 +128,16 @@ class Monitor(Protocol[Output]):
         return self._output_faults
 
     def status_message(self) -> Tree | None:
-        """Return the facts behind the last step, without a header; ``None`` if there are none.
+        """Return the facts behind the last step, without a header; None for none.
 
-        A kind that publishes more messages beside its result has a method for each, called as the
-        message with ``_message`` behind it.
+        What a kind publishes beside its result has a method of its own: ``<name>_message``.
         """
         return None
 
     def blocked(self, not_known: Iterable[str] = ()) -> Mapping[str, tuple[str, ...]]:
-        """Return input id -> outputs that are not given because this input is not known now.
+        """Return input id -> outputs that are not given because it is not known now.
 
-        ``not_known``: inputs that count as not known whatever they hold, such as one that still
-        has its default because no message has come.
+        ``not_known``: inputs that count as not known whatever they hold, such as a default.
         """
 
     def standings(self) -> Sequence[Standing]:

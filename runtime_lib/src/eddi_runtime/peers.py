@@ -1,13 +1,11 @@
 """Guarantees of other robots: whose word counts, and for how long.
 
-Each node of a fleet tells its word after every step, on one topic for all: its guarantees, a
-number, a lease, and the last number that it has heard of each node that listens. By that echo a
-listener bounds the age of a word with its own clock alone: it was made after the echoed one was
-told. So nothing that was delayed, repeated, reordered or told before a partition counts as fresh,
-whatever the clocks of the robots say.
-
-A guarantee names the monitors of robots on whose words it rests, and none of these relies on it:
-in a circle, they would keep each other's guarantees active long after the evidence is gone.
+Each node of a fleet tells its word after every step: its guarantees, a number, a lease, and the
+last number it heard of each listener. By that echo a listener bounds the age of a word with its
+own clock: it was made after the echoed one was told. So nothing that was delayed, repeated or told
+before a partition counts as fresh, whatever the clocks of the robots say. A guarantee names the
+monitors on whose words it rests, and none of these relies on it: in a circle they would keep each
+other's guarantees active long after the evidence is gone.
 """
 
 from __future__ import annotations
@@ -47,7 +45,6 @@ class Source(NamedTuple):
     guarantee: str  # id of the guarantee that is wanted, as it is published
 
     def described(self, topic: str) -> str:
-        """Return what it is, for people."""
         return f"{self.model}/{self.guarantee} of {_robots(self)} on {topic}"
 
 
@@ -61,10 +58,7 @@ class Fleet(NamedTuple):
     sources: tuple[Source, ...] = ()  # what of the words of others is wanted
 
     def words(self) -> Input:
-        """Return the subscription to the words of all.
-
-        Each of them, for their echoes; it does not wake, or two nodes would do so for ever.
-        """
+        """Return the subscription to all words; it does not wake, or two nodes would for ever."""
         return Input(_WORDS, self.topic, self.type, every_message=True, wakes=False)
 
     def described(self, topics: Mapping[str, str]) -> Mapping[str, str]:
@@ -128,10 +122,8 @@ class Peers:
     def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
         """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.
 
-        Args:
-            guarantees: id, whether it is active, and the robots whose words it is made of by the
-                last ``find``.
-            now: monotonic seconds.
+        ``guarantees``: id, whether it is active, the robots on whose words it rests by the last
+        ``find``.
         """
         self._number += 1
         self._told.append((self._number, now))
@@ -159,7 +151,6 @@ class Peers:
         }
 
     def _all(self, robots: Iterable[str]) -> list[str]:
-        """Return the monitors behind the words of robots that are used."""
         return sorted({one for robot in robots for one in self._behind.get(robot, ())})
 
     def hear(self, message: Any, now: float) -> None:
@@ -226,7 +217,6 @@ class Peers:
         return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
 
     def _rely(self, message: Any, guarantee: str) -> None:
-        """Note which monitors stand behind a word that is used."""
         behind = {_monitor(message.robot, message.model_id), *_of(message, guarantee)[0].rests_on}
         self._behind[message.robot] = self._behind.get(message.robot, frozenset()) | behind
 

@@ -1,7 +1,7 @@
 """Any value that an input may hold: found in a message, read, as a plain value, as a short text.
 
-Robot messages and people's methods hand over numpy scalars, subclasses and proxies: all of them
-are asked here, by methods that they cannot override.
+Messages and people's methods hand over numpy scalars, subclasses and proxies: all are asked by
+methods that they cannot override.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from typing import Any, Iterable, Sequence, TypeVar, Union
 def plain(raw: object) -> bool | int | float | str | None:
     """Return a bool, int, float or str of exactly that type; None for every other; never raises.
 
-    Types are asked with ``type()`` and converted by the methods of the built-in types, so nothing
-    that a subclass or a proxy overrides (``__class__``, ``__float__``, ``__eq__``) is called. A
-    ``byte`` of a message is ``bytes`` of length 1 in rclpy, and a number everywhere else.
+    Nothing that a subclass or a proxy overrides (``__class__``, ``__eq__``) is called. A ``byte``
+    of a message is ``bytes`` of length 1 in rclpy, and a number everywhere else.
     """
     if raw is None or type(raw) is float or type(raw) is bool:
         return raw
@@ -92,10 +91,7 @@ ABSENT = Absent()
 
 
 def read(source: object, attribute: str, input_id: str) -> object:
-    """Return the value of an attribute, an ``Absent`` where it cannot be read; never raises.
-
-    An object that was not generated may hold an id that is no identifier as it is.
-    """
+    """Return the value of an attribute, an ``Absent`` where it cannot be read; never raises."""
     for name in (attribute, input_id):
         try:
             return getattr(source, name)
@@ -118,15 +114,10 @@ class NotGivenError(LookupError):
 
 
 def given(value: T, *known: object) -> T:
-    """Return a field of a monitor's message, where the message says that it is known.
+    """Return a field of a monitor's message if that says that it is known, else NotGivenError.
 
-    Args:
-        value: the field.
-        known: its values that are known by themselves; a tuple is another field, and values of
-            that by which this one is known: ``given(event.active, (event.verdict, 0, 2))``.
-
-    Raises:
-        NotGivenError: it is not known; a claim that is not made need not be false.
+    ``known``: values that are known by themselves; a tuple is another field and values of that by
+    which this one is known: ``given(event.active, (event.verdict, 0, 2))``.
     """
     for one in known:
         told, *wanted = one if isinstance(one, tuple) else (value, one)
@@ -136,50 +127,29 @@ def given(value: T, *known: object) -> T:
 
 
 def by_id(items: Iterable[T], wanted: str) -> T:
-    """Return the only element whose ``id`` equals ``wanted``.
-
-    A ``ConSertOutput`` lists guarantees in an order that its author may change; an index, as in
-    SESAME D7.2 Fig 44, would then read another guarantee without a word.
-
-    Raises:
-        LookupError: no element has that id, or several have; the message names what is there.
-    """
+    """Return the only element with this ``id``, else LookupError: the order may change."""
     return by_key(items, "id", wanted)
 
 
 def by_key(items: Iterable[T], key: str, wanted: str | int) -> T:
-    """Return the only element whose field ``key`` (``title``, ``header.frame_id``) is ``wanted``.
-
-    Raises:
-        LookupError: no element has that key, or several have: none of them is the one that is
-            meant.
-    """
+    """Return the only element whose field ``key`` (``header.frame_id``) is that (LookupError)."""
     take, first = attrgetter(key), key.partition(".")[0]
     keyed = [(take(item) if hasattr(item, first) else None, item) for item in items]
     return _only(f"the {key}", wanted, keyed)
 
 
 def by_name(values: Sequence[T], names: Sequence[str], wanted: str) -> T:
-    """Return the value at the position of ``wanted`` in the list of names.
-
-    Raises:
-        LookupError: there is no such name, or there are two, or as many names as values there
-            are not (an ``effort`` that is left empty).
-    """
+    """Return the value at the place of a name, else LookupError, also with as many names not."""
     if len(values) != len(names):
         raise LookupError(f"{len(values)} values have {len(names)} names")
     return _only("the name", wanted, list(zip(names, values)))
 
 
 def follow(message: object, path: Iterable[Step]) -> object:
-    """Return the value at the end of a path in a message.
+    """Return the value at the end of a path in a message; else LookupError, AttributeError.
 
-    A step is the name of a field, an index, ``[key, wanted]`` (see ``by_key``), or
-    ``[values, names, wanted]`` (see ``by_name``).
-
-    Raises:
-        LookupError: an element is not there, or not alone.
-        AttributeError: a message has no such field.
+    A step is the name of a field, an index, ``[key, wanted]`` (see ``by_key``), or ``[values,
+    names, wanted]`` (see ``by_name``).
     """
     there: Any = message
     for step in path:
@@ -207,8 +177,8 @@ def _only(key: str, wanted: object, keyed: Sequence[tuple[object, T]]) -> T:
 def joined(*parts: object) -> list[float]:
     """Return the numbers of several parts as one list, in this order.
 
-    A part is a number, a sequence of numbers, or a message of ``std_msgs`` with ``layout`` and
-    ``data``, whose ``data_offset`` is honoured.
+    A part is a number, numbers, or ``layout`` and ``data`` of std_msgs, behind its
+    ``data_offset``.
     """
     numbers: list[float] = []
     given: Iterable[Any] = parts

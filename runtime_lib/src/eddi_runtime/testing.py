@@ -24,11 +24,7 @@ class FakeClock:
 
 
 def inputs(monitor: Monitor[Output], values: Mapping[str, object]) -> SimpleNamespace:
-    """Return an object with the given values by input id; the other inputs are None.
-
-    Raises:
-        LookupError: the monitor has no input of one of these ids.
-    """
+    """Return an object with values by input id (else LookupError); the other inputs are None."""
     attributes = {spec.id: spec.attribute for spec in monitor.inputs}
     unknown = [name for name in values if name not in attributes]
     if unknown:

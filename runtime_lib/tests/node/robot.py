@@ -184,7 +184,7 @@ def generated(package, base, monkeypatch):
     ours = SimpleNamespace(Input=Input, Output=Output, MonitorNode=base, reported=nullcontext)
     with monkeypatch.context() as patch:
         patch.syspath_prepend(str(WORKSPACE / package / "src"))
-        patch.setitem(sys.modules, "eddi_runtime.ros1", ours)
+        patch.setitem(sys.modules, "eddi_runtime.transports.ros1", ours)
         for module in (EDDI_MESSAGES, STD_MSGS):
             name = module.__name__
             patch.setitem(sys.modules, name, module)

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import pytest
-from eddi_runtime.reliability.numerics import hazard
+from eddi_runtime.reliability.component import hazard
 from hypothesis import given
 from hypothesis import strategies as st
 

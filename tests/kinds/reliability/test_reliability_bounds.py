@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from eddi_runtime.reliability.cut_sets import BoundedTree
+from eddi_runtime.reliability.large_tree import BoundedTree
 from hypothesis import given
 from hypothesis import strategies as st
 

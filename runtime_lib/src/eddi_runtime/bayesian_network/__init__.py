@@ -7,14 +7,6 @@ from .outputs import BayesianNetworkOutput, Monitor, Node, Outcome, Source
 FORMAT = 3
 
 __all__ = [
-    "FORMAT",
-    "BayesianNetworkMonitor",
-    "BayesianNetworkOutput",
-    "Monitor",
-    "Node",
-    "NodeSpec",
-    "Outcome",
-    "Part",
-    "Program",
-    "Source",
-]
+    "FORMAT", "BayesianNetworkMonitor", "BayesianNetworkOutput", "Monitor", "Node", "NodeSpec",
+    "Outcome", "Part", "Program", "Source",
+]  # fmt: skip

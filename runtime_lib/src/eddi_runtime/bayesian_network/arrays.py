@@ -1,7 +1,7 @@
 """Larger parts of a network: compiled numpy operations on arrays that are made at the start.
 
-Axes of an array are the nodes of its message, ascending; before them lies one axis for each input
-of the message, over its states and, where that may be, "not observed".
+Axes of an array are the nodes of its message, ascending, behind one axis for each input of the
+message, over its states and, where that may be, "not observed".
 """
 
 from __future__ import annotations
@@ -95,12 +95,10 @@ class Numbers:
 
 
 class Running(Numbers):
-    """The operations of one part with their arrays. Not thread-safe: results stay in place.
+    """The operations of a ``Schedule`` with their arrays. Results stay in place.
 
-    Args:
-        made: what was compiled, a ``Schedule``.
-        positions: node -> its place in the states.
-        wanted: which of the outputs are asked for; none: the probability of the evidence.
+    ``positions``: node -> its place in the states. ``wanted``: outputs that are asked for; none:
+    the probability of the evidence.
     """
 
     def __init__(self, made: Any, positions: Mapping[int, int], wanted: Sequence[int]) -> None:
@@ -118,10 +116,7 @@ class Running(Numbers):
             self.hard = self._step(made.hard) if made.full else self._full
 
     def soft(self, states: States, weights: Weights) -> Posteriors:
-        """Return unnormalised rows when some inputs have virtual evidence (by position).
-
-        Not where nodes are observed in each step.
-        """
+        """Return unnormalised rows when some inputs have virtual evidence (by position)."""
         values: list[float] = []
         for node in self.rows:
             values += self.vector(node, self._positions[node], states, weights)
@@ -129,10 +124,10 @@ class Running(Numbers):
         return self._full(states)
 
     def scaled(self, states: States, weights: Weights) -> Posteriors:
-        """Return rows of which none is zero by underflow; slow, for very unlikely evidence.
+        """Return rows of which none is zero by underflow; slow, for unlikely evidence.
 
-        Each message has the maximum 1, and the widest type of the machine is used: 80 bits on a
-        PC, with exponents down to -4950.
+        Each message has the maximum 1, and the widest type of the machine is used: on a PC 80
+        bits, with exponents down to -4950.
         """
         found: dict[int, Any] = {}
         for number, message in enumerate(self.messages):
@@ -177,7 +172,6 @@ class Running(Numbers):
         return run
 
     def _needed(self) -> set[int]:
-        """Return the messages that the answers are made of."""
         found: set[int] = set()
         waiting = list(self._answers)
         while waiting:

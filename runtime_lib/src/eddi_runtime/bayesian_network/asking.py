@@ -21,10 +21,6 @@ def posteriors(
 ) -> dict[str, tuple[float, ...]]:
     """Return the posterior of each output, in the order of its states; steps are not touched.
 
-    Args:
-        monitor: of a network.
-        evidence: node -> what is known; nodes may be left out.
-
     Raises:
         EvidenceError: an unknown node or state, or numbers that are no likelihoods.
         InconsistentEvidenceError: the evidence has probability zero.

@@ -1,13 +1,23 @@
-"""Evidence that a network gives to ConSerts: it holds for every state that is possible."""
+"""The monitor of a network with thresholds: evidence that holds for every state that is possible.
+
+What is not known of an input is tried, state by state: a posterior under likelihoods is a weighted
+mean of those under the states, so these bounds are exact.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from typing import Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from operator import eq
+from typing import Any, Iterable, List, NamedTuple, Sequence, Tuple
 
+from ..monitor import Field, Json, Standing, Tree, finite
 from ..thresholds import Evidence, Threshold
 from .engine import Rows
+from .monitor import BayesianNetworkMonitor, Output
+from .outputs import Facts
+
+__all__ = ["COMBINATIONS", "REASONS", "Claim", "StateThreshold", "Threshold", "ThresholdMonitor"]
 
 COMBINATIONS = 1024
 """States of unknown nodes, multiplied, up to which they are all tried in a step."""
@@ -15,74 +25,11 @@ _REMEMBERED = 1024
 
 Open = Tuple[int, Tuple[int, ...]]
 """Position of an observable node whose state is not known, and the states it may be in."""
-Pick = Callable[[Rows], float]
-"""Takes the probability of interest out of posteriors."""
-Pair = Tuple[float, float]
-Infer = Callable[[List[int], Mapping[int, List[float]]], Optional[Rows]]
-
-
-class Bounds:
-    """Bounds of some probabilities, each over all combinations that are possible.
-
-    Exact: a posterior under likelihoods is a weighted mean of those under the states.
-    """
-
-    def __init__(self, infer: Infer, picks: Sequence[Pick]) -> None:
-        self._infer, self._picks = infer, picks
-        self._found: dict[tuple[tuple[int, ...], tuple[Open, ...]], list[Pair] | None] = {}
-
-    def over(
-        self, states: list[int], weights: Mapping[int, list[float]], opened: Sequence[Open]
-    ) -> list[Pair] | None:
-        """Return (lowest, highest) of each probability; None if no combination is possible."""
-        if weights:
-            return self._tried(states, weights, opened)
-        key = tuple(states), tuple(opened)
-        if key not in self._found:
-            if len(self._found) >= _REMEMBERED:
-                self._found.clear()
-            self._found[key] = self._tried(states, weights, opened)
-        return self._found[key]
-
-    def _tried(
-        self, states: list[int], weights: Mapping[int, list[float]], opened: Sequence[Open]
-    ) -> list[Pair] | None:
-        places = [position for position, _ in opened]
-        tried = list(states)
-        cases: list[list[float]] = []
-        for case in itertools.product(*(possible for _, possible in opened)):
-            for position, state in zip(places, case):
-                tried[position] = state
-            rows = self._infer(tried, weights)
-            if rows is not None:
-                cases.append([pick(rows) for pick in self._picks])
-        return [(min(column), max(column)) for column in zip(*cases)] if cases else None
-
-
-def combinations(opened: Sequence[Open]) -> int:
-    """Return how many combinations of states there are."""
-    return math.prod(len(possible) for _, possible in opened)
-
-
-def pick_of(place: int, states: Sequence[int]) -> Pick:
-    """Return what takes the probability of states of the output at a place."""
-    if len(states) == 1:
-        (state,) = states
-        return lambda rows: rows[place][state]
-
-    def added(rows: Rows) -> float:
-        row = rows[place]
-        return math.fsum([row[state] for state in states])
-
-    return added
-
-
-__all__ = ["Claim", "Claims", "StateThreshold", "Threshold"]
+Pairs = List[Tuple[float, float]]
 
 INCONSISTENT = "inconsistent"
 TOO_MANY = "too many unknown inputs"
 UNKNOWN_INPUTS = "unknown inputs"
-UNKNOWN = (UNKNOWN_INPUTS, TOO_MANY)
 HOLD = "hold"
 BETWEEN = "between limits"
 NO_TIME = "no time"
@@ -128,84 +75,180 @@ class Claim(NamedTuple):
         return f"{self.id}: {active}{', ' if bounds else ''}{bounds}{reason}"
 
 
-class Claims:
-    """The thresholds of a network with their state."""
+class ThresholdMonitor(BayesianNetworkMonitor):
+    """What the class ``Monitor`` of a compiled network with thresholds inherits."""
 
-    def __init__(self, thresholds: Sequence[StateThreshold]) -> None:
-        self._thresholds = thresholds
-        self._evidence = [Evidence(threshold.limits) for threshold in thresholds]
+    thresholds: tuple[StateThreshold, ...]  # the evidence for ConSerts
+    _bounds: Pairs | None  # of each probability in the last step
+
+    def __init__(self, hooks: object | None = None) -> None:
+        self._judges = [Evidence(threshold.limits) for threshold in self.thresholds]
         self._plan = (
-            [threshold.at_least for threshold in thresholds],
-            [threshold.limits.hold_ns for threshold in thresholds],
-            [one.step for one in self._evidence],
+            [threshold.at_least for threshold in self.thresholds],
+            [threshold.limits.hold_ns for threshold in self.thresholds],
+            [one.step for one in self._judges],
         )
-        self.reset()
+        super().__init__(hooks)
+        self._timed |= any(threshold.limits.hold_ns for threshold in self.thresholds)
+        self._doubtful = [source.reader for source in self._sources if source.reader.doubtful]
 
-    def prepare(self, outputs: Sequence[int], infer: Infer) -> None:
-        """Take over a compiled engine: the numbers of its outputs, and how posteriors come."""
-        picks = [
-            pick_of(outputs.index(threshold.node), threshold.states)
-            for threshold in self._thresholds
-        ]
-        self._picks, self._over = picks, Bounds(infer, picks)
-
-    def reset(self) -> None:
-        """Return to inactive."""
-        for one in self._evidence:
-            one.reset()
-        self._bounds: Sequence[Pair] | None = None
-        self._reason, self._known, self._timely = UNKNOWN_INPUTS, False, True
-
-    def step(
-        self,
-        now: float,
-        rows: Rows | None,
-        states: list[int],
-        weights: Mapping[int, list[float]],
-        opened: Sequence[Open],
-    ) -> None:
-        """Judge every threshold."""
-        self._known = not opened
-        if opened and combinations(opened) > COMBINATIONS:
-            self.lose(TOO_MANY)
-            return
-        bounds: Sequence[Pair] | None = None
+    def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
+        output = super().execute_step(eddi_input, t_ns)
+        last = self._last
+        if last.problem:
+            self._lose(ERROR)
+            return output
+        opened = self._opened()
+        self._all_known = not opened
+        bounds: Pairs | None = None
+        if opened and math.prod([len(possible) for _, possible in opened]) > COMBINATIONS:
+            self._lose(TOO_MANY)
+            return output
         if opened:
-            bounds = self._over.over(states, weights, opened)
-        elif rows is not None:
-            bounds = [(pick(rows),) * 2 for pick in self._picks]
+            bounds = self._bounds_over(opened)
+        elif last.rows is not None:
+            bounds = [(p, p) for p in self._picked(last.rows)]
         if bounds is None:
-            self.lose(INCONSISTENT)
-            return
-        self._bounds, self._timely = bounds, now == now  # noqa: PLR0124 - the test for NaN
+            self._lose(INCONSISTENT)
+            return output
+        self._bounds, self._timely = bounds, last.now == last.now
         for at_least, hold_ns, step, (low, high) in zip(*self._plan, bounds):
             usable = self._timely or not hold_ns
             worst, best = (-low, -high) if at_least else (high, low)
-            step(now, worst, usable=usable, best=best)
+            step(last.now, worst, usable=usable, best=best)
+        return output
 
-    def lose(self, reason: str) -> None:
+    def _lose(self, reason: str) -> None:
         """Let nothing be active, whatever the probabilities are."""
         self._bounds, self._reason = None, reason
-        for one in self._evidence:
+        for one in self._judges:
             one.step(0, math.nan, usable=False)
 
-    def rows(self) -> list[Claim]:
-        """Return the result of each threshold in the last step."""
-        bounds = self._bounds or [(math.nan, math.nan)] * len(self._thresholds)
+    def _picked(self, rows: Rows) -> list[float]:
+        """Return the probability that each threshold is about."""
         return [
-            Claim(
-                threshold.limits.id, evidence.active, *pair, self._why(threshold, evidence, pair)
-            )
-            for threshold, evidence, pair in zip(self._thresholds, self._evidence, bounds)
+            rows[place][states[0]]
+            if len(states) == 1
+            else math.fsum([rows[place][state] for state in states])
+            for place, states in self._picks
         ]
 
-    def _why(self, one: StateThreshold, evidence: Evidence, pair: Pair) -> str:
-        if evidence.active:
-            return ""
-        if self._bounds is None:
-            return self._reason
-        if not evidence.possible:
-            return ""
-        if (-pair[0] if one.at_least else pair[1]) <= one.limits.activate:
-            return HOLD if self._timely else NO_TIME
-        return BETWEEN if self._known else UNKNOWN_INPUTS
+    def _bounds_over(self, opened: Sequence[Open]) -> Pairs | None:
+        """Return (lowest, highest) of each probability; None if no combination is possible."""
+        states, weights = self._last.states, self._last.weights
+        key = tuple(states), tuple(opened)
+        if not weights and key in self._tried_bounds:
+            return self._tried_bounds[key]
+        tried, cases = list(states), []
+        for case in itertools.product(*(possible for _, possible in opened)):
+            for (position, _), state in zip(opened, case):
+                tried[position] = state
+            rows = self._tried(tried, weights)
+            if rows is not None:
+                cases.append(self._picked(rows))
+        bounds = [(min(column), max(column)) for column in zip(*cases)] if cases else None
+        if not weights:
+            if len(self._tried_bounds) >= _REMEMBERED:
+                self._tried_bounds.clear()
+            self._tried_bounds[key] = bounds
+        return bounds
+
+    def _opened(self) -> Sequence[Open]:
+        """Return the nodes whose states are not known, where that is not accepted."""
+        last, missing = self._last, self._missing
+        doubt = self._doubtful and any(reader.possible for reader in self._doubtful)
+        if not doubt and True not in map(eq, last.states, missing):
+            return ()
+        found: list[Open] = []
+        for position, node, every, reader in self._places:
+            by_method = node in last.answer.findings or node in last.answer.problems
+            if last.states[position] == missing[position]:
+                accepted = reader is not None and reader.prior_accepted and not by_method
+                if position not in last.weights and not accepted:
+                    found.append((position, every))
+            elif reader is not None and reader.possible and not by_method:
+                found.append((position, tuple(reader.possible)))
+        return found
+
+    def claims(self) -> list[Claim]:
+        bounds = self._bounds or [(math.nan, math.nan)] * len(self.thresholds)
+        found = []
+        for threshold, own, (low, high) in zip(self.thresholds, self._judges, bounds):
+            reason = "" if own.active else self._reason
+            if self._bounds is not None and not own.active:
+                if not own.possible:
+                    reason = ""
+                elif (-low if threshold.at_least else high) <= threshold.limits.activate:
+                    reason = HOLD if self._timely else NO_TIME
+                else:
+                    reason = BETWEEN if self._all_known else UNKNOWN_INPUTS
+            found.append(Claim(own.id, own.active, low, high, reason))
+        return found
+
+    def evidence_message(self) -> Tree:
+        """Return the thresholds as a ``BayesianNetworkEvidence`` without header."""
+        facts = self.facts()
+        fields: dict[str, Field] = {
+            "bayesian_network_id": self.model_id,
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "evidence": [("BayesianNetworkThreshold", claim._asdict()) for claim in self.claims()],
+        }
+        return "BayesianNetworkEvidence", fields
+
+    def beside_json(self) -> dict[str, Json]:
+        """Return what is beside the posteriors; a bound not computed is None."""
+        facts, rows = self.facts(), [claim._asdict() for claim in self.claims()]
+        return {
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "accepted": list(facts.accepted),
+            "evidence": [{name: finite(value) for name, value in row.items()} for row in rows],
+        }
+
+    def standings(self) -> list[Standing]:
+        facts, claims = self.facts(), self.claims()
+        return [Standing("threshold", one.id, one.active, *_why(one, facts)) for one in claims]
+
+    def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
+        rows, found = self.claims(), {}
+        if lost := tuple(row.id for row in rows if row.reason in (UNKNOWN_INPUTS, TOO_MANY)):
+            found = dict.fromkeys(self.facts().unknown_inputs, lost)
+        if inactive := tuple(row.id for row in rows if not row.active):
+            fed = {source.spec.id for source in self._sources}
+            found.update((name, inactive) for name in not_known if name in fed)
+        return found
+
+    def reset(self) -> None:
+        super().reset()
+        for one in self._judges:
+            one.reset()
+        self._bounds = None
+        self._reason, self._all_known, self._timely = UNKNOWN_INPUTS, False, True
+
+    def _prepare(self, outputs: set[int], observed: set[int]) -> None:
+        super()._prepare(outputs, observed)
+        order = self.engine.outputs
+        self._picks = [(order.index(one.node), one.states) for one in self.thresholds]
+        self._tried_bounds: dict[Any, Pairs | None] = {}
+        readers = {node: source.reader for node, (_, source) in self._fed.items()}
+        self._places = [
+            (position, node, tuple(range(missing)), readers.get(node))
+            for position, (node, missing) in enumerate(zip(self.engine.observable, self._missing))
+        ]
+
+
+def _why(one: Claim, facts: Facts) -> tuple[tuple[tuple[str, str], ...], str]:
+    """Return what a threshold lacks, and why else it is not active, in words for people."""
+    if one.active:
+        return (), ""
+    if one.reason in (UNKNOWN_INPUTS, TOO_MANY):
+        accepted = {text.partition(": ")[0] for text in facts.accepted}
+        lacks = {name: "not known" for name in facts.unknown_inputs if name not in accepted}
+        for node, states in facts.undecided.items():
+            lacks[node] = f"may be {' or '.join(states)} after a gap"
+        return tuple(lacks.items()), "" if lacks else one.reason
+    if one.reason:
+        return (), REASONS[one.reason]
+    bounds = one.bounds(".4g")
+    return (), f"the probability is {bounds}" if bounds else ""

@@ -21,15 +21,12 @@ class DirectReader:
         self.read = self._quick()
 
     def absent(self, now: float) -> Reading:
-        """Return "not observed"."""
         return len(self._states)
 
     def known(self, raw: object, reading: Reading) -> tuple[bool, str]:
-        """Return whether a value is an observation; nothing is accepted in place of it."""
         return self.read(raw, 0) != len(self._states), ""
 
     def fault(self, raw: object) -> str | None:
-        """Return what is wrong with a value."""
         try:
             self._judged(raw)
         except EvidenceError as problem:
@@ -37,7 +34,7 @@ class DirectReader:
         return None
 
     def reset(self) -> None:
-        """Forget nothing: nothing is remembered."""
+        """Nothing is remembered."""
 
     def _quick(self) -> Callable[[object, float], Reading]:
         number, missing, judged = self._number, len(self._states), self._judged

@@ -72,21 +72,9 @@ class _Inference(NamedTuple):
 
 
 class Engine:
-    """A program with its numbers, or a part of it. Not thread-safe.
+    """A program with its numbers, or a part of it (``outputs``, ``observable``). Not thread-safe.
 
-    Which of the observable nodes are observed may differ from step to step.
-
-    Args:
-        nodes: of the network.
-        program: what was compiled.
-        outputs: those that are wanted; None: all of the program.
-        observable: those that may be observed; None: all of the program.
-
-    Attributes:
-        program: what was compiled.
-
-    Raises:
-        ImportError: a part needs numpy and it is not installed.
+    Which observable nodes are observed may differ from step to step. ImportError without numpy.
     """
 
     def __init__(
@@ -121,10 +109,8 @@ class Engine:
         """Return the posterior of each output, None if the evidence has probability zero.
 
         Args:
-            states: state of each observable node; ``missing`` for one that is not observed, or
-                that has virtual evidence.
-            weights: position among the observable nodes -> one likelihood per state: finite, not
-                negative, the largest 1. Not for an observed state: that is hard evidence.
+            states: of each observable node; ``missing`` if not observed, or with virtual evidence.
+            weights: position -> one likelihood per state: finite, not negative, the largest 1.
         """
         places = self._places
         if places is not None:
@@ -172,7 +158,6 @@ class Engine:
 def _weighted(
     row: Sequence[float], slot: _Slot, states: States, weights: Weights
 ) -> Sequence[float]:
-    """Take into the row of an output what was seen of the output itself."""
     position = slot.position
     if position < 0:
         return row
@@ -185,6 +170,5 @@ def _weighted(
 
 
 def _exponent(positions: frozenset[int], weights: Weights) -> float:
-    """Return the least exponent of any product of the likelihoods of a part."""
     given = (weights[position] for position in positions.intersection(weights))
     return sum(math.log2(min(one for one in weight if one > 0.0)) for weight in given)

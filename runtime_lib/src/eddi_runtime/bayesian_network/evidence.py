@@ -1,7 +1,6 @@
 """Evidence from numbers, one per state of a node, and from the methods of SESAME D7.2.
 
-Virtual evidence is a likelihood, P(observation | state), as in Pearl 1988, section 2.2.2, and in
-GeNIe; a posterior cannot be forced.
+Virtual evidence is a likelihood, P(observation | state) (Pearl 1988, 2.2.2), as in GeNIe.
 """
 
 from __future__ import annotations
@@ -31,19 +30,11 @@ class NotForeseenError(ValueError):
 
 
 def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = True) -> Finding:
-    """Return the finding in one number per state.
+    """Return the finding in one number per state, or raise EvidenceError.
 
-    All zero: nothing. One other than zero: that state for sure, whatever the number. Several:
-    likelihoods, of which only the ratios count.
-
-    Args:
-        values: numbers, in the order of the states.
-        states: names of the states.
-        virtual: False: the rule of SESAME D7.2's generated code: exactly one 1.0 among zeros is
-            the state, everything else is nothing.
-
-    Raises:
-        EvidenceError: a value is no number, NaN, infinite or negative, or their count is wrong.
+    All zero: nothing. One other than zero: that state for sure. Several: likelihoods, of which
+    only the ratios count. Not ``virtual`` (D7.2's generated code): exactly one 1.0 among zeros is
+    the state, everything else is nothing.
     """
     numbers: Sequence[Any] = values  # what is none raises TypeError, or is found by its type
     count = len(numbers)
@@ -77,11 +68,7 @@ def finding(values: Sequence[object], states: Sequence[str], *, virtual: bool = 
 def outcomes_finding(
     outcomes: Mapping[str, object], states: Sequence[str], *, virtual: bool = True
 ) -> Finding:
-    """Return the finding in a dictionary from states to numbers (SESAME D7.2 Fig 15).
-
-    Raises:
-        EvidenceError: as ``finding`` does, or the keys are not the states of the node.
-    """
+    """Return the finding in state -> number (SESAME D7.2 Fig 15), or EvidenceError."""
     if tuple(outcomes) == states:  # as generated
         return finding(list(outcomes.values()), states, virtual=virtual)
     try:
@@ -143,8 +130,8 @@ class Answer:
 class Methods:
     """The methods of an object, one per node that has one.
 
-    A method that can read nothing, mostly one without hand-written code, is asked once: it says
-    the same in each step. Every other one counts as an observation of its node.
+    One that can read nothing, mostly without hand-written code, is asked once. Every other one
+    counts as an observation of its node.
     """
 
     def __init__(self, hooks: object, nodes: Sequence[NodeSpec], *, virtual: bool) -> None:
@@ -175,10 +162,7 @@ class Methods:
         self.outputs |= self._constant.outputs
 
     def ask(self, eddi_input: object) -> Answer:
-        """Call every method that may change its result, once.
-
-        What one raises is noted and its node is not observed.
-        """
+        """Call every method that may change its result; what one raises is noted."""
         if not self._asked:
             return self._constant
         answer = Answer(self._constant)

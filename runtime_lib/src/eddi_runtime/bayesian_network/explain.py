@@ -51,7 +51,6 @@ class Explaining(BayesianNetworkMonitor):
         return Explanation(evidence, tuple(unobserved), self._relevance(), facts, claims)
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step, with the relevance of each observed node."""
         name, fields = super().status_message()
         found = self._relevance()
         names, values = list(found), list(found.values())

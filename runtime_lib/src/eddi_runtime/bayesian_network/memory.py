@@ -11,17 +11,9 @@ from .readers import ABSENT, Declaration, Discretiser
 class Hysteresis:
     """Which bin is kept from one value to the next.
 
-    After a gap it is not known which bin was left, so a value near an edge may belong to either
-    side, until a value is in one bin whatever was before. The time before the first value is a
-    gap, too.
-
-    Args:
-        edges: of the bins, ascending.
-        band: a value keeps the bin while it is at most so far beyond its near edge.
-
-    Attributes:
-        possible: bins of the last value if there are several; the one that was returned is among
-            them. Empty when there is no doubt.
+    After a gap (the time before the first value is one) it is not known which bin was left, so a
+    value near an edge may belong to either side, until a value is in one bin whatever was before.
+    A value keeps the bin while it is at most ``band`` beyond its near edge.
     """
 
     def __init__(self, edges: Sequence[float], band: float) -> None:
@@ -73,7 +65,6 @@ class Remembering(Discretiser):
         self.reset()
 
     def absent(self, now: float) -> int:
-        """Return the state when there is no value: the last one for a while."""
         self._lose()
         if not self.timed:
             return self._default
@@ -84,7 +75,6 @@ class Remembering(Discretiser):
         return state
 
     def reset(self) -> None:
-        """Forget former values."""
         self._lose()
         self._last: tuple[int, float, Sequence[int]] = (self._declared.missing, 0, ())
 

@@ -5,25 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Dict, Iterable, List, Union
 
-from ..compatibility import ModelError
 from ..inputs import look_again, step_time
-from ..monitor import Json, Monitor, Standing, Tree
+from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
 from ..plain_values import Absent, read
 from . import outputs as out
 from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import Methods, NotForeseenError
-from .outputs import (
-    NO_ANSWER,
-    BayesianNetworkOutput,
-    Facts,
-    Known,
-    Node,
-    Outcome,
-    Source,
-    Step,
-    evidence_of,
-    facts_of,
-)
+from .outputs import NO_ANSWER, BayesianNetworkOutput, Facts, Known, Node, Outcome, Source, Step
 from .outputs import Monitor as OfD72
 
 if TYPE_CHECKING:
@@ -37,10 +25,7 @@ _UNKNOWN: Rows = ()
 
 
 class BayesianNetworkMonitor(OfD72, Monitor[Output]):
-    """What the class ``Monitor`` of a compiled Bayesian network inherits.
-
-    Not thread-safe: the thread that steps it also asks it.
-    """
+    """What the class ``Monitor`` of a compiled network inherits; not thread-safe."""
 
     kind = "bayesian_network"
     nodes: tuple[NodeSpec, ...]  # of the network, in the order of the file
@@ -53,12 +38,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
     remembered = 1024  # cases of states whose posteriors are kept at most
 
     def __init__(self, hooks: object | None = None) -> None:
-        """Make the monitor.
-
-        Raises:
-            ModelError: numpy is needed and not installed, or a method observes a node that was not
-                foreseen, and no inference is there for it.
-        """
+        """Make the monitor; ModelError without numpy, or what was not foreseen."""
         self._sources = self.sources()
         self._fed = {source.node: (k, source) for k, source in enumerate(self._sources)}
         self._timed = any(source.reader.timed for source in self._sources)
@@ -77,7 +57,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         self.reset()
 
     def reset(self) -> None:
-        """Forget former steps."""
         for source in self._sources:
             source.reader.reset()
         self._good: tuple[Rows, set[int]] | None = None
@@ -90,21 +69,16 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def read(self, eddi_input: object) -> tuple[object, ...]:
         """Return the value of each source; compiled monitors write this out."""
-        found = [
-            read(eddi_input, source.spec.attribute, source.spec.id) for source in self._sources
-        ]
+        specs = [source.spec for source in self._sources]
+        found = [read(eddi_input, spec.attribute, spec.id) for spec in specs]
         return tuple([None if type(value) is Absent else value for value in found])
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Output:
-        """Evaluate once; never raises an Exception.
+        """Return one ``BayesianNetworkOutput``, or none; never raises.
 
-        Reads one attribute per input and calls every method of a person. Absent, None, NaN and
-        whatever is no value for an input leave its node unobserved, so that its prior speaks. A
-        time that is no whole number is none, and nothing is held then.
-
-        Returns:
-            One ``BayesianNetworkOutput`` with the outputs in the order of the network. An empty
-            list when evidence has probability zero and ``on_inconsistent`` is ``silent``.
+        Absent, None, NaN and whatever is no value for an input leave its node unobserved, so that
+        its prior speaks; without a time nothing is held. There is no output where evidence has
+        probability zero and ``on_inconsistent`` is ``silent``.
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -159,39 +133,29 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return self.engine.infer(states, weights) if rows is _UNKNOWN else rows
 
     def as_json(self, output: Output) -> list[dict[str, Json]] | None:
-        """Return an output as JSON; None when no posterior was given."""
         return [one.as_json() for one in output] or None
 
     def series(self, output: Output) -> Named:
-        """Return ``Node=state`` -> probability, None where not given; and each threshold."""
-        found: Named = {
-            f"{title}={name}": None for title, states in self._given for name in states
-        }
-        for one in output:
-            for given in one.output_nodes:
-                found.update((f"{given.title}={two.name}", two.value) for two in given.outcomes)
+        """Return ``Node=state`` -> probability, and each threshold."""
+        found: Named = {f"{title}={name}": None for title, names in self._given for name in names}
+        for node in (node for one in output for node in one.output_nodes):
+            found.update((f"{node.title}={one.name}", one.value) for one in node.outcomes)
         found.update((claim.id, claim.active) for claim in self.claims())
         return found
 
     def decided(self, output: Output) -> Named:
-        """Return each threshold, the most probable state of each node, and the status.
-
-        The state is None for what was not given, the first of equally probable ones.
-        """
+        """Return each threshold, the first most probable state, the status."""
         found: Named = dict.fromkeys(title for title, _ in self._given)
-        for one in output:
-            for given in one.output_nodes:
-                found[given.title] = max(given.outcomes, key=lambda two: two.value).name
+        for node in (node for one in output for node in one.output_nodes):
+            found[node.title] = max(node.outcomes, key=lambda one: one.value).name
         found.update((claim.id, claim.active) for claim in self.claims())
         return {**found, "status": self.status_name()}
 
     def message(self, output: object) -> Tree | list[Tree] | None:
-        """Return an output as a ``BayesianNetworkOutput`` tree, None without a posterior."""
         tree, self._output_faults = out.output_message(output)
         return tree
 
     def output_faults(self) -> tuple[str, ...]:
-        """Return what kept posteriors from being published, and which methods failed."""
         last = self._last
         problems = sorted(set(last.answer.problems.values()))
         if last.problem:
@@ -207,47 +171,73 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
     def status(self) -> int:
         """Return OK 0, PARTIAL 1, PRIOR 2, INCONSISTENT 3 or ERROR 4 for the last step."""
-        last = self._last
+        last, (observed, unobserved) = self._last, self._evidence()
         if last.rows is None:
             return out.INCONSISTENT
         if last.answer.problems or last.problem:
             return out.ERROR
-        observed, unobserved = self._evidence()
-        if observed:
-            return out.PARTIAL if unobserved else out.OK
-        return out.PRIOR
+        return out.PRIOR if not observed else out.PARTIAL if unobserved else out.OK
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step as a ``BayesianNetworkStatus`` without header."""
-        _, unobserved = self._evidence()
-        return out.status_message(self.model_id, self.status(), unobserved, self.facts())
+        facts = self.facts()
+        fields: dict[str, Field] = {
+            "bayesian_network_id": self.model_id,
+            "status": self.status(),
+            "unobserved": self._evidence()[1],
+            "valid": facts.valid,
+            "unknown_inputs": list(facts.unknown_inputs),
+            "undecided": [f"{node}: {', '.join(of)}" for node, of in facts.undecided.items()],
+            "accepted": list(facts.accepted),
+            "relevance_nodes": [],
+            "relevance": [],
+        }
+        return "BayesianNetworkStatus", fields
 
     def claims(self) -> list[Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
         return []
 
     def standings(self) -> list[Standing]:
-        """Return nothing: raw posteriors claim nothing."""
         return []
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return nothing: a node that is not observed keeps no posterior from being given."""
         return {}
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         return self.facts().accepted
 
     def facts(self) -> Facts:
         """Return which inputs were known in the last step, and what was accepted for others."""
-        facts = facts_of(self._last, self.engine.observable, self.nodes, self._fed)
-        further = super().accepted()
-        if self._last.rows is None and self.on_inconsistent != "silent":
-            further = (*further, f"on_inconsistent: {self.on_inconsistent}")
-        return facts._replace(accepted=(*facts.accepted, *further))
+        step, unknown, accepted = self._last, [], []
+        undecided: dict[str, tuple[str, ...]] = {}
+        for position, node in enumerate(self.engine.observable):
+            if node in step.answer.findings:
+                continue
+            if node not in self._fed or node in step.answer.problems:
+                unknown.append(self.nodes[node].id)
+                continue
+            number, (_, spec, reader) = self._fed[node]
+            raw = step.raw[number] if step.raw else None
+            taken = step.states[position]
+            try:
+                known, key = reader.known(raw, step.weights.get(position, taken))
+            except Exception:  # noqa: BLE001 - a hostile object
+                known, key = False, ""
+            if not known:
+                unknown.append(spec.id)
+            if key:
+                accepted.append(f"{spec.id}: {key}")
+            if reader.possible:
+                states = dict.fromkeys((taken, *reader.possible))
+                undecided[self.nodes[node].id] = tuple(self.nodes[node].states[k] for k in states)
+        accepted = [*dict.fromkeys(accepted), *super().accepted()]
+        if step.rows is None and self.on_inconsistent != "silent":
+            accepted.append(f"on_inconsistent: {self.on_inconsistent}")
+        failed = step.rows is None or step.problem or step.answer.problems
+        valid = not (unknown or undecided or failed)
+        return Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(accepted))
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         found: dict[str, str] = {}
         for source, value in zip(self._sources, self._last.raw):
             try:
@@ -259,7 +249,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return found
 
     def _grow(self, flagged: set[int]) -> str:
-        """Take outputs in that a method has flagged; return why nothing can infer them."""
         try:
             self._prepare({*self.engine.outputs, *flagged}, {*self.engine.observable})
         except (ImportError, NotForeseenError) as problem:
@@ -268,11 +257,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return ""
 
     def engine_for(self, outputs: set[int], observed: set[int]) -> Engine:
-        """Return inference for some nodes: as foreseen, else for any nodes, which takes longer.
-
-        Raises:
-            NotForeseenError: there is no inference for these nodes.
-        """
+        """Return inference for some nodes, or raise NotForeseenError."""
         reason = self._not_foreseen(outputs, observed)
         if not reason:
             return Engine(self.nodes, self.foreseen)
@@ -302,21 +287,17 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
 
             reason = self._not_foreseen(engine.outputs, engine.observable)
             logging.getLogger(__name__).warning("%s, so steps take longer", reason)
-        self._titles = [(node, nodes[node].id, nodes[node].states) for node in engine.outputs]
         self._shown = self._shown_with(set())
-        self._given = [title[1:] for title in self._titles if title[0] not in self._judged_only]
-        self._readers = [
-            (self._positions[source.node], source.reader.read, source.reader.absent)
-            for source in self._sources
-        ]
+        given = [nodes[node] for node in engine.outputs if node not in self._judged_only]
+        self._given = [(node.id, node.states) for node in given]
+        pairs = [(self._positions[source.node], source.reader) for source in self._sources]
+        self._readers = [(position, reader.read, reader.absent) for position, reader in pairs]
 
     def _shown_with(self, flagged: set[int]) -> list[tuple[int, str, tuple[str, ...]]]:
         """Return (place, title, states) of each output that is given in a step."""
-        return [
-            (place, title, states)
-            for place, (node, title, states) in enumerate(self._titles)
-            if node in self.given or node in flagged
-        ]
+        pairs = [*enumerate(self.engine.outputs)]
+        shown = [(k, self.nodes[one]) for k, one in pairs if one in self.given or one in flagged]
+        return [(place, node.id, node.states) for place, node in shown]
 
     def _output(self, rows: Rows, flagged: set[int]) -> Output:
         shown = self._shown_with(flagged) if flagged else self._shown
@@ -324,4 +305,12 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
     def _evidence(self) -> tuple[dict[str, Known], list[str]]:
-        return evidence_of(self._last, [self.nodes[one] for one in self.engine.observable])
+        """Return observed node -> its state or likelihoods; and the nodes that are not."""
+        nodes, last = [self.nodes[one] for one in self.engine.observable], self._last
+        found: dict[str, Known] = {}
+        for position, (node, state) in enumerate(zip(nodes, last.states)):
+            if position in last.weights:
+                found[node.id] = tuple(last.weights[position])
+            elif state < len(node.states):
+                found[node.id] = node.states[state]
+        return found, [node.id for node in nodes if node.id not in found]

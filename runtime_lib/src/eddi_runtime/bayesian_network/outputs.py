@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence, Tuple, Union
 
 from ..inputs import InputSpec
-from ..monitor import Field, Json, Tree
+from ..monitor import Json, Tree, rows_of
 from ..plain_values import plain
-from .engine import NodeSpec, Rows
+from .engine import Rows
 from .evidence import Answer
 
 if TYPE_CHECKING:
@@ -53,52 +53,6 @@ class Facts(NamedTuple):
     # node -> states that it may be in, when there are several; the posterior takes the first
     undecided: Mapping[str, tuple[str, ...]]
     accepted: tuple[str, ...]  # ``input: key`` for each key of the configuration that was needed
-
-
-def evidence_of(step: Step, nodes: Sequence[NodeSpec]) -> tuple[dict[str, Known], list[str]]:
-    """Return observed node -> its state, or its likelihoods; and the nodes that are not."""
-    found: dict[str, Known] = {}
-    for position, (node, state) in enumerate(zip(nodes, step.states)):
-        if position in step.weights:
-            found[node.id] = tuple(step.weights[position])
-        elif state < len(node.states):
-            found[node.id] = node.states[state]
-    return found, [one.id for one in nodes if one.id not in found]
-
-
-def facts_of(
-    step: Step,
-    observable: Sequence[int],
-    nodes: Sequence[NodeSpec],
-    fed: Mapping[int, tuple[int, Source]],
-) -> Facts:
-    """Return what was known in a step."""
-    unknown: list[str] = []
-    accepted: list[str] = []
-    undecided: dict[str, tuple[str, ...]] = {}
-    for position, node in enumerate(observable):
-        if node in step.answer.findings:
-            continue
-        if node not in fed or node in step.answer.problems:
-            unknown.append(nodes[node].id)
-            continue
-        number, (_, spec, reader) = fed[node]
-        raw = step.raw[number] if step.raw else None
-        taken = step.states[position]
-        try:
-            known, key = reader.known(raw, step.weights.get(position, taken))
-        except Exception:  # noqa: BLE001 - a hostile object
-            known, key = False, ""
-        if not known:
-            unknown.append(spec.id)
-        if key:
-            accepted.append(f"{spec.id}: {key}")
-        if reader.possible:
-            states = (taken, *(one for one in reader.possible if one != taken))
-            undecided[nodes[node].id] = tuple(nodes[node].states[state] for state in states)
-    failed = step.rows is None or step.problem or step.answer.problems
-    valid = not (unknown or undecided or failed)
-    return Facts(valid, tuple(dict.fromkeys(unknown)), undecided, tuple(dict.fromkeys(accepted)))
 
 
 OK, PARTIAL, PRIOR, INCONSISTENT, ERROR = range(5)
@@ -155,47 +109,24 @@ class Monitor:
     """The base class of D7.2's monitors."""
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> object:
-        """Evaluate once.
-
-        Raises:
-            NotImplementedError: in this base class.
-        """
+        """Evaluate once."""
         raise NotImplementedError
 
 
 def output_message(output: object) -> tuple[Tree | list[Tree] | None, tuple[str, ...]]:
-    """Return the ``BayesianNetworkOutput`` tree of an output and what was wrong; never raises.
-
-    None when no posterior is given; what a person's code has spoilt is left out and named.
-    """
-    if not (issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple))):
+    """Return the tree of an output, None for none, and what was wrong; never raises."""
+    rows = rows_of(output)
+    if rows is None:
         return None, ("the output is not a list; nothing is published",)
     faults: list[str] = []
     trees: list[Tree] = []
-    for one in output:
+    for one in rows:
         try:
             nodes = [_node_tree(node) for node in one.output_nodes]
-        except Exception as problem:  # noqa: BLE001 - a person's code may have put anything there
+            trees.append(("BayesianNetworkOutput", {"output_nodes": nodes}))
+        except Exception as problem:  # noqa: BLE001, PERF203 - a person's code may have put anything there
             faults.append(f"an output cannot be published: {type(problem).__name__}")
-            continue
-        trees.append(("BayesianNetworkOutput", {"output_nodes": nodes}))
     return trees[0] if len(trees) == 1 else trees or None, tuple(faults)
-
-
-def status_message(network_id: str, status: int, unobserved: Sequence[str], facts: Facts) -> Tree:
-    """Return the ``BayesianNetworkStatus`` tree without header."""
-    fields: dict[str, Field] = {
-        "bayesian_network_id": network_id,
-        "status": status,
-        "unobserved": list(unobserved),
-        "valid": facts.valid,
-        "unknown_inputs": list(facts.unknown_inputs),
-        "undecided": [f"{node}: {', '.join(states)}" for node, states in facts.undecided.items()],
-        "accepted": list(facts.accepted),
-        "relevance_nodes": [],
-        "relevance": [],
-    }
-    return "BayesianNetworkStatus", fields
 
 
 def _node_tree(node: Any) -> Tree:
@@ -211,7 +142,7 @@ def _outcome_tree(outcome: Any) -> Tree:
 
 
 def _text(value: Any) -> str:
-    found = plain(value)
-    if not isinstance(found, str):
+    text = plain(value)
+    if not isinstance(text, str):
         raise TypeError("a name is no text")
-    return found
+    return text

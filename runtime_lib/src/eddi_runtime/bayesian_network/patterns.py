@@ -1,8 +1,8 @@
 """Wide parts of a network: arrays in which a node that is observed has no axis.
 
-Which inputs are observed, which are missing and which have likelihoods is a pattern. A pattern
-comes again, as when a sensor fails for a while, so its arrays are made when it comes for the
-second time, and kept. The order of all operations was compiled.
+Which inputs are observed, missing or have likelihoods is a pattern. It comes again, as when a
+sensor fails, so its arrays are made when it comes for the second time, and kept. The order of all
+operations was compiled.
 """
 
 from __future__ import annotations
@@ -39,7 +39,6 @@ class Adapted(NamedTuple):
     limit: int  # multiplications up to which it is faster than the schedule
 
     def running(self, cards: Cards, wanted: Sequence[int]) -> Patterns:
-        """Return the inference by these operations, see ``Part``."""
         return Patterns(self, cards, wanted)
 
 
@@ -197,7 +196,6 @@ class _Arrays:
         return True
 
     def _own(self, slot: int) -> tuple[int, ...]:
-        """Return the shape of an array behind its cases."""
         shape: tuple[int, ...] = self._slots[slot].shape
         return shape[self._cases(slot) :]
 
@@ -205,7 +203,6 @@ class _Arrays:
         return self._chosen[slot][0] if slot in self._chosen else 0
 
     def _like(self, slot: int, shape: Sequence[int]) -> int:
-        """Add an array with the numbers of another one."""
         return self._add(-1 - len(self._slots), self._reshaped(slot, shape), slot)
 
     def _reshaped(self, slot: int, shape: Sequence[int]) -> Any:

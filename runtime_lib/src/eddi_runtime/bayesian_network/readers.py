@@ -1,6 +1,6 @@
 """From the value of an input to the state of a node: declared bins and maps.
 
-A reader never raises for a value of any type; what it cannot use leaves the node unobserved.
+A reader never raises; what it cannot use leaves the node unobserved.
 """
 
 from __future__ import annotations
@@ -44,8 +44,7 @@ class Declaration(NamedTuple):
 class Discretiser:
     """A declared discretisation that remembers nothing from one step to the next.
 
-    The order of evaluation: missing or NaN, special values, infinite, range, scale and offset,
-    bins.
+    In this order: missing or NaN, special values, infinite, range, scale and offset, bins.
     """
 
     timed = False  # it needs the time
@@ -76,10 +75,7 @@ class Discretiser:
         return self._default
 
     def known(self, raw: object, reading: Reading) -> tuple[bool, str]:
-        """Return whether a value by itself is an observation of the node.
-
-        And the key by which it counted as what was read of it, empty for none.
-        """
+        """Return whether a value by itself is an observation, and by which key it counted."""
         one, (state, number) = self._declared, self._judged(raw)
         if number is None:
             known = state not in (ABSENT, one.missing)
@@ -107,7 +103,7 @@ class Discretiser:
         """Forget former values."""
 
     def _judged(self, raw: object) -> tuple[int, float | None]:
-        """Return (state, None), or a number that falls into the bins; remembers nothing."""
+        """Return (state, None), or a number that falls into the bins."""
         value = raw if type(raw) is float else plain(raw)
         if self._special:
             state = self._special.get((type(value), value))

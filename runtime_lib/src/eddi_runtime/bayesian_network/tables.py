@@ -1,7 +1,6 @@
 """Small parts of a network: one table for all cases of evidence, with the standard library only.
 
-A step with hard or missing evidence is one look-up; virtual evidence sums over the states of the
-inputs that it is given for. Monitors of small networks so start without numpy.
+A step with hard or missing evidence is one look-up; virtual evidence sums over its inputs.
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ class Tables(NamedTuple):
     bind: Callable[..., Callable[[States], Rows]]
 
     def running(self, cards: Mapping[int, tuple[int, int]], wanted: Sequence[int]) -> JointTables:
-        """Return the inference by these tables, see ``Made``."""
         return JointTables(self, dict(cards.values()), wanted or [0])
 
 
@@ -104,7 +102,7 @@ class JointTables:
 
 
 def _vectors(prior: Sequence[float]) -> Posteriors:
-    """Return the vector of an input for each of its states, and for "not observed" behind them."""
+    """Return the vector of an input for each state, and for "not observed" behind them."""
     states = range(len(prior))
     rows = [[float(one == state and prior[one] > 0.0) for one in states] for state in states]
     return [*rows, list(prior)]

@@ -6,12 +6,5 @@ from .verdicts import Binary, Categorical, Explanation, Guarantee, Numeric, Reas
 FORMAT = 3
 
 __all__ = [
-    "FORMAT",
-    "Binary",
-    "Categorical",
-    "ConSert",
-    "Explanation",
-    "Guarantee",
-    "Numeric",
-    "Reason",
-]
+    "FORMAT", "Binary", "Categorical", "ConSert", "Explanation", "Guarantee", "Numeric", "Reason",
+]  # fmt: skip

@@ -1,7 +1,4 @@
-"""Filters of leaf values over time: debouncing (ours) and majority (that of SESAME's first tool).
-
-A filter is a state and ``apply``: the truth values of all leaves in this step -> the filtered.
-"""
+"""Filters of leaf values over time: debouncing (ours), majority (that of SESAME's first tool)."""
 
 from __future__ import annotations
 
@@ -33,8 +30,7 @@ class LeafFilter:
 class Debounce(LeafFilter):
     """Loss at once, gain late: TRUE after ``needed`` TRUE samples in a row.
 
-    Before that the last value that was not TRUE holds (UNKNOWN at the start). The direction that
-    matters for safety, the loss of evidence, is never delayed.
+    Before that the last value that was not TRUE holds: a loss of evidence is never delayed.
     """
 
     def __init__(self, needed: int) -> None:
@@ -64,10 +60,7 @@ class Debounce(LeafFilter):
 
 
 class Majority(LeafFilter):
-    """Strict majority of the last ``window`` samples, of those that are there.
-
-    Both directions are late: a loss is seen after up to half the window.
-    """
+    """Strict majority of the last ``window`` samples; a loss may be half the window late."""
 
     accepts = "filter: majority"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, overload
 
 from ..inputs import accepted, look_again, states_of
-from ..monitor import Field, Monitor, Standing, Tree
+from ..monitor import Monitor, Standing, Tree, rows_of
 from ..plain_values import ABSENT, plain, read
 from .verdicts import (
     FALSE,
@@ -32,8 +32,7 @@ Rows = List[Dict[str, object]]
 class ConSert(Monitor[Rows]):
     """What the class ``Monitor`` of a compiled ConSert inherits.
 
-    Ids in the output of ``execute_step`` are those that ``guarantee_ids`` of the configuration
-    asks for; everywhere else they are those of the model.
+    Ids in the output are those of ``guarantee_ids``; everywhere else those of the model.
     """
 
     kind = "consert"
@@ -47,20 +46,15 @@ class ConSert(Monitor[Rows]):
 
     def __init__(self, leaf_filter: LeafFilter | None = None) -> None:
         self.filter = leaf_filter  # of the truth values of the inputs
-        self.guarantee_ids = tuple(guarantee.id for guarantee in self.guarantees)
-        self.published_ids = tuple(
-            guarantee.published or guarantee.id for guarantee in self.guarantees
-        )
+        self.guarantee_ids = tuple(one.id for one in self.guarantees)
+        self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
         self.reset()
 
     def step(self, source: object) -> tuple[bool, ...]:
-        """Evaluate once: active flags in file order; never raises.
-
-        Compiled monitors write this out, but for models that are too large for a text.
-        """
+        """Return active flags in file order; never raises. Small models write this out."""
         self.raw, self.source = self.read(source), source
         values: Sequence[int] = [self.judge(k, value) for k, value in enumerate(self.raw)]
         if self.filter is not None:
@@ -77,20 +71,17 @@ class ConSert(Monitor[Rows]):
         return self.leaves[leaf].judge(raw)[0]
 
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> Rows:
-        """Evaluate once: a new list of ``{'id': ..., 'active': ...}`` in file order.
+        """Return ``{'id': ..., 'active': ...}`` for each guarantee, in file order.
 
-        Reads one attribute per input. Absent, None, NaN and whatever is no value for the input
-        is UNKNOWN, and a guarantee is active only when it is TRUE. Never raises an Exception.
+        Absent, None, NaN and whatever is no value for the input is UNKNOWN; active is TRUE alone.
         """
         look_again(eddi_input, t_ns)
-        flags = self.step(eddi_input)
         return [
-            {"id": published_id, "active": flag}
-            for published_id, flag in zip(self.published_ids, flags)
+            {"id": id_, "active": flag}
+            for id_, flag in zip(self.published_ids, self.step(eddi_input))
         ]
 
     def series(self, output: Rows) -> dict[str, bool | float | str | None]:
-        """Return guarantee id -> is it active."""
         return {str(row["id"]): row["active"] is True for row in output}
 
     def verdicts(self) -> dict[str, str]:
@@ -103,10 +94,9 @@ class ConSert(Monitor[Rows]):
         return {spec.id: NAMES[v] for spec, v in zip(self.inputs, self._leaf_values())}
 
     def best_guarantees(self) -> dict[str, str | None]:
-        """Return provided service id -> its best active guarantee, ``None`` when none is active.
+        """Return service id -> its best active guarantee, None when none is active.
 
-        The lowest ``ranking`` is best, then guarantees without one, in file order; a default
-        guarantee comes last.
+        The lowest ``ranking`` is best, then those without, in file order; a default comes last.
         """
         sets = self._sets()
         active = [guarantee for guarantee in self.guarantees if sets.value(guarantee) == TRUE]
@@ -127,27 +117,17 @@ class ConSert(Monitor[Rows]):
     def explain(
         self, guarantee_id: str | None = None, *, loss_sets: bool = False
     ) -> Explanation | tuple[Explanation, ...]:
-        """Return why a guarantee, by either of its ids, is active or not; None: all of them.
+        """Return why a guarantee, by either id, is active or not; None: all of them.
 
-        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee.
-
-        Raises:
-            LookupError: there is no such guarantee; the message names those there are.
+        ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
+        unknown id is a LookupError that names those there are.
         """
-        sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
-            return tuple(
-                self._explain(guarantee, sets, reasons, loss_sets=loss_sets)
-                for guarantee in self.guarantees
-            )
+            return tuple([self.explain(name, loss_sets=loss_sets) for name in self.guarantee_ids])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
-
-    def _explain(
-        self, one: Guarantee, sets: Sets, reasons: dict[str, Reason], *, loss_sets: bool
-    ) -> Explanation:
+        one, sets, reasons = self._named[guarantee_id], self._sets(), self.reasons()
         value, (missing, truncated) = sets.value(one), sets.missing(one)
         active = value == TRUE
         losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
@@ -169,7 +149,6 @@ class ConSert(Monitor[Rows]):
         return tuple(sorted({robot for robots in found for robot in robots}))
 
     def _robots(self, one: Guarantee) -> dict[str, tuple[str, ...]]:
-        """Return each input of a guarantee that is TRUE by words of other robots, with these."""
         states = states_of(self.source).items()
         words = {name: state.robots for name, state in states if state.robots}
         if not words:  # as for most robots: nothing is to be found out
@@ -185,11 +164,6 @@ class ConSert(Monitor[Rows]):
         return found
 
     def standings(self) -> tuple[Standing, ...]:
-        """Return every guarantee after the last step, and for an inactive one what it lacks.
-
-        What is not known comes before what is known to be FALSE: where a guarantee is UNKNOWN,
-        there is a set of inputs that are not known and would activate it.
-        """
         sets, reasons = self._sets(), self.reasons()
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
@@ -202,7 +176,6 @@ class ConSert(Monitor[Rows]):
         return tuple(found)
 
     def accepted(self) -> tuple[str, ...]:
-        """Return ``input: key`` for each acceptance that was in use in the last step."""
         found = accepted(self.inputs, self.source)
         if self.filter is None or not self.filter.accepts:
             return found
@@ -211,26 +184,17 @@ class ConSert(Monitor[Rows]):
         return (*found, *(f"{name}: {self.filter.accepts}" for name in held))
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return input id -> inactive guarantees that depend on it, for inputs not known now.
-
-        Not known: missing, stale, NaN, of a wrong type, or named in ``not_known``. An input that
-        is well known to be FALSE is not listed: nothing is wrong with it.
-        """
-        named = set(not_known)
-        unknown = [
-            name
-            for name, (value, _) in zip(self._input_ids, self._judgements())
-            if value == UNKNOWN or name in named
-        ]
-        sets = self._sets()
-        blocking = [
-            (guarantee.id, sets.blocking(guarantee)) for guarantee in self.guarantees if unknown
-        ]
-        found = {name: tuple(id_ for id_, by in blocking if name in by) for name in unknown}
-        return {name: ids for name, ids in found.items() if ids}
+        """Return input id -> inactive guarantees that depend on it, for inputs not known now."""
+        named, sets, found = set(not_known), self._sets(), {}
+        values = zip(self._input_ids, self._judgements())
+        unknown = [name for name, (value, _) in values if value == UNKNOWN or name in named]
+        blocking = [(one.id, sets.blocking(one)) for one in self.guarantees if unknown]
+        for name in unknown:
+            if ids := tuple(id_ for id_, by in blocking if name in by):
+                found[name] = ids
+        return found
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         return {
             self.inputs[k].id: self.leaves[k].describe(self.raw[k], FAULT)
             for k, (_, why) in enumerate(self._judgements())
@@ -238,16 +202,10 @@ class ConSert(Monitor[Rows]):
         }
 
     def message(self, output: object) -> Tree:
-        """Return an output as a ``ConSertOutput`` tree; never raises.
-
-        Only a bool is taken as active: a row that a person's code has spoilt is published as not
-        active, and ``output_faults`` reports it.
-        """
+        """Return a ``ConSertOutput`` tree; a row that is spoilt is published as not active."""
         faults: list[str] = []
-        rows: Sequence[object]
-        if issubclass(type(output), (list, tuple)) and isinstance(output, (list, tuple)):
-            rows = output
-        else:
+        rows = rows_of(output)
+        if rows is None:
             faults.append("the output is not a list; nothing is published as active")
             rows = [{"id": published_id, "active": False} for published_id in self.published_ids]
         trees = [_row_tree(row, faults) for row in rows]
@@ -255,18 +213,15 @@ class ConSert(Monitor[Rows]):
         return "ConSertOutput", {"guarantees": [tree for tree in trees if tree is not None]}
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step as a ``ConSertStatus`` tree without header."""
         sets = self._sets()
         rows: list[Tree] = []
-        for guarantee in self.guarantees:
-            groups, _ = sets.missing(guarantee)
-            missing = [*groups[0]] if groups else []
-            row: dict[str, Field] = {
-                "id": guarantee.id,
-                "verdict": sets.value(guarantee),
-                "missing": missing,
-            }
-            rows.append(("GuaranteeStatus", row))
+        for one in self.guarantees:
+            missing = [*(*sets.missing(one)[0], ())[0]]
+            row: Tree = (
+                "GuaranteeStatus",
+                {"id": one.id, "verdict": sets.value(one), "missing": missing},
+            )
+            rows.append(row)
         return "ConSertStatus", {
             "model_id": self.model_id,
             "model_digest": self.digest,
@@ -275,7 +230,6 @@ class ConSert(Monitor[Rows]):
         }
 
     def reset(self) -> None:
-        """Forget former steps: filters begin anew, inputs count as missing."""
         if self.filter is not None:
             self.filter.reset(len(self.inputs))
         self.raw = (ABSENT,) * len(self.inputs)
@@ -292,7 +246,6 @@ class ConSert(Monitor[Rows]):
         return [value for value, _ in self._judgements()]
 
     def _sets(self) -> Sets:
-        """Return the sets of the present state: those of the last one until a value changes."""
         leaf_values = tuple(self._leaf_values())
         if self._found is None or self._found.leaf_values != leaf_values:
             self._found = self._sets_of(leaf_values)

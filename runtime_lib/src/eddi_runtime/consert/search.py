@@ -1,12 +1,12 @@
 """The sets of a ConSert that has too many of them for ``compiled.py``: searched on the robot.
 
-The trees have no negation, so these are minimal path and cut sets. They are found by MOCUS, the
-method of fault tree analysis (union for Or, collection for And, absorption after each step), over
-sets that are kept as the bits of whole numbers, of each gate the smallest.
+The trees have no negation, so these are minimal path and cut sets, found by MOCUS (union for Or,
+collection for And, absorption after each step) over sets as bits of whole numbers.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import NamedTuple, Sequence
 
 from ..inputs import InputSpec
@@ -14,7 +14,6 @@ from .verdicts import FALSE, MAX_SETS, TRUE, Group, Guarantee, Sets
 
 _BUDGET = 2_000_000
 """Comparisons of sets per explanation, about 0.5 s; beyond it nodes keep ``_FEW_SETS`` each."""
-
 _FEW_SETS = 4
 
 
@@ -29,12 +28,8 @@ class Graph:
     """The gates of a ConSert. Nodes have numbers: first the inputs, then gates and guarantees.
 
     The bit of a leaf is the higher the earlier its id sorts, so among sets of equal size the
-    larger number is the one whose ids come first.
-
-    Args:
-        inputs: of the monitor.
-        nodes: (id, ``And`` or ``Or``, numbers of what it reads) in an order in which what is read
-            comes first.
+    larger number is the one whose ids come first. ``nodes``: (id, ``And`` or ``Or``, what it
+    reads), which come first.
     """
 
     def __init__(
@@ -44,9 +39,8 @@ class Graph:
         self.leaves = len(inputs)  # how many of the nodes are leaves
         # gates and guarantees in topological order; node ``k`` has number ``leaves + k``
         self.nodes = tuple(Node(gate == "And", read) for _, gate, read in nodes)
-        # leaves by the number of their bit
+        # leaves by the number of their bit, and back
         self.by_bit = sorted(range(self.leaves), key=lambda k: self.names[k])[::-1]
-        # leaf -> number of its bit
         self.position = {k: position for position, k in enumerate(self.by_bit)}
 
     def evaluate(self, leaf_values: Sequence[int]) -> list[int]:
@@ -68,74 +62,64 @@ class _Family(NamedTuple):
     """Minimal sets of leaves: (size, bits) by size, then by ids."""
 
     sets: tuple[tuple[int, int], ...]
-    truncated: bool
+    truncated: bool = False
 
 
-_IMPOSSIBLE = _Family((), truncated=False)
-_ALREADY = _Family(((0, 0),), truncated=False)
+_IMPOSSIBLE = _Family(())
+_ALREADY = _Family(((0, 0),))
 
 
 class Search(Sets):
-    """Path and cut sets of one state of a graph.
-
-    Args:
-        graph: the graph.
-        leaf_values: truth values of its leaves.
-    """
+    """Path and cut sets of one state of a graph."""
 
     def __init__(self, graph: Graph, leaf_values: Sequence[int]) -> None:
         super().__init__(graph.names, leaf_values)
-        self._graph = graph
-        self._values = graph.evaluate(leaf_values)
+        self._graph, self._values = graph, graph.evaluate(leaf_values)
+        self._true_nodes = [value == TRUE for value in self._values]
+        self._done = 0  # comparisons, so that no model makes a search endless
 
     def value(self, one: Guarantee) -> int:
         return self._values[one.node]
 
     def _lacking(self, one: Guarantee) -> tuple[list[Group], bool]:
-        return self._named(self._mocus(one.node, paths=True))
+        return self._mocus(one.node, paths=True)
 
     def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
-        return self._named(self._mocus(one.node, paths=False))
+        return self._mocus(one.node, paths=False)
 
+    # Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that all
+    # of its TRUE inputs fall with.
     def single_losses(self, one: Guarantee) -> Group:
-        """Return the inputs whose single loss makes a TRUE guarantee not TRUE, by id.
-
-        Exact also with shared gates: an And falls with any of its inputs, an Or with a leaf that
-        all of its TRUE inputs fall with.
-        """
         critical: dict[int, int] = {}
         for k in self._gates_below(one.node):
-            if self._values[k] != TRUE:
-                continue
-            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-            bits = -1 if inputs and not is_and else 0
-            for read in inputs:
-                if self._values[read] == TRUE:
-                    found = critical[read] if read in critical else self._bit(read)
-                    bits = bits | found if is_and else bits & found
-            critical[k] = bits
+            if self._true_nodes[k]:
+                is_and, inputs = self._node(k)
+                bits = -1 if inputs and not is_and else 0
+                for read in inputs:
+                    if self._true_nodes[read]:
+                        lost = critical[read] if read in critical else self._bit(read)
+                        bits = bits | lost if is_and else bits & lost
+                critical[k] = bits
         return self._ids(critical.get(one.node, 0))
 
     def blocking(self, one: Guarantee) -> frozenset[str]:
-        """Return the inputs that are reached from the guarantee through nodes not TRUE."""
-        found, seen, stack = [], {one.node}, [one.node]
+        seen, stack = {one.node}, [one.node]
         while stack:
             k = stack.pop()
-            if self._values[k] == TRUE:
-                continue
-            if k < self._graph.leaves:
-                found.append(self._graph.names[k])
-                continue
-            for read in self._graph.nodes[k - self._graph.leaves].inputs:
-                if read not in seen:
-                    seen.add(read)
-                    stack.append(read)
-        return frozenset(found)
+            if k >= self._graph.leaves and not self._true_nodes[k]:
+                new = {read for read in self._node(k).inputs if read not in seen}
+                seen |= new
+                stack += new
+        leaves = (k for k in seen if k < self._graph.leaves and not self._true_nodes[k])
+        return frozenset(self._graph.names[k] for k in leaves)
 
     def granting(self, one: Guarantee) -> Group:
-        nodes = (self._graph.nodes[k - self._graph.leaves] for k in self._gates_below(one.node))
-        below = sorted({k for _, inputs in nodes for k in inputs if k < self._graph.leaves})
-        return tuple(self._graph.names[k] for k in below if self._values[k] == TRUE)
+        read = {k for gate in self._gates_below(one.node) for k in self._node(gate).inputs}
+        below = sorted(k for k in read if k < self._graph.leaves and self._true_nodes[k])
+        return tuple(self._graph.names[k] for k in below)
+
+    def _node(self, number: int) -> Node:
+        return self._graph.nodes[number - self._graph.leaves]
 
     def _bit(self, leaf: int) -> int:
         # made when needed: with 100,000 leaves each has 12 kB
@@ -145,53 +129,37 @@ class Search(Sets):
         """Return the node and the gates that it depends on; inputs come before their users."""
         seen, stack = {node}, [node]
         while stack:
-            for input_ in self._graph.nodes[stack.pop() - self._graph.leaves].inputs:
-                if input_ >= self._graph.leaves and input_ not in seen:
-                    seen.add(input_)
-                    stack.append(input_)
+            for read in self._node(stack.pop()).inputs:
+                if read >= self._graph.leaves and read not in seen:
+                    seen.add(read)
+                    stack.append(read)
         return sorted(seen)
 
-    def _mocus(self, node: int, *, paths: bool) -> _Family:
+    def _mocus(self, node: int, *, paths: bool) -> tuple[list[Group], bool]:
         """Return the minimal sets that reach (paths) or end (cuts) the node.
 
-        Cuts are the paths of the dual graph: And and Or change places, and what is already lost
-        takes the place of what is already there.
+        Cuts are the paths of the dual graph: And and Or, lost and there change places.
         """
         gates = self._gates_below(node)
-        users = self._users(gates)
-        work = _Work()
+        users = Counter(read for k in gates for read in self._node(k).inputs)
+        self._done = 0
         families: dict[int, _Family] = {}
         for k in gates:
-            is_and, inputs = self._graph.nodes[k - self._graph.leaves]
-            family = _ALREADY if is_and == paths else _IMPOSSIBLE
-            combine = work.both if is_and == paths else work.either
-            if (self._values[k] == TRUE) == paths:
-                family, inputs = _ALREADY, ()
-            for input_ in inputs:
-                found = families.get(input_)
-                if found is None:
-                    there = (self._values[input_] == TRUE) == paths
-                    found = (
-                        _ALREADY if there else _Family(((1, self._bit(input_)),), truncated=False)
-                    )
+            is_and, inputs = self._node(k)
+            all_needed, settled = is_and == paths, self._true_nodes[k] == paths
+            combine = self._both if all_needed else self._either
+            family = _ALREADY if all_needed or settled else _IMPOSSIBLE
+            for read in () if settled else inputs:
+                there = self._true_nodes[read] == paths
+                leaf = _ALREADY if there else None
+                found = families.get(read) or leaf or _Family(((1, self._bit(read)),))
                 family = combine(family, found)
             families[k] = family
-            for input_ in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[input_] -= 1
-                if not users[input_]:  # a long chain would else hold every set on the way
-                    families.pop(input_, None)
-        return families[node]
-
-    def _users(self, gates: list[int]) -> dict[int, int]:
-        """Return how often each node is an input of one of the gates."""
-        users: dict[int, int] = {}
-        for k in gates:
-            for input_ in self._graph.nodes[k - self._graph.leaves].inputs:
-                users[input_] = users.get(input_, 0) + 1
-        return users
-
-    def _named(self, family: _Family) -> tuple[list[Group], bool]:
-        return [self._ids(bits) for _, bits in family.sets], family.truncated
+            for read in inputs:
+                users[read] -= 1
+                if not users[read]:  # a long chain would else hold every set on the way
+                    families.pop(read, None)
+        return [self._ids(bits) for _, bits in families[node].sets], families[node].truncated
 
     def _ids(self, bits: int) -> Group:
         ids = []
@@ -201,37 +169,27 @@ class Search(Sets):
             bits ^= 1 << top
         return tuple(ids)
 
-
-class _Work:
-    """Combines families of sets and counts the work, so that no model makes it endless."""
-
-    def __init__(self) -> None:
-        self._done = 0
-
-    def either(self, one: _Family, other: _Family) -> _Family:
+    def _either(self, one: _Family, other: _Family) -> _Family:
         """Return the minimal sets of an Or."""
         if not one.sets or not other.sets:
             return other if not one.sets else one
-        return self._minimal([*one.sets, *other.sets], truncated=one.truncated or other.truncated)
+        return self._minimal([*one.sets, *other.sets], one.truncated or other.truncated)
 
-    def both(self, one: _Family, other: _Family) -> _Family:
+    def _both(self, one: _Family, other: _Family) -> _Family:
         """Return the minimal sets of an And."""
-        if one == _ALREADY:
-            return other
-        if other == _ALREADY:
-            return one
+        if _ALREADY in (one, other):
+            return other if one == _ALREADY else one
         if not one.sets or not other.sets:
             return _IMPOSSIBLE
-        truncated = one.truncated or other.truncated
-        self._done += len(one.sets) * len(other.sets)
+        truncated, first, second = one.truncated or other.truncated, one.sets, other.sets
+        self._done += len(first) * len(second)
         if self._done > _BUDGET:
-            truncated = truncated or max(len(one.sets), len(other.sets)) > _FEW_SETS
-            one = _Family(one.sets[:_FEW_SETS], truncated)
-            other = _Family(other.sets[:_FEW_SETS], truncated)
-        unions = {first | second for _, first in one.sets for _, second in other.sets}
-        return self._minimal([(_size(bits), bits) for bits in unions], truncated=truncated)
+            truncated = truncated or max(len(first), len(second)) > _FEW_SETS
+            first, second = first[:_FEW_SETS], second[:_FEW_SETS]
+        unions = {some | more for _, some in first for _, more in second}
+        return self._minimal([(bin(bits).count("1"), bits) for bits in unions], truncated)
 
-    def _minimal(self, sets: list[tuple[int, int]], *, truncated: bool) -> _Family:
+    def _minimal(self, sets: list[tuple[int, int]], truncated: bool) -> _Family:
         """Return the smallest sets without those that contain another one (absorption)."""
         limit = MAX_SETS if self._done <= _BUDGET else _FEW_SETS
         kept: list[tuple[int, int]] = []
@@ -248,8 +206,4 @@ class _Work:
             if len(kept) == limit:
                 return _Family(tuple(kept), truncated=True)
             kept.append((size, bits))
-        return _Family(tuple(kept), truncated=truncated)
-
-
-def _size(bits: int) -> int:
-    return bin(bits).count("1")
+        return _Family(tuple(kept), truncated)

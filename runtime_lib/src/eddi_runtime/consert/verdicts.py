@@ -1,8 +1,7 @@
 """Three-valued truth: how a raw input value becomes one, and why a guarantee is as it is.
 
-Truth values are the small ints ``FALSE < UNKNOWN < TRUE`` (strong Kleene): And is the minimum, Or
-the maximum. ``bool(float("nan"))`` and ``bool("False")`` are true in Python, so each leaf accepts
-exact types only and everything else is UNKNOWN.
+``FALSE < UNKNOWN < TRUE`` (strong Kleene): And is the minimum, Or the maximum. NaN and "False" are
+true in Python, so each leaf accepts exact types only and everything else is UNKNOWN.
 """
 
 from __future__ import annotations
@@ -31,11 +30,7 @@ class Leaf:
     covered_text = ""  # what of that is TRUE, as in the model
 
     def judge(self, raw: object) -> Judgement:
-        """Return the truth value of a raw input value and why; never raises.
-
-        None, absent and NaN are UNKNOWN; a value of another type than the leaf expects is UNKNOWN
-        and a fault. Subclasses of the expected types and numpy scalars count by their plain value.
-        """
+        """Return the truth value of a raw input value and why; never raises."""
         if raw is None or raw is ABSENT:
             return UNKNOWN, MISSING
         try:
@@ -50,7 +45,7 @@ class Leaf:
         return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
 
     def _covers(self, value: object) -> bool | None:
-        """Return whether a value of an exact Python type is covered, None for another type."""
+        """Return whether a value of an exact type is covered, None for another type."""
         raise NotImplementedError
 
     def describe(self, raw: object, why: str) -> str:
@@ -147,7 +142,7 @@ class Explanation(NamedTuple):
     robots: Mapping[str, tuple[str, ...]] = {}
 
     def text(self) -> str:
-        """Return the explanation as lines for people, without a line end behind the last."""
+        """Return the explanation as lines for people."""
         if self.active:
             losses = ", ".join(map(self._named, self.single_losses)) or "no single input"
             others = sorted(set(self.robots) - set(self.single_losses))
@@ -197,10 +192,7 @@ class Sets:
         return UNKNOWN if any(map(self._not_false.issuperset, one.paths)) else FALSE
 
     def missing(self, one: Guarantee) -> tuple[list[Group], bool]:
-        """Return the minimal sets of inputs that would make it TRUE, and "truncated".
-
-        None for one that is TRUE. They cost more than a step, and are found once.
-        """
+        """Return the minimal sets of inputs that would make it TRUE, and "truncated"."""
         if one.id not in self._missing:
             self._missing[one.id] = ([], False) if self.value(one) == TRUE else self._lacking(one)
         return self._missing[one.id]
@@ -216,10 +208,7 @@ class Sets:
         return tuple(sorted(set(first).intersection(*others)))
 
     def loss_sets(self, one: Guarantee) -> tuple[list[Group], bool]:
-        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated".
-
-        Each takes an input from every set that gives the guarantee now.
-        """
+        """Return the minimal sets of TRUE inputs whose loss ends it, and "truncated"."""
         cuts: list[Group] = [()]
         truncated = False
         for path in self._true_paths(one):

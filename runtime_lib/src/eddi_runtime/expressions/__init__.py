@@ -1,8 +1,5 @@
 """Conditions over messages and time: what compiled inputs and events call and inherit.
 
-Windows, lists and inputs are modules of their own, which a compiled monitor imports where it has
-them.
-
 Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene); values of an ENUM
 are the numbers of its literals, -1 is UNKNOWN.
 """
@@ -78,10 +75,7 @@ def scaled(raw: object, num: int, den: int) -> object:
 
 
 def stamp(t: int, age: float | None) -> int:
-    """Return when a sample of an age was made; one whose age is not known counts as new.
-
-    One that can be of any age lies in the future: behind no limit, and nothing is asked of it.
-    """
+    """Return when a sample of an age was made; one whose age is not known counts as new."""
     if age is None:
         return t
     return t - round(age * 1e9) if math.isfinite(age) else t + _FAR_NS

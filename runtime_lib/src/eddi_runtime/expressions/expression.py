@@ -1,7 +1,4 @@
-"""Inputs that are computed by an expression over messages (``expression:`` in eddi_config.yml).
-
-The window state lives here, so that a regenerated package and a hand-written region never meet it.
-"""
+"""Inputs that are computed by an expression over messages (``expression:`` in eddi_config.yml)."""
 
 from __future__ import annotations
 
@@ -47,8 +44,7 @@ class Expression(Conditions):
     ) -> bool | float | int | str | None:
         """Evaluate once and return the input's value, None for UNKNOWN; never raises.
 
-        A boolean HAZARD is True when UNKNOWN. A state is the one whose condition is TRUE while
-        all others are FALSE.
+        A HAZARD is True when UNKNOWN; a state is the one that is TRUE while all others are FALSE.
         """
         self.reason = ""
         found = self.step(t, messages, {} if ages is None else ages)
@@ -109,11 +105,7 @@ class Expression(Conditions):
 
 
 def read_path(message: object, path: Path) -> object:
-    """Return a field of a message; a time or duration of ROS is its seconds.
-
-    Raises:
-        Exception: it is not there, or the message is of any other kind.
-    """
+    """Return a field of a message; a time or duration of ROS is its seconds."""
     if any(isinstance(step, (list, tuple)) and step[0] == "*" for step in path):
         return gather(message, path)
     value = follow(message, path)
@@ -122,11 +114,7 @@ def read_path(message: object, path: Path) -> object:
 
 
 def _known(message: object, value: object, known: Check) -> object:
-    """Return a value that a monitor tells, of a list each that it does.
-
-    Raises:
-        NotGivenError: the monitor does not know it.
-    """
+    """Return a value that a monitor tells, of a list each that it does (NotGivenError)."""
     if isinstance(value, list):
         return [one if one in known else None for one in value]
     told = [(follow(message, of[0]), *of[1:]) if isinstance(of, tuple) else of for of in known]
@@ -145,12 +133,8 @@ def _is_measurement(message: object, value: Any, check: Check) -> bool:
 def gather(message: object, path: Sequence[Step]) -> list[object]:
     """Return all values at the end of a path with ``["*"]``, every element of a list.
 
-    ``["*", first, last]`` is a part of a list, both ends included. An element that cannot be
-    followed further is None.
-
-    Raises:
-        LookupError: the list itself is not there, or is shorter than the part.
-        AttributeError: a message has no such field.
+    ``["*", first, last]`` is a part, both ends included. An element that cannot be followed
+    further is None; a list that is not there or shorter is a LookupError.
     """
     for k, step in enumerate(path):
         if isinstance(step, (list, tuple)) and step[0] == "*":

@@ -1,7 +1,7 @@
 """Lists of a message: read as columns, brought to one value; compiled reductions call this.
 
-Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene). The text below the
-imports is copied into generated modules unchanged.
+Numbers are floats, NaN is UNKNOWN; truth values are 0 < 1 < 2 (strong Kleene). ``Unknown`` is
+raised where a list has no value. The text below the imports is copied into generated modules.
 """
 
 from __future__ import annotations
@@ -67,11 +67,7 @@ def root(x: float) -> float:
 
 
 def column(raw: object, name: str, convert: Callable[[object], float] = number_of) -> list[float]:
-    """Return a list as a column of floats or truth values.
-
-    Raises:
-        Unknown: it is none, or too long.
-    """
+    """Return a list as a column of floats or truth values."""
     if raw is None:
         raise Unknown(f"no {name}")
     items: Any = raw.tolist() if hasattr(raw, "tolist") else raw
@@ -93,22 +89,14 @@ def known(values: Sequence[float], *ranges: tuple[float, float], infinite: bool)
 
 
 def limited(values: Sequence[float], low: float, high: float) -> list[float]:
-    """Return a column with NaN for finite numbers outside of limits of its message.
-
-    Raises:
-        Unknown: the limits are not known.
-    """
+    """Return a column with NaN for finite numbers outside of limits of its message."""
     if math.isnan(low) or math.isnan(high):
         raise Unknown("the limits are not known")
     return known(values, (low, high), infinite=True)
 
 
 def length_of(columns: Sequence[Sequence[object]], wanted: tuple[int, int] | None = None) -> int:
-    """Return how many elements parallel lists have.
-
-    Raises:
-        Unknown: as many as another list has not, or as are wanted.
-    """
+    """Return how many elements parallel lists have."""
     lengths = {len(one) for one in columns}
     if len(lengths) > 1:
         raise Unknown(f"lists of different lengths: {sorted(lengths)}")
@@ -121,11 +109,7 @@ def length_of(columns: Sequence[Sequence[object]], wanted: tuple[int, int] | Non
 def sector(
     count: int, start: float, end: float, step: float, low: float, high: float
 ) -> tuple[int, int]:
-    """Return the first element of a scan in the sector, and the one behind the last.
-
-    Raises:
-        Unknown: the sector is not wholly within the scan, or its angles contradict each other.
-    """
+    """Return the first element of a scan in the sector, and the one behind the last."""
     if count == 0:
         return 0, 0
     half = abs(step) / 2
@@ -143,11 +127,7 @@ def sector(
 def aggregate(
     how: Callable[[list[float]], float], values: Sequence[float], coverage: float | None = None
 ) -> float:
-    """Return one number for a column.
-
-    Raises:
-        Unknown: too few are known, or it would be no number.
-    """
+    """Return one number for a column."""
     there = [x for x in values if not math.isnan(x)]
     _enough(len(there), len(values), coverage)
     try:
@@ -160,21 +140,13 @@ def aggregate(
 
 
 def count(values: Sequence[int], coverage: float | None = None) -> float:
-    """Return how many truth values are true.
-
-    Raises:
-        Unknown: too few are known.
-    """
+    """Return how many truth values are true."""
     _enough(len(values) - values.count(1), len(values), coverage)
     return float(values.count(2))
 
 
 def decided(values: Sequence[int], decisive: int, coverage: float | None = None) -> bool:
-    """Return ANY (decided by 2) or ALL (decided by 0) of truth values.
-
-    Raises:
-        Unknown: too few are known.
-    """
+    """Return ANY (decided by 2) or ALL (decided by 0) of truth values."""
     if decisive in values:
         return decisive == 2
     _enough(len(values) - values.count(1), len(values), coverage)

@@ -1,4 +1,1 @@
-"""What the node of a monitor needs on any transport; nothing here knows one.
-
-Adapters are in ``eddi_runtime.transports``.
-"""
+"""What the node of a monitor needs on any transport; nothing here knows one."""

@@ -7,9 +7,8 @@ import time
 from collections import deque
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
-from ..compatibility import __version__
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Output
+from ..monitor import Monitor, Tree, __version__
 from ..plain_values import is_nan, one_line, read
 from .loop import LOG, Waker
 from .receipts import Receipt
@@ -33,7 +32,6 @@ from .report import (
 PERIOD_S = 1.0
 """Between two reports without a new level."""
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic
-_KNOWN = (FRESH, LATCHED)
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk
 _REFRESH_S = 0.5  # reasons cost more than a step: only then, or when a state or the output changed
@@ -43,8 +41,7 @@ class _Seen(NamedTuple):
     """The last step, replaced as a whole: the diagnostics thread needs no lock."""
 
     at: float  # monotonic seconds of its begin
-    # of each input: one of the states of a report, and the reason
-    states: tuple[tuple[str, str], ...] = ()
+    states: tuple[tuple[str, str], ...] = ()  # of each input, as in a report, and the reason
     receipts: Mapping[str, Receipt] = {}  # what had been received
     error: str = ""  # an exception of the step, else empty
 
@@ -52,44 +49,35 @@ class _Seen(NamedTuple):
 class Health:
     """What the loop notes after each step and the diagnostics thread reads.
 
-    The loop replaces whole values and never changes one in place, so no lock is needed.
+    Whole values are replaced and never changed in place, so no lock is needed.
     """
 
     def __init__(
-        self,
-        monitor: Monitor[Output],
-        eddi_input: EDDIInputBase,
-        period: float,
-        startup_grace: float = 0.0,
+        self, monitor: Monitor[Any], eddi_input: EDDIInputBase, period: float, grace: float
     ) -> None:
-        self._monitor: Monitor[Any] = monitor
-        self._eddi_input = eddi_input
-        self._period = period
-        self._grace = startup_grace
+        self._monitor = monitor
+        self._eddi_input, self._period, self._grace = eddi_input, period, grace
         self._inputs = tuple(monitor.inputs)
-        self._seen = _Seen(time.monotonic())
-        self._said = MonitorFact()
+        self._last_step = time.monotonic()
+        self._first_step: float | None = None
+        self._seen = _Seen(self._last_step)
+        self._known = MonitorFact()
         self._kinds: Sequence[str] = ()  # states of the inputs when the monitor was asked
         self._asked_at = -_REFRESH_S
         self._changes = Changes()
         self._errors: dict[str, int] = {}
         self._logged: dict[str, tuple[str, float]] = {}
         self._level = OK
-        self._steps = 0
-        self._first_step: float | None = None
-        self._last_step = time.monotonic()
-        self._longest = 0.0
-        self._reported_overruns = 0
+        self._steps, self._longest, self._reported_overruns = 0, 0.0, 0
 
     def after_step(
         self, output: object, receipts: Mapping[str, Receipt], error: str, duration: float
     ) -> bool:
         """Note a finished step; ``True`` when the level of the inputs changed."""
-        now = time.monotonic()
+        self._last_step = now = time.monotonic()
         if self._first_step is None:
             self._first_step = now
         self._steps += 1
-        self._last_step = now
         self._longest = max(self._longest, duration)
         states = self._input_states(receipts, waiting=now - self._first_step < self._grace)
         for spec, (state, reason) in zip(self._inputs, states):
@@ -103,17 +91,18 @@ class Health:
         changed = self._changes.note(output) or kinds != self._kinds
         if changed or now - self._asked_at >= _REFRESH_S:
             self._kinds, self._asked_at = kinds, now
-            self._said = self._asked(kinds)
+            self._known = self._asked(kinds)
         self._seen = _Seen(now - duration, states, receipts, error)
         before = self._level
-        self._level = level_of(kinds, error, self._said.accepted + self._said.doubts)
+        self._level = level_of(kinds, error, self._known.accepted + self._known.doubts)
         return self._level != before
 
     def _asked(self, kinds: Sequence[str]) -> MonitorFact:
-        unknown = [spec.id for spec, kind in zip(self._inputs, kinds) if kind not in _KNOWN]
-        standings, accepted = tuple(self._monitor.standings()), tuple(self._monitor.accepted())
-        blocked, doubts = dict(self._monitor.blocked(unknown)), tuple(self._monitor.doubts())
-        return MonitorFact(standings, accepted, blocked, doubts)
+        pairs = zip(self._inputs, kinds)
+        unknown = [spec.id for spec, kind in pairs if kind not in (FRESH, LATCHED)]
+        one = self._monitor
+        standings, accepted = tuple(one.standings()), tuple(one.accepted())
+        return MonitorFact(standings, accepted, dict(one.blocked(unknown)), tuple(one.doubts()))
 
     def log_error(self, about: str, reason: str, trace: str = "") -> None:
         """Log an error once per change of its reason, throttled; an empty reason ends it."""
@@ -135,13 +124,15 @@ class Health:
         for spec in self._inputs:
             known = self._eddi_input.states.get(spec.id)
             state, reason = (NEVER, "") if known is None else (known.state, known.reason)
+            present = [receipts[name] for name in spec.requires if name in receipts]
             if spec.id in faults and state in (FRESH, INVALID):
-                state, reason = INVALID, faults[spec.id] if state == FRESH else reason
+                state, reason = (
+                    INVALID,
+                    faults[spec.id] if state == FRESH else reason,
+                )
             elif state == FRESH and is_nan(read(self._eddi_input, spec.attribute, spec.id)):
                 state, reason = INVALID, "the value is NaN"
-            elif state == FRESH and any(
-                receipts[name].latched for name in spec.requires if name in receipts
-            ):
+            elif state == FRESH and any(receipt.latched for receipt in present):
                 state = LATCHED
             elif state == NEVER and waiting:
                 state = WAITING
@@ -150,53 +141,44 @@ class Health:
 
     def collect(
         self,
-        *,
         receipts: Mapping[str, Receipt],
         overruns: int,
         graph: GraphFact,
-        periodic: bool,
         topics: Mapping[str, str],
+        *,
+        periodic: bool,
     ) -> Report:
-        """Return the present report; called by the diagnostics thread.
-
-        ``periodic``: it is not a report because of a new level.
-        """
+        """Return the present report; called by the diagnostics thread."""
         now = time.monotonic()
-        seen, said = self._seen, self._said
+        seen, known = self._seen, self._known
         then = {name: receipt.age_at(seen.at) for name, receipt in seen.receipts.items()}
         receipts = {**seen.receipts, **receipts}  # the words of other robots are in the first only
         reasons = {**graph.reasons, **graph.wrong_types}
         facts = []
         for spec, (state, reason) in zip(self._inputs, seen.states):
             here = [receipts[name] for name in spec.requires if name in receipts]
-            whole = len(here) == len(spec.requires)
+            complete = len(here) == len(spec.requires)
             named = [(name, topics.get(name, name)) for name in spec.requires]
             fact = InputFact(
                 id=spec.id,
                 state=state,
                 reason=reason,
-                age=max(receipt.age_at(now) for receipt in here) if here else None,
-                received=min((receipt.received for receipt in here), default=0) if whole else 0,
+                age=max((receipt.age_at(now) for receipt in here), default=None),
+                received=min((one.received for one in here), default=0) if complete else 0,
                 errors=self._errors.get(spec.id, 0),
-                blocks=tuple(said.blocks.get(spec.id, ())) if state != FRESH else (),
+                blocks=tuple(known.blocks.get(spec.id, ())) if state != FRESH else (),
                 limit=spec.max_age,
                 sources=tuple(SourceFact(t, then.get(n), reasons.get(t, "")) for n, t in named),
             )
             facts.append(fact)
         silent = now - self._last_step
-        node = NodeFact(
-            steps=self._steps,
-            overruns=overruns,
-            recent_overruns=overruns - self._reported_overruns,
-            longest_step=self._longest,
-            error=seen.error,
-            graph=graph,
-            silent_for=silent if silent > max(1.0, 3 * self._period) else None,
-        )
+        silent_for = silent if silent > max(1.0, 3 * self._period) else None
+        recent, longest = overruns - self._reported_overruns, self._longest
+        node = NodeFact(self._steps, overruns, recent, longest, seen.error, graph, silent_for)
         if periodic:
             self._reported_overruns = overruns
         identity = {"model_digest": self._monitor.digest, "runtime_version": __version__}
-        return report(identity, facts, said, node)
+        return report(identity, facts, known, node)
 
 
 class Status(NamedTuple):
@@ -207,12 +189,22 @@ class Status(NamedTuple):
     node: str  # full name
 
 
+def diagnostics_tree(statuses: Sequence[Status], level: Callable[[int], object] = int) -> Tree:
+    """Return statuses as a ``DiagnosticArray``, with levels as the transport writes a byte."""
+    rows: list[Any] = []
+    for (worst, message, pairs), name, node in statuses:
+        values = [("KeyValue", {"key": key, "value": value}) for key, value in pairs]
+        fields = {"level": level(worst), "name": name, "message": message, "values": values}
+        rows.append(("DiagnosticStatus", {**fields, "hardware_id": node}))
+    return "DiagnosticArray", {"status": rows}
+
+
 Collect = Callable[[bool], Status]
 """Returns the status of one monitor; ``True`` as argument for the periodic one."""
 
 
 class Diagnostics:
-    """A thread of its own, so that a monitor slower than 1 Hz, or one that hangs, is reported.
+    """A thread that reports monitors, also those that are slower than 1 Hz, or hang.
 
     Once a second all monitors of the process, and at once those with a new level.
     """
@@ -251,8 +243,8 @@ class Diagnostics:
             periodic = now >= due
             if periodic:
                 due = now + PERIOD_S
-            wanted = self._sources if periodic else changed
-            statuses = [one for collect in wanted for one in self._tried(collect, periodic)]
+            asked = self._sources if periodic else changed
+            statuses = [one for collect in asked for one in self._tried(collect, periodic)]
             if statuses:
                 self._tried(self._publish, statuses)
             time.sleep(_CALM_S)
@@ -274,19 +266,19 @@ class Changes:
     def __init__(self) -> None:
         self._last: dict[str, bool] = {}
         self._output: object = None
-        self._window = -1.0
-        self._lines = 0
+        self._window, self._lines = -1.0, 0
 
     def note(self, output: object) -> bool:
         """Return whether an output is another one than before; other shapes are passed over."""
         if output == self._output:
             return False
         self._output = output
-        now = activity(output)
-        for name, active in now.items():
-            if self._last.get(name, active) is not active:
-                self._log_change(name, active)
-        self._last.update(now)
+        for row in output if isinstance(output, (list, tuple)) else ():
+            if isinstance(row, dict) and "id" in row and "active" in row:
+                name, active = str(row["id"]), bool(row["active"])
+                if self._last.get(name, active) is not active:
+                    self._log_change(name, active)
+                self._last[name] = active
         return True
 
     def _log_change(self, name: str, active: bool) -> None:
@@ -299,14 +291,3 @@ class Changes:
         self._lines += 1
         if self._lines <= _CHANGES_PER_S:
             LOG.info("%s is now %s", name, "active" if active else "inactive")
-
-
-def activity(output: object) -> dict[str, bool]:
-    """Return id -> active of an output that is a list of ``{"id", "active"}``, else nothing."""
-    if not isinstance(output, (list, tuple)):
-        return {}
-    return {
-        str(item["id"]): bool(item["active"])
-        for item in output
-        if isinstance(item, dict) and "id" in item and "active" in item
-    }

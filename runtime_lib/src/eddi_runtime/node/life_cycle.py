@@ -7,80 +7,41 @@ before; the last that it publishes is that nothing is known, so whoever comes la
 from __future__ import annotations
 
 import threading
-from typing import Callable, ContextManager, Protocol
+from typing import Any, Callable
 
 from .loop import LOG, Ending, Waker
-
-__all__ = ["LifeCycle", "Managed", "Place"]
+from .node import Node
 
 _STEP_S = 5.0
 """A step that takes longer is left behind when the node is deactivated."""
 
 
-class Managed(Protocol):
-    """The node of one activation; the methods are those of ``Node`` on a transport."""
-
-    ending: Ending  # of this node
-
-    def prepare(self) -> None:
-        """Do what can fail before anything is registered."""
-
-    def init_publisher(self) -> None:
-        """Advertise every topic."""
-
-    def run(self, begun: Callable[[], None]) -> None:
-        """Step until its end."""
-
-    def withdraw(self) -> None:
-        """Publish that nothing is known."""
-
-
-class Place(Protocol):
-    """The process on a transport: each topic has one publisher until ``stop_publishing``."""
-
-    def until(self, ending: Ending) -> ContextManager[None]:
-        """Be in a process that signals end, and leave the graph at last."""
-
-    def start(self) -> None:
-        """Begin to receive, also what others say of the state."""
-
-    def stop_listening(self) -> None:
-        """Subscribe to nothing more."""
-
-    def stop_publishing(self) -> None:
-        """Advertise nothing more."""
-
-
 class LifeCycle:
     """Which monitor there is, and whether it steps.
 
-    Transitions are those of the transport's thread, one at a time; steps are in the thread that
-    calls ``run``.
+    Transitions are those of the transport's thread, one at a time; steps are in the thread of
+    ``run``.
 
     Args:
-        place: where its nodes are.
-        make: returns a node that knows nothing.
+        place: the process on a transport: ``until`` an end, ``start`` to receive,
+            ``stop_listening``, ``stop_publishing``.
+        make: returns a node that knows nothing, with the method ``run`` of a transport.
     """
 
-    def __init__(self, place: Place, make: Callable[[], Managed]) -> None:
-        self._place = place
-        self._make = make
-        self._next: Managed | None = None
-        self._active: Managed | None = None
+    def __init__(self, place: Any, make: Callable[[], Any]) -> None:
+        self._place, self._make = place, make
+        self._next: Any = None
+        self._active: Node | None = None
         self._waker = Waker()
         self._idle = threading.Event()
         self._idle.set()
         self.ending = Ending()
 
     def run(self, begun: Callable[[], None]) -> int:
-        """Follow the transitions until the process is to end; return the exit status.
-
-        Args:
-            begun: called before the transport's thread begins.
-        """
+        """Follow the transitions until the process is to end; return the exit status."""
         with self._place.until(self.ending):
             self.ending.on_end(self._stop)
-            begun()
+            begun()  # before the transport's thread begins
             self._place.start()
             while not self.ending.begun:
                 self._waker.wait(threading.TIMEOUT_MAX)
@@ -94,22 +55,17 @@ class LifeCycle:
         self._waker.wake()
 
     def _step(self) -> None:
-        active = self._active
-        if active is None:
-            return
-        if self.ending.begun:  # before it could be told
-            active.ending.begin()
-        active.run(lambda: None)
-        active.withdraw()
-        self._active = None
-        self._idle.set()
+        active: Any = self._active
+        if active is not None:
+            if self.ending.begun:  # before it could be told
+                active.ending.begin()
+            active.run(lambda: None)
+            active.withdraw()
+            self._active = None
+            self._idle.set()
 
     def configure(self) -> None:
-        """Have a monitor, and publishers that do not send yet.
-
-        Raises:
-            Exception: whatever is wrong with it; there is nothing then.
-        """
+        """Have a monitor, and publishers that do not send yet; nothing if that fails."""
         try:
             self._next = self._make()
             self._next.prepare()
@@ -119,11 +75,7 @@ class LifeCycle:
             raise
 
     def prepare(self) -> None:
-        """Have a monitor that knows nothing.
-
-        Raises:
-            Exception: whatever is wrong with it.
-        """
+        """Have a monitor that knows nothing."""
         if not self._idle.is_set():
             raise RuntimeError("the last step has not ended yet")
         self._next = self._next or self._make()

@@ -1,7 +1,7 @@
 """The loop of a node: when the next step is due, what is logged meanwhile, and how it ends.
 
-Only the monotonic clock counts. ``rospy.Rate`` is not used: without ``/clock`` under simulated
-time it sleeps forever, and a clock that jumps back makes it raise.
+Only the monotonic clock counts: ``rospy.Rate`` sleeps forever under simulated time without
+``/clock``, and raises when that jumps back.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from typing import Callable, Mapping, Tuple
 class Waker:
     """Lets the loop sleep until a deadline or until somebody wakes it.
 
-    A plain lock used as a binary semaphore, because a signal handler must be able to wake a loop
-    that runs in the same thread: ``threading.Event.set`` may deadlock there.
+    A lock as a binary semaphore: a signal handler must be able to wake a loop in its own thread,
+    where ``threading.Event.set`` may deadlock.
     """
 
     def __init__(self) -> None:
@@ -79,10 +79,9 @@ Writers = Mapping[str, Callable[..., None]]
 
 
 class Log:
-    """Keeps lines until a thread of its own has written them, so that none can stop a monitor.
+    """Keeps lines until its own thread has written them, so that no transport can stop a monitor.
 
-    A transport may ask others before it writes a line, or write to a pipe that somebody has to
-    read. The oldest lines are dropped when it hangs.
+    The oldest lines are dropped when it hangs.
     """
 
     def __init__(self) -> None:
@@ -134,11 +133,7 @@ _FLUSH_S = 0.3
 
 
 class Ending:
-    """The end of the process: once, soon, and with a status that gives the reason.
-
-    A transport that talks to others while it ends may never come back from that; a guard limits
-    it.
-    """
+    """The end of the process: once, soon, with a status; a guard limits what talks meanwhile."""
 
     def __init__(self) -> None:
         self.begun = False  # the node must publish nothing more

@@ -1,7 +1,7 @@
 """The node of one monitor on any transport: evaluate, publish, report, one step per period.
 
-An adapter in ``eddi_runtime.transports`` inherits ``Node`` and adds how its transport subscribes,
-publishes and tells the time, and how a process on it starts and ends.
+An adapter in ``eddi_runtime.transports`` adds how its transport subscribes, publishes and tells
+the time, and how a process on it starts and ends.
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, ClassVar, Mapping, Sequence
 
-from ..compatibility import __version__
 from ..inputs import EDDIInputBase
-from ..monitor import Monitor, Steps
+from ..monitor import Monitor, Steps, __version__
 from ..plain_values import one_line
 from .health import Diagnostics, Health, Status
 from .loop import LOG, Ending, Schedule, Waker
@@ -67,7 +66,6 @@ class Node:
         self._simulated: int | None = None
         self._level_changed: Callable[[], None] = lambda: None  # where nobody reports
         self._converter = converter
-        self._made_by_hand = type(self).create_ros_msg is not Node.create_ros_msg
         self._publications: Publications | None = None
         self._sources = [*self.INPUTS]
         fleet, self._peers = self.FLEET, None
@@ -75,14 +73,12 @@ class Node:
         if fleet is not None:
             self._peers = fleet.joined(self.options.robot, self._core.model_id, self._core.digest)
             self._sources.append(fleet.words())
-        on_change = self.MODE == "on_change"
-        self._silence = Silence(self._sources, self.options.startup_grace)
+        on_change, grace = self.MODE == "on_change", self.options.startup_grace
+        self._silence = Silence(self._sources, grace)
         self._waker = Waker()
         self._schedule = Schedule(1.0 / self.options.frequency, on_change)
         self._receipts = Receipts(self._sources, self._waker.wake if on_change else lambda: None)
-        self._health = Health(
-            self._core, self.eddi_input, self._schedule.period, self.options.startup_grace
-        )
+        self._health = Health(self._core, self.eddi_input, self._schedule.period, grace)
 
     # What a person adds, in the region ``RosNode.members``.
 
@@ -138,10 +134,7 @@ class Node:
         return now
 
     def create_ros_msg(self, eddi_output: object) -> object:
-        """Return the message of one output of ``EDDIMonitor.execute_step``.
-
-        A list when one step gives several messages, None when it gives none.
-        """
+        """Return the message of an output of ``execute_step``; a list, None for none."""
         return self._converter.messages(self._core.message(eddi_output))
 
     def init_publisher(self) -> None:
@@ -175,11 +168,7 @@ class Node:
         publisher: Callable[[], Callable[[list[Status]], None]],
         begun: Callable[[], None],
     ) -> None:
-        """Be the one monitor of a process, until that ends.
-
-        ``publisher`` returns what sends statuses; ``begun`` is called once all topics are
-        advertised and subscribed to.
-        """
+        """Be the one monitor of a process, until that ends."""
         diagnostics = Diagnostics(publisher()) if self.options.diagnostics else None
         self.begin(name, diagnostics)
         begun()
@@ -206,8 +195,8 @@ class Node:
     def step(self) -> None:
         """Evaluate the latest messages and publish the result; never raises.
 
-        Whatever goes wrong, the result that is published is the one of knowing nothing, so an
-        old guarantee never stays active.
+        Whatever goes wrong, the result of knowing nothing is published: no old guarantee stays
+        active.
         """
         started = time.monotonic()
         receipts, new = self._receipts.taken()
@@ -234,11 +223,9 @@ class Node:
         self, receipts: dict[str, Receipt], new: dict[str, list[object]], now: float
     ) -> Any:
         words = {} if self._peers is None else self._peers.take(receipts, new, now)
-        self.simulator_values = {
-            name: receipt.message
-            for name, receipt in receipts.items()
-            if name not in words or not words[name].unfit
-        }
+        unfit = {name for name, word in words.items() if word.unfit}
+        latest = {name: one.message for name, one in receipts.items() if name not in unfit}
+        self.simulator_values = latest
         ages = {name: receipt.age_at(now) for name, receipt in receipts.items()}
         t_ns = self.now_ns()
         timeless = "use_sim_time is set, and nothing has come on /clock: time stands still"
@@ -255,7 +242,7 @@ class Node:
         if self._publications is None:
             return ""
         message = self.create_ros_msg(output)
-        if self._made_by_hand:
+        if type(self).create_ros_msg is not Node.create_ros_msg:  # made by hand
             for one in each(message):
                 self.check_serialises(one)
         self._publish_all(self._publications, message)
@@ -283,38 +270,23 @@ class Node:
 
     def status(self, periodic: bool, title: str = "", name: str = "") -> Status:
         """Return the present status; called by the thread of the diagnostics."""
-        topics = self.topics()
-        collected = self._health.collect(
-            receipts=self._receipts.latest(),
-            overruns=self._schedule.overruns,
-            graph=self.graph(),
-            periodic=periodic,
-            topics=topics if self.FLEET is None else self.FLEET.described(topics),
-        )
-        return Status(collected, title, name)
+        topics = self.topics() if self.FLEET is None else self.FLEET.described(self.topics())
+        facts = self._receipts.latest(), self._schedule.overruns, self.graph(), topics
+        return Status(self._health.collect(*facts, periodic=periodic), title, name)
 
     def log_start(self) -> None:
         """Log which monitor begins."""
-        unlimited = [spec.id for spec in self._core.inputs if spec.max_age is None]
-        LOG.info(
-            "monitor of %s (%s), model digest %s, eddi_runtime %s from %s,"
-            " inputs without max_age: %s",
-            self._core.model_id,
-            self._core.kind,
-            self._core.digest,
-            __version__,
-            Path(__file__).resolve().parents[1],
-            ", ".join(unlimited) or "none",
-        )
+        core, folder = self._core, Path(__file__).resolve().parents[1]
+        unlimited = [spec.id for spec in core.inputs if spec.max_age is None]
+        text = "monitor of %s (%s), model digest %s, eddi_runtime %s from %s,"
+        values = (core.model_id, core.kind, core.digest, __version__, folder)
+        without = ", ".join(unlimited) or "none"
+        LOG.info(f"{text} inputs without max_age: %s", *values, without)
         if self._pasted:
             LOG.warn("%s", PASTED)
 
     def prepare(self) -> None:
-        """Do what can fail before anything is registered.
-
-        Raises:
-            MessageError: the messages cannot carry the result.
-        """
+        """Do what can fail before anything is registered (MessageError)."""
         self.eddi_input.bind(self._core.inputs)
         result = self._core.message(self._core.execute_step(_Nothing()))
         try:

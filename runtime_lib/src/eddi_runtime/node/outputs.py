@@ -1,8 +1,7 @@
 """What a node publishes: messages of a monitor, or values of them, each on its topic.
 
-A transport may turn ``None`` into ``False`` without a word, take ``2`` for ``True``, and raise for
-a numpy scalar only once somebody listens (rospy does). So every value of a message is checked and
-converted here, field by field, and a message is always filled completely.
+A transport may turn ``None`` into ``False``, take ``2`` for ``True``, and raise for a numpy scalar
+only once somebody listens (rospy does). So each value is checked and converted here.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ _WHOLE: Mapping[str, tuple[int, int]] = {
 }
 _FLOATS = {"float32": 3.4028235e38, "float64": math.inf}
 _EXACT = {"bool": bool, "string": str}
-_HEADERS = ("Header", "std_msgs/Header")
 
 
 class MessageClasses(NamedTuple):
@@ -45,23 +43,19 @@ class Converter:
 
     def __init__(self, classes: MessageClasses) -> None:
         self._classes = classes
-        self._plans: dict[str, tuple[Any, dict[str, str], str | None]] = {}
+        self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
 
     def message(self, tree: Tree) -> object:
-        """Build one message.
-
-        Raises:
-            MessageError: unknown message, missing or surplus field, value of a wrong type.
-        """
+        """Build one message, all fields of it, each of its type, or raise MessageError."""
         name, fields = tree
-        plan = self._plans.get(name)
-        if plan is None:
-            plan = self._plans[name] = self._plan(name)
-        cls, kinds, header = plan
+        if name not in self._plans:
+            self._plans[name] = self._plan(name)
+        cls, kinds, has_header = self._plans[name]
         if fields.keys() != kinds.keys():
             # D7.2 prints `oddViolation`, where the packages that it describes have `odd_violation`
-            spelt = {_letters(field): field for field in kinds}
-            fields = {spelt.get(_letters(field), field): fields[field] for field in fields}
+            spelt = {field.replace("_", "").lower(): field for field in kinds}
+            letters = {field: field.replace("_", "").lower() for field in fields}
+            fields = {spelt.get(letters[field], field): fields[field] for field in fields}
         if fields.keys() != kinds.keys():
             raise MessageError(
                 f"{name}: fields {', '.join(sorted(fields))} given,"
@@ -72,8 +66,8 @@ class Converter:
             given = fields[field]
             exact = type(given) is _EXACT.get(kind)  # as nearly all are
             setattr(built, field, given if exact else self._value(name, field, kind, given))
-        if header is not None:
-            getattr(built, header).stamp = self._classes.stamp()
+        if has_header:
+            built.header.stamp = self._classes.stamp()
         return built
 
     def messages(self, trees: Trees) -> object:
@@ -93,22 +87,24 @@ class Converter:
         """Return ``package/Name`` of a message or of its class."""
         return self._classes.type_name(message)
 
-    def _plan(self, name: str) -> tuple[Any, dict[str, str], str | None]:
-        """Return the class of a message, its fields without a header, and its header."""
+    def _plan(self, name: str) -> tuple[Any, dict[str, str], bool]:
+        """Return the class of a message, its fields without a header, and whether it has one."""
         cls = getattr(self._classes.module, name, None)
         if cls is None:
             raise MessageError(f"message {name} is not in {self._classes.module.__name__}")
         kinds = dict(self._classes.fields(cls))
-        header = "header" if kinds.get("header") in _HEADERS else None
-        if header is not None:
-            del kinds[header]
-        return cls, kinds, header
+        has_header = kinds.get("header") in ("Header", "std_msgs/Header")
+        if has_header:
+            del kinds["header"]
+        return cls, kinds, has_header
 
     def _value(self, message: str, field: str, kind: str, value: object) -> object:
         if kind.endswith("]"):
             one, _, length = kind[:-1].partition("[")
             if isinstance(value, (list, tuple)) and (not length or len(value) == int(length)):
                 return [self._value(message, field, one, item) for item in value]
+        elif kind == "byte":  # in a diagnostic status only, where the transport knows its type
+            return value
         elif kind in _EXACT or kind in _WHOLE or kind in _FLOATS:
             found = _scalar(kind, value)
             if found is not None:
@@ -121,10 +117,6 @@ class Converter:
         given = f"{type(value).__name__} {value!r}"
         shown = given if len(given) <= 80 else given[:77] + "..."
         raise MessageError(f"{message}.{field}: {expected} expected, got {shown}")
-
-
-def _letters(field: str) -> str:
-    return field.replace("_", "").lower()
 
 
 def _scalar(kind: str, value: object) -> bool | int | float | str | None:
@@ -196,11 +188,7 @@ def channels(outputs: Iterable[Output]) -> Iterator[Output]:
 
 
 def picked(message: object, channel: Output) -> object:
-    """Return what goes to a topic: the message, or the one value of it that is asked for.
-
-    Raises:
-        MessageError: there is no such value in the message.
-    """
+    """Return what goes to a topic: the message, or the one value of it that is asked for."""
     if not channel.field:
         return message
     try:
@@ -213,11 +201,7 @@ def picked(message: object, channel: Output) -> object:
 def check_outputs(
     converter: Converter, result: Trees, monitor: object, outputs: Iterable[Output]
 ) -> None:
-    """Check that the messages of the workspace can carry what the monitor publishes.
-
-    Raises:
-        MessageError: a message is unknown, has other fields, or is not the declared one.
-    """
+    """Raise MessageError where the workspace's messages cannot carry what is published."""
     for channel in channels(outputs):
         of = channel.of
         built = converter.beside(monitor, of) if of else converter.messages(result)

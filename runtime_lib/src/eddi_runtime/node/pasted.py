@@ -22,17 +22,13 @@ def understood(given: Any, specs: Sequence[InputSpec]) -> Any:
 
 
 class EDDIInputBase(inputs.EDDIInputBase):
-    """An ``EDDIInput`` around one of D7.2.
-
-    It has the name of its own base: what begins with two underscores belongs to both.
-    """
+    """An ``EDDIInput`` around one of D7.2; the name of its base, for two underscores."""
 
     def __init__(self, given: Any, specs: Sequence[InputSpec]) -> None:
         super().__init__(specs)
         self.__given = given
 
     def processing(self, simulator_outputs: Mapping[str, object], t_ns: int | None = None) -> None:
-        """Have the fresh messages processed; what is not known then becomes None; never raises."""
         self.begin_processing(t_ns)
         received = {
             name: self.__received(name, simulator_outputs, spec.requires)[2]

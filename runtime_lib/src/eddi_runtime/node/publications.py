@@ -11,10 +11,6 @@ def reading_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
     """Return how evidence is read: as sensor data, so that every publisher fits.
 
     What is kept for who comes later is sent again only to who reads reliably (Fast DDS).
-
-    Args:
-        requested: what a person wants otherwise.
-        depth: messages that wait.
     """
     kept = requested.get("durability") == "transient_local"
     reliability = "reliable" if kept else "best_effort"
@@ -22,12 +18,7 @@ def reading_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
 
 
 def writing_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
-    """Return how results are written: nothing is lost, and who comes late gets the last one.
-
-    Args:
-        requested: what a person wants otherwise.
-        depth: messages that wait.
-    """
+    """Return how results are written: none is lost, and who comes late gets the last one."""
     usual = {"reliability": "reliable", "durability": "transient_local", "depth": depth}
     return {**usual, **requested}
 
@@ -50,7 +41,7 @@ def fault(
         unreadable: what came last has the name of the type, and another content.
         refused: what of a publication does not fit how this node reads, empty when all does.
         connected: this node listens to one of them.
-        alive: one of them still gives a sign of life; ``None`` where that cannot be known.
+        alive: one of them gives a sign of life; ``None`` where that cannot be known.
         deadline: seconds between two messages that a publication promises, if it does.
     """
     if unreadable:

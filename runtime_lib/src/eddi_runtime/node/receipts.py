@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -87,10 +88,7 @@ class Receipts:
             return dict(self._latest)
 
     def taken(self) -> tuple[dict[str, Receipt], dict[str, list[object]]]:
-        """Return the last messages, and of inputs that take each those since the last call.
-
-        At one instant: one that came between the two would be new without having been received.
-        """
+        """Return the last messages, and of inputs that take each those since the last call."""
         with self._lock:
             new = {name: list(queue) for name, queue in self._queues.items()}
             for queue in self._queues.values():
@@ -119,10 +117,7 @@ class Topic(NamedTuple):
 
 
 class Silence:
-    """Finds the reason for the silence of each topic.
-
-    Nothing is called absent in the time of the start, in which the graph becomes known.
-    """
+    """Finds the reason for the silence of each topic; none is absent in the time of the start."""
 
     def __init__(self, sources: Sequence[Input], grace: float) -> None:
         self._sources = sources
@@ -135,14 +130,11 @@ class Silence:
         """Return each source without a recent message, and the seconds since its last one."""
         now = time.monotonic()
         ages = {name: now - receipt.at for name, receipt in receipts.items()}
-        found = [(source, ages.get(source.id)) for source in self._sources]
-        return [(one, age) for one, age in found if age is None or age > _QUIET_S]
+        quiet = [one for one in self._sources if not ages.get(one.id, math.inf) <= _QUIET_S]
+        return [(one, ages.get(one.id)) for one in quiet]
 
     def explained(self, topics: Iterable[Topic], published: Collection[str]) -> GraphFact:
-        """Return why nothing usable comes from topics without a recent message, where known.
-
-        ``published``: full names of all topics that somebody publishes.
-        """
+        """Return why nothing usable comes from topics without a recent message."""
         if self._published != (names := frozenset(published)):
             self._published, self._absent = names, {}  # the nearest names are searched anew
         wrong_types, reasons = {}, {}
@@ -164,12 +156,9 @@ class Silence:
         if time.monotonic() < self._settled_at:
             return ""
         if topic.name not in self._absent:
-            self._absent[topic.name] = _absent(topic.name, self._published)
+            import difflib  # noqa: PLC0415 - only for what should not happen
+
+            near = difflib.get_close_matches(topic.name, sorted(self._published), 1)
+            nearest = f", the nearest name is {near[0]}" if near else ""
+            self._absent[topic.name] = f"nobody publishes it{nearest}"
         return self._absent[topic.name]
-
-
-def _absent(topic: str, published: Collection[str]) -> str:
-    import difflib  # noqa: PLC0415 - only for what should not happen
-
-    near = difflib.get_close_matches(topic, sorted(published), 1)
-    return "nobody publishes it" + (f", the nearest name is {near[0]}" if near else "")

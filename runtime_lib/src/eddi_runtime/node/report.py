@@ -1,7 +1,6 @@
 """Diagnostics of one monitor: pure functions from facts to levels and messages.
 
-Nothing here knows a transport. Words mean one thing: "fresh" and "up to date" refer to when a
-message came, "satisfied" and "good" only of evidence that speaks for a guarantee.
+"Fresh" and "up to date" refer to when a message came, "satisfied" only to evidence.
 """
 
 from __future__ import annotations
@@ -14,22 +13,12 @@ from ..monitor import Standing
 
 OK, WARN, ERROR, STALE = 0, 1, 2, 3
 """Levels of ``diagnostic_msgs/DiagnosticStatus``."""
-
-FRESH, LATCHED, WAITING, NEVER, LATE, UNTOLD, INVALID = (
-    "ok", "latched", "waiting", "missing", "stale", "untold", "invalid",
-)  # fmt: skip
-"""States of an input, as they are published."""
-
 _ORDER = (ERROR, STALE, WARN, OK)
-_LEVEL_OF_STATE = {
-    FRESH: OK,
-    LATCHED: WARN,
-    WAITING: WARN,
-    NEVER: ERROR,
-    LATE: STALE,
-    UNTOLD: WARN,
-    INVALID: ERROR,
-}
+
+_STATES = ("ok", "latched", "waiting", "missing", "stale", "untold", "invalid")
+FRESH, LATCHED, WAITING, NEVER, LATE, UNTOLD, INVALID = _STATES
+"""States of an input, as they are published."""
+_LEVEL_OF_STATE = dict(zip(_STATES, (OK, WARN, WARN, ERROR, STALE, WARN, ERROR)))
 _NAMED = 5
 """Inputs that the line of one guarantee names."""
 
@@ -42,14 +31,17 @@ class SourceFact(NamedTuple):
     age: float | None
     reason: str = ""  # what the transport knows of it, else empty
 
+    def explained(self, text: str) -> str:
+        """Return a text with what the transport knows."""
+        return f"{text} ({self.reason})" if self.reason else text
+
 
 class InputFact(NamedTuple):
     """One input at the last step."""
 
     id: str  # of the input
     state: str  # one of those above
-    # what is known of it beside its sources, such as why it is invalid, else empty
-    reason: str = ""
+    reason: str = ""  # beside its sources, such as why it is invalid, else empty
     # of the oldest message it needs in seconds; ``UNKNOWN_AGE`` as there, ``None`` without
     age: float | None = None
     received: int = 0  # messages so far, of the required topic with the fewest
@@ -59,6 +51,13 @@ class InputFact(NamedTuple):
     limit: float | str | None = None
     sources: tuple[SourceFact, ...] = ()  # the topics that it is made of
 
+    def blamed(self) -> list[SourceFact]:
+        """Return the sources that are late or missing."""
+        limit = self.limit if isinstance(self.limit, (int, float)) else math.inf
+        if self.state not in (WAITING, NEVER, LATE):
+            return []
+        return [source for source in self.sources if source.age is None or not source.age <= limit]
+
 
 class MonitorFact(NamedTuple):
     """What the monitor made of its inputs in the last step."""
@@ -66,8 +65,7 @@ class MonitorFact(NamedTuple):
     standings: tuple[Standing, ...] = ()  # every guarantee, threshold or event, active or not
     accepted: tuple[str, ...] = ()  # acceptances in use, as ``input: key``
     blocks: Mapping[str, Sequence[str]] = {}  # input id -> what it blocks
-    # what was missed before and still keeps outputs from being given
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()  # what was missed before and still keeps outputs from being given
 
 
 class GraphFact(NamedTuple):
@@ -77,8 +75,7 @@ class GraphFact(NamedTuple):
     warnings: tuple[str, ...] = ()  # sentences
     # full name of a topic -> the type that its publisher sends, and that expected
     wrong_types: Mapping[str, str] = {}
-    # full name of a topic -> why else nothing usable comes from it
-    reasons: Mapping[str, str] = {}
+    reasons: Mapping[str, str] = {}  # full name -> why else nothing usable comes from a topic
 
 
 class NodeFact(NamedTuple):
@@ -90,8 +87,7 @@ class NodeFact(NamedTuple):
     longest_step: float  # seconds
     error: str  # an exception of the last step or of the output, else empty
     graph: GraphFact = GraphFact()  # what is around it
-    # seconds without a step when that is far too long, else ``None``
-    silent_for: float | None = None
+    silent_for: float | None = None  # seconds without a step when that is far too long
 
 
 class Report(NamedTuple):
@@ -102,15 +98,14 @@ class Report(NamedTuple):
     values: tuple[tuple[str, str], ...]
 
 
-def worst(levels: Sequence[int]) -> int:
-    """Return the worst level in the order ERROR, STALE, WARN, OK."""
-    return min(levels, key=_ORDER.index, default=OK)
-
-
 def level_of(states: Sequence[str], error: str, accepted: Sequence[str] = ()) -> int:
     """Return the level of input states, the error of a step (empty: none) and acceptances."""
     levels = [_LEVEL_OF_STATE[state] for state in states]
-    return worst([*levels, ERROR if error else OK, WARN if accepted else OK])
+    return _worst([*levels, ERROR if error else OK, WARN if accepted else OK])
+
+
+def _worst(levels: Sequence[int]) -> int:
+    return min(levels, key=_ORDER.index, default=OK)
 
 
 def report(
@@ -123,51 +118,38 @@ def report(
     findings.sort(key=lambda finding: _ORDER.index(finding[0]))
     by_id = {fact.id: fact for fact in inputs}
     values = list(identity.items())
-    for standing in monitor.standings:
-        key = f"{standing.what}.{standing.id}" if standing.what else standing.id
-        values.append((key, standing_text(standing, by_id)))
+    for one in monitor.standings:
+        key = f"{one.what}.{one.id}" if one.what else one.id
+        values.append((key, standing_text(one, by_id)))
     for fact in inputs:
         values += _input_values(fact)
     values += [(f"accepted.{k}", text) for k, text in enumerate(monitor.accepted)]
-    values += _node_values(node)
-    return Report(
-        worst([level for level, _ in findings]),
-        "; ".join(text for _, text in findings) or "all inputs are up to date",
-        tuple(values),
-    )
+    values += [("steps", str(node.steps)), ("overruns", str(node.overruns))]
+    values += [("longest_step_ms", f"{node.longest_step * 1e3:.3f}"), *node.graph.values]
+    for k, (topic, text) in enumerate(node.graph.wrong_types.items()):
+        values.append((f"wrong_type.{k}", f"{topic}: {text}"))
+    values += [("error", node.error)] if node.error else []
+    message = "; ".join(text for _, text in findings) or "all inputs are up to date"
+    return Report(_worst([level for level, _ in findings]), message, tuple(values))
 
 
 def because(fact: InputFact) -> str:
     """Return in one line why an input is not fresh, with the topics that are late or missing."""
     if fact.state == LATCHED:
         return "age unknown"
-    blamed, parts = _blamed(fact), []
-    absent = ", ".join(_explained(one.topic, one) for one in blamed if one.age is None)
-    if absent and fact.state == WAITING:
-        parts.append(f"waiting for first message of {absent}")
-    elif absent:
-        parts.append(f"never received since start: {absent}")
-    parts += [_late(one, fact.limit) for one in blamed if one.age is not None]
+    blamed, parts = fact.blamed(), []
+    absent = ", ".join(one.explained(one.topic) for one in blamed if one.age is None)
+    if absent:
+        waiting = fact.state == WAITING
+        begin = "waiting for first message of" if waiting else "never received since start:"
+        parts.append(f"{begin} {absent}")
+    for one in blamed:
+        if one.age == UNKNOWN_AGE:
+            parts.append(f"{one.topic} was latched, its age is not known")
+        elif one.age is not None:
+            late = f"{one.topic} is late, {one.age:.3g} s old, the limit is {fact.limit:g} s"
+            parts.append(one.explained(late))
     return ", ".join(parts) or fact.reason
-
-
-def _blamed(fact: InputFact) -> list[SourceFact]:
-    """Return the sources of an input that are late or missing."""
-    if fact.state not in (WAITING, NEVER, LATE):
-        return []
-    limit = fact.limit if isinstance(fact.limit, (int, float)) else math.inf
-    return [source for source in fact.sources if source.age is None or not source.age <= limit]
-
-
-def _late(source: SourceFact, limit: float | str | None) -> str:
-    if source.age == UNKNOWN_AGE:
-        return f"{source.topic} was latched, its age is not known"
-    text = f"{source.topic} is late, {source.age:.3g} s old, the limit is {limit:g} s"
-    return _explained(text, source)
-
-
-def _explained(text: str, source: SourceFact) -> str:
-    return f"{text} ({source.reason})" if source.reason else text
 
 
 def standing_text(one: Standing, inputs: Mapping[str, InputFact]) -> str:
@@ -187,8 +169,12 @@ def _of_inputs(inputs: Sequence[InputFact], graph: GraphFact) -> Iterator[tuple[
     wrong = dict(graph.wrong_types)
     for fact in inputs:
         if fact.state != FRESH:
-            mistaken = [one.topic for one in _blamed(fact) if one.topic in graph.wrong_types]
-            yield ERROR if mistaken else _LEVEL_OF_STATE[fact.state], _sentence(fact)
+            mistaken = [one.topic for one in fact.blamed() if one.topic in graph.wrong_types]
+            reason = because(fact)
+            why = f"{',' if fact.state == LATCHED else ':'} {reason}" if reason else ""
+            blocks = f" (blocks {', '.join(fact.blocks)})" if fact.blocks else ""
+            level = ERROR if mistaken else _LEVEL_OF_STATE[fact.state]
+            yield level, f"{fact.id} {fact.state}{why}{blocks}"
             for topic in mistaken:
                 wrong.pop(topic, None)
     yield from ((ERROR, f"{topic}: {text}") for topic, text in wrong.items())
@@ -204,15 +190,6 @@ def _of_node(node: NodeFact) -> Iterator[tuple[int, str]]:
     yield from ((WARN, text) for text in node.graph.warnings)
 
 
-def _sentence(fact: InputFact) -> str:
-    reason = because(fact)
-    if fact.state == LATCHED:
-        text = f"{fact.id} latched, {reason}"
-    else:
-        text = f"{fact.id} {fact.state}" + (f": {reason}" if reason else "")
-    return text + (f" (blocks {', '.join(fact.blocks)})" if fact.blocks else "")
-
-
 def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:
     yield fact.id, fact.state
     yield f"{fact.id}.age_s", "" if fact.age in (None, UNKNOWN_AGE) else f"{fact.age:.3f}"
@@ -224,15 +201,3 @@ def _input_values(fact: InputFact) -> Iterator[tuple[str, str]]:
         yield f"{fact.id}.blocks", ", ".join(fact.blocks)
     if fact.state != FRESH and (reason := because(fact)):
         yield f"{fact.id}.reason", reason
-
-
-def _node_values(node: NodeFact) -> list[tuple[str, str]]:
-    values = [
-        ("steps", str(node.steps)),
-        ("overruns", str(node.overruns)),
-        ("longest_step_ms", f"{node.longest_step * 1e3:.3f}"),
-        *node.graph.values,
-    ]
-    wrong = enumerate(node.graph.wrong_types.items())
-    values += [(f"wrong_type.{k}", f"{topic}: {text}") for k, (topic, text) in wrong]
-    return values + ([("error", node.error)] if node.error else [])

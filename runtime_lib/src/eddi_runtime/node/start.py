@@ -9,12 +9,7 @@ import sys
 from contextlib import contextmanager, suppress
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
-from ..compatibility import ModelError
-
-__all__ = [
-    "FREQUENCIES", "STARTUP_GRACE_S", "Settings", "StartError", "end_at_signals", "installed",
-    "reported", "settings", "write_to_stderr",
-]  # fmt: skip
+from ..monitor import ModelError
 
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
@@ -25,10 +20,7 @@ class StartError(Exception):
 
 @contextmanager
 def reported(package: str) -> Iterator[None]:
-    """End with one line, not a traceback, when the compiled monitor cannot be imported.
-
-    Errors of hand-written modules keep their traceback.
-    """
+    """End with one line, not a traceback, when the compiled monitor cannot be imported."""
     try:
         yield
     except ModelError as error:
@@ -97,23 +89,17 @@ def _number(value: object) -> float:
     return math.nan
 
 
-def _seconds(value: object) -> bool:
-    return _number(value) >= 0.0
-
-
-_RULES: Mapping[str, tuple[str, Callable[[object], bool]]] = {
+_SECONDS = ("seconds >= 0", lambda value: _number(value) >= 0.0)
+_RULES: Mapping[str, tuple[str, Callable[[Any], bool]]] = {
     "frequency": (
         f"{FREQUENCIES[0]:f} to {FREQUENCIES[1]:.0f} Hz",
         lambda value: FREQUENCIES[0] <= _number(value) <= FREQUENCIES[1],
     ),
     "diagnostics": ("true or false", lambda value: isinstance(value, bool)),
-    "watchdog_period": ("seconds >= 0", _seconds),
+    "watchdog_period": _SECONDS,
     "queue_size": ("a whole number >= 1", lambda value: type(value) is int and value >= 1),
-    "startup_grace": ("seconds >= 0", _seconds),
-    "robot": (
-        "the name of this robot",
-        lambda value: isinstance(value, str) and value.isprintable(),
-    ),
+    "startup_grace": _SECONDS,
+    "robot": ("the name of this robot", lambda name: isinstance(name, str) and name.isprintable()),
 }
 """Parameter -> what is expected, and whether a value is that."""
 
@@ -123,32 +109,26 @@ def settings(
     frequency: float,
     startup_grace: float = STARTUP_GRACE_S,
     choices: Mapping[str, Sequence[str]] = {},
-) -> tuple[Settings, list[str]]:
-    """Return the settings and what is wrong with the given private parameters.
+) -> Settings:
+    """Return the settings, or raise StartError with all that is wrong with our own parameters.
 
-    Other parameters than ours are left alone. ``choices``: parameter that only the transport has
-    -> its words, the default first.
+    ``choices``: parameter that only the transport has -> its words, the default first.
     """
     default = Settings(frequency, startup_grace=startup_grace)
     values: dict[str, Any] = {name: given.get(name, getattr(default, name)) for name in _RULES}
-    words = {name: given.get(name, known[0]) for name, known in choices.items()}
-    wrong = [
-        f"parameter ~{name}: {expected} expected, got {values[name]!r}"
-        for name, (expected, fits) in _RULES.items()
-        if not fits(values[name])
-    ]
-    wrong += [
-        f"parameter ~{name}: {' or '.join(choices[name])} expected, got {word!r}"
-        for name, word in words.items()
-        if word not in choices[name]
-    ]
+    words: dict[str, Any] = {name: given.get(name, known[0]) for name, known in choices.items()}
+    expected = {name: text for name, (text, fits) in _RULES.items() if not fits(values[name])}
+    unknown = [name for name, word in words.items() if word not in choices[name]]
+    expected.update((name, " or ".join(choices[name])) for name in unknown)
+    both = {**values, **words}
+    wrong = [f"parameter ~{n}: {text} expected, got {both[n]!r}" for n, text in expected.items()]
     if given.get("model"):
         wrong.append(
             "parameter ~model: the model is compiled into the package; take the parameter out of"
             " the launch file, and run `eddi-scaffold upgrade -m MODEL` for another model"
         )
     if wrong:
-        return Settings(frequency), wrong
+        raise StartError("; ".join(wrong))
     for name in ("frequency", "watchdog_period", "startup_grace"):
         values[name] = float(values[name])
-    return Settings(**values, words={name: str(word) for name, word in words.items()}), wrong
+    return Settings(**values, words=words)

@@ -1,7 +1,4 @@
-"""Dynamic reliability: Markov chains and fault trees that follow what is observed (D7.2 3.3).
-
-Each sort of model is a module of its own, which a compiled monitor imports where it has one.
-"""
+"""Dynamic reliability: Markov chains and fault trees that follow what is observed (D7.2 3.3)."""
 
 from ..thresholds import Threshold
 from .component import Explanation, Importance, ReliabilityResult, Rule
@@ -10,11 +7,6 @@ from .monitor import Reliability
 FORMAT = 2
 
 __all__ = [
-    "FORMAT",
-    "Explanation",
-    "Importance",
-    "Reliability",
-    "ReliabilityResult",
-    "Rule",
+    "FORMAT", "Explanation", "Importance", "Reliability", "ReliabilityResult", "Rule",
     "Threshold",
-]
+]  # fmt: skip

@@ -1,7 +1,6 @@
 """A battery whose level of charge in percent, and temperature, are observed.
 
-Source: the battery of SafeDrones (Aslansefat et al. 2022): bands of charge, each with a state of
-use and one of recovery.
+Source: SafeDrones (Aslansefat et al. 2022): bands of charge, each in use and in recovery.
 """
 
 from __future__ import annotations
@@ -11,9 +10,8 @@ from itertools import accumulate, repeat
 from operator import mul
 from typing import Sequence
 
-from .component import Component, Estimate, Known, Moment, Values, sure
+from .component import Component, Estimate, Known, Matrix, Moment, Values, dot, factors, sure
 from .laws import Arrhenius
-from .numerics import Matrix, dot, factors
 
 _BANDS = {4: 0, 3: 2, 2: 4}
 _EMPTY = 6
@@ -57,8 +55,6 @@ class Battery(Component):
         self._band, self._missed = 4, False
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take level and temperature; unknown ones are bounded by the worst."""
-        del known
         level = self._believed(values[self._level])
         factor, colder = 1.0, False
         if self._heat is not None and self._hot is not None:
@@ -100,7 +96,6 @@ class Battery(Component):
         return level
 
     def reset(self) -> None:
-        """Return to a full battery."""
         super().reset()
         self._band, self._missed = 4, False
         if self._hot is not None:
@@ -111,11 +106,7 @@ class FreeHorizon:
     """Failed and alive after a time that only the step knows: uniformisation (Jensen 1953).
 
     What may happen in so and so many jumps is found here once; a step weights it with a Poisson
-    distribution.
-
-    Args:
-        arcs: (from, to, rate in 1/h) between the states of a battery.
-        longest: hours, the longest time that is usual.
+    distribution. ``longest``: hours, the longest time that is usual.
     """
 
     def __init__(self, arcs: Sequence[tuple[int, int, float]], longest: float) -> None:

@@ -6,8 +6,7 @@ import math
 from operator import mul
 from typing import Collection, Sequence, Tuple
 
-from .component import Estimate, Moment, sure
-from .numerics import Matrix, dot, factors
+from .component import Estimate, Matrix, Moment, dot, factors, sure
 
 INCONSISTENT = "inconsistent"
 _LEAST = 1e-8
@@ -22,12 +21,7 @@ Look = Sequence[float]
 
 
 class Seen:
-    """What is observed in a step, and what follows from it; kept for steps that see the same.
-
-    Attributes:
-        fatal: nothing but failure is consistent.
-        alive: failure is not consistent, something else is.
-    """
+    """What is observed in a step, and what follows from it; kept for steps that see the same."""
 
     def __init__(self, chain: Chain, states: Collection[int]) -> None:
         self.states = tuple(sorted(states))  # those that are consistent with the inputs
@@ -49,7 +43,7 @@ class Seen:
 class Chain:
     """The belief over the states of a chain of few states, whose sums are written out.
 
-    The belief has any weight up to one: results are divided by it, and it is seldom brought back.
+    It has any weight up to one: results are divided by it, and it is seldom brought back.
     """
 
     first: tuple[float, ...]  # belief at the start of the mission
@@ -159,7 +153,7 @@ class Chain:
         return self.look(belief, at)
 
     def _restored(self, worst: int) -> bool:
-        """Bring the weight back to one; ``False``: there is none, ``worst`` is believed now."""
+        """Bring the weight back to one; there is none: ``worst`` is believed, ``False``."""
         belief = self.weights()
         largest = max(belief)
         if largest > 0.0:

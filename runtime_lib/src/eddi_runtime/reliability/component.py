@@ -1,15 +1,12 @@
-"""What every model of a monitor can do, what it is given and what it reports in a step.
-
-An input that is not of the right kind counts as unknown.
-"""
+"""What every model of a monitor can do, what it is given and what it reports in a step."""
 
 from __future__ import annotations
 
 import math
 import sys
-from operator import itemgetter
+from operator import itemgetter, mul
 from types import MappingProxyType
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Union
 
 from ..plain_values import Absent, plain, show
 
@@ -135,10 +132,7 @@ FINITE = sys.float_info.max
 
 
 def take(rule: Rule, raw: object) -> tuple[Taken, str]:
-    """Return the value, None when it is not known, and what is wrong with it (empty: nothing).
-
-    Never raises. None and NaN mean unknown and are not wrong.
-    """
+    """Return the value, None when it is not known, and what is wrong with it; never raises."""
     if raw is None:
         return None, ""
     if type(raw) is Absent:  # isinstance asks the object
@@ -224,7 +218,7 @@ class Explanation(NamedTuple):
     ignored: Mapping[str, int]
 
     def text(self) -> str:
-        """Return the explanation as lines for people, without a line end behind the last."""
+        """Return the explanation as lines for people."""
         one = self.result
         bounds = f" ({one.p_fail_low:.3g} to {one.p_fail_high:.3g})"
         shown = bounds if one.p_fail_low != one.p_fail_high else ""
@@ -243,3 +237,40 @@ class Explanation(NamedTuple):
             times = "once" if count == 1 else f"{count} times"
             lines.append(f"  model {name}: ignored {times} that something failed works again")
         return "\n".join(lines)
+
+
+Matrix = Sequence[Sequence[float]]
+
+
+def factors(powers: list[Matrix], quanta: int) -> Iterator[Matrix]:
+    """Yield the powers that make up one of ``quanta``: as many as binary ones in it."""
+    for bit in range(quanta.bit_length()):
+        if bit == len(powers):
+            columns = list(zip(*powers[-1]))
+            square = [[dot(row, column) for column in columns] for row in powers[-1]]
+            powers.append(
+                [[one / whole for one in row] for row, whole in zip(square, map(sum, square))]
+            )
+        if quanta >> bit & 1:
+            yield powers[bit]
+
+
+def dot(one: Sequence[float], other: Sequence[float]) -> float:
+    """Return the sum of products."""
+    total: float = sum(map(mul, one, other))
+    return total
+
+
+_LARGEST = 709.0
+_NEW = 1e-9
+
+
+def hazard(age: float, ahead: float, scale: float, shape: float) -> float:
+    """Return ((age + ahead) / scale) ** shape - (age / scale) ** shape without cancellation."""
+    try:
+        if age <= _NEW * ahead:
+            return float(((age + ahead) / scale) ** shape - (age / scale) ** shape)
+        return float((age / scale) ** shape * math.expm1(shape * math.log1p(ahead / age)))
+    except OverflowError:  # what lies behind is nothing beside it, or both are beyond all numbers
+        exponent = shape * math.log((age + ahead) / scale)
+        return math.inf if exponent > _LARGEST else math.exp(exponent)

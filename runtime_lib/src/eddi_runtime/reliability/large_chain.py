@@ -1,8 +1,7 @@
 """Chains of many states: exponentials of matrices by numpy when the monitor starts.
 
 Without subtractions, so that 1e-18 keeps its digits. Sources: uniformisation (Jensen 1953),
-scaling and squaring of non-negative matrices, and the elimination of Grassmann, Taksar and
-Heyman (1985).
+scaling and squaring of non-negative matrices, elimination (Grassmann, Taksar, Heyman 1985).
 """
 
 from __future__ import annotations
@@ -99,7 +98,6 @@ class LargeChain(Chain):
         return found
 
     def moved(self, quanta: int, at: int, seen: Seen) -> Look:
-        """Return the look ahead; the next ones come with it if this step saw what the last did."""
         place = self._place + quanta
         # between two steps nothing was observed: with a mask, only single quanta are alike
         again = seen is self._seen
@@ -159,8 +157,7 @@ def _squared(power: np.ndarray, *, whole: bool = True) -> np.ndarray:
 def propagator(q: np.ndarray, hours: float) -> np.ndarray:
     """Return exp(q hours) by Horner in a non-negative matrix and squarings.
 
-    Entries are non-negative and rows sum to one by construction; each entry keeps its relative
-    accuracy, however small it is.
+    Rows sum to one by construction; each entry keeps its relative accuracy, however small it is.
     """
     fastest = float(-q.diagonal().min(initial=0.0))
     size = len(q)
@@ -182,14 +179,10 @@ def propagator(q: np.ndarray, hours: float) -> np.ndarray:
 
 
 def mean_times(rates: np.ndarray, fail: frozenset[int], endless: Sequence[int]) -> np.ndarray:
-    """Return the mean time to failure in hours from each state; 0 in a fail state.
+    """Return the mean hours to failure from each state: no rate loses digits by subtraction.
 
-    Without subtractions, so that rates of any ratio lose nothing.
-
-    Args:
-        rates: from row to column, 1/h, nothing on the diagonal.
-        fail: states without arcs.
-        endless: states from which failure is not certain.
+    ``rates``: from row to column, 1/h, nothing on the diagonal; ``fail``: states without arcs;
+    ``endless``: from which failure is not certain.
     """
     rates = rates.copy()
     tau = np.full(len(rates), math.inf)

@@ -14,10 +14,7 @@ _HOTTEST = 700.0
 
 
 class Arrhenius(NamedTuple):
-    """Law of Arrhenius: ageing at a temperature, relative to a reference.
-
-    Source: S. Arrhenius 1889; as acceleration factor in JEDEC JEP122 and IEC 61709.
-    """
+    """Ageing at a temperature, relative to a reference (Arrhenius 1889; IEC 61709)."""
 
     energy: float  # activation energy in eV
     reference: float  # temperature in degC at which the factor is 1
@@ -36,8 +33,8 @@ class Arrhenius(NamedTuple):
 class Limit:
     """The range of an input up to a declared limit, which a sensor may be seen to contradict.
 
-    A value above the limit is not believed, so the input is unknown; but neither is the limit
-    then: until the next value that is believed, the input may be as large as what was seen.
+    A value above the limit is not believed; but neither is the limit then: until the next value
+    that is believed, the input may be as large as what was seen.
     """
 
     def __init__(self, name: str, largest: float, shown: str) -> None:

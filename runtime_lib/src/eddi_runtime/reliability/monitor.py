@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Iterable, Mapping, Sequence
+from typing import Iterable, Mapping, Sequence
 
 from ..inputs import NO_TIME, look_again, step_time
-from ..monitor import Json, Monitor, Standing, Tree, Value
+from ..monitor import Json, Monitor, Standing, Tree, Value, finite
 from ..plain_values import read
 from ..thresholds import Evidence, Threshold
 from .component import (
@@ -62,10 +62,7 @@ class Reliability(Monitor[ReliabilityResult]):
         raise NotImplementedError
 
     def _read(self, source: object) -> dict[str, Taken]:
-        """Return the value of each input, None where it is not known; never raises.
-
-        Compiled monitors return usual values at once.
-        """
+        """Return the value of each input, None where it is not known; never raises."""
         return self._believed([read(source, spec.attribute, spec.id) for spec in self._sources])
 
     def _believed(self, raws: Sequence[object]) -> dict[str, Taken]:
@@ -77,21 +74,17 @@ class Reliability(Monitor[ReliabilityResult]):
             if factor is not None and isinstance(value, float):
                 given = value
                 value, fault = take(rule, given * factor[0] / factor[1])
-                if fault:
-                    own = rule.divided(*factor)
-                    fault = take(own, given)[1] or fault
+                if fault:  # told in the unit in which it came
+                    fault = take(rule.divided(*factor), given)[1] or fault
             if fault:
                 self._faults[spec.id] = fault
             values[spec.id] = value
         return values
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         self._source = None
         self._start: int | None = None
-        self._last = 0
-        self._quanta = 0
-        self._base = 0
+        self._last = self._quanta = self._base = 0
         self._faults: dict[str, str] = {}
         self._taken: Mapping[str, Taken] = {}
         self._result = ReliabilityResult(
@@ -107,8 +100,7 @@ class Reliability(Monitor[ReliabilityResult]):
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> ReliabilityResult:
         """Let time pass, take the observations, look ahead; never raises.
 
-        None, NaN and what is of another kind are unknown. A time that is no whole number is none:
-        the step is not valid.
+        None, NaN and what is of another kind are unknown; without a time the step is not valid.
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -137,23 +129,17 @@ class Reliability(Monitor[ReliabilityResult]):
         if valid and high > low * _ROUNDED:
             doubts = [(name, component.doubt()) for name, component in self.components.items()]
             told = "; ".join([f"{name}: {text}" for name, text in doubts if text])
-        usable = valid or (self.worst_case and not reason)
+        usable, best = valid or (self.worst_case and not reason), -math.inf if reason else low
         # loops, not comprehensions: those cost a call each before Python 3.12
         contributions: dict[str, float] = {}
         for name, found in known.items():
             contributions[name] = found[1]
         evidence: dict[str, bool] = {}
         for one in self._evidence:
-            best = -math.inf if reason else low
             evidence[one.id] = one.step(self._last, high, usable=usable, best=best)
-        self._result = _new(
-            ReliabilityResult,
-            (
-                *(valid, high, low, high, alive, mttf, moment[3], evidence, unknown),
-                told,
-                contributions,
-            ),
-        )
+        numbers = (valid, high, low, high, alive, mttf, moment[3])
+        fields = (*numbers, evidence, unknown, told, contributions)
+        self._result = _new(ReliabilityResult, fields)
         return self._result
 
     def _pass(self, now: int | None) -> tuple[int, str]:
@@ -165,12 +151,11 @@ class Reliability(Monitor[ReliabilityResult]):
             return 0, ""
         gap = now - self._last
         self._last = now
-        if gap < 0:
-            self._start = now  # a new time base: the state keeps its age
-            self._base = self._quanta
+        if gap < 0:  # a new time base: the state keeps its age
+            self._start, self._base = now, self._quanta
             return 0, "the clock went back"
-        size = self.quantum_ns
-        due = self._base - (self._start - now) // size  # rounded up: never behind the clock
+        # rounded up: never behind the clock
+        due = self._base - (self._start - now) // self.quantum_ns
         quanta, self._quanta = due - self._quanta, due
         return quanta, "gap" if gap > self.max_gap_ns else ""
 
@@ -187,15 +172,13 @@ class Reliability(Monitor[ReliabilityResult]):
     def _moment(self, values: Mapping[str, Taken], quanta: int) -> Moment:
         size, horizon, index = self._quantum, self.horizon, 0
         if self.moving:
-            index = GRID
-            left = values[MISSION_END]
-            if isinstance(left, float):
-                index = min(GRID, max(0, math.ceil(left / 3600.0 / horizon * GRID - 1e-9)))
+            remaining, index = values[MISSION_END], GRID
+            if isinstance(remaining, float):
+                index = min(GRID, max(0, math.ceil(remaining / 3600.0 / horizon * GRID - 1e-9)))
             horizon = horizon * index / GRID
         return _new(Moment, (quanta, quanta * size, self._quanta * size, horizon, index))
 
     def doubts(self) -> tuple[str, ...]:
-        """Return what was missed before and keeps a threshold from being active."""
         one = self._result
         decides = [
             own.threshold.activate
@@ -224,37 +207,29 @@ class Reliability(Monitor[ReliabilityResult]):
 
     def latched(self) -> dict[str, int]:
         """Return model -> how often a claim was ignored that something failed works again."""
-        return {
-            n: component.latched for n, component in self.components.items() if component.latched
-        }
+        return {name: one.latched for name, one in self.components.items() if one.latched}
 
     def as_json(self, output: ReliabilityResult) -> Mapping[str, Json]:
-        """Return a result with its names; what is not finite becomes None."""
         return {
-            **{name: _finite(value) for name, value in output._asdict().items()},
+            **{name: finite(value) for name, value in output._asdict().items()},
             "evidence": dict(output.evidence),
             "unknown": list(output.unknown),
-            "contributions": {name: _finite(p) for name, p in output.contributions.items()},
+            "contributions": {name: finite(p) for name, p in output.contributions.items()},
         }
 
     def series(self, output: ReliabilityResult) -> dict[str, Value]:
-        """Return p_fail with its bounds, reliability, mttf, valid and each evidence."""
-        numbers = {name: _finite(getattr(output, name)) for name in _NUMBERS}
+        numbers = {name: finite(getattr(output, name)) for name in _NUMBERS}
         return {**numbers, **self.decided(output)}
 
     def decided(self, output: ReliabilityResult) -> dict[str, Value]:
-        """Return valid and each evidence."""
         return {"valid": output.valid, **output.evidence}
 
     def message(self, output: object) -> Tree:
-        """Return a result as a ``ReliabilityOutput`` tree without header; never raises."""
         given = output if isinstance(output, ReliabilityResult) else self._refused()
         # what may hold although it is not active
         open_ = [one.id for one in self._evidence if one.possible and not one.active]
-        evidence: list[Tree] = [
-            ("ReliabilityEvidence", {"id": name, "active": active})
-            for name, active in given.evidence.items()
-        ]
+        pairs = given.evidence.items()
+        rows: list[Tree] = [("ReliabilityEvidence", {"id": k, "active": on}) for k, on in pairs]
         return "ReliabilityOutput", {
             "model": self.model_id,
             "valid": given.valid,
@@ -266,12 +241,12 @@ class Reliability(Monitor[ReliabilityResult]):
             "horizon_seconds": given.horizon * 3600.0,
             "unknown_inputs": list(given.unknown),
             "reason": given.reason or (f"not decided: {', '.join(open_)}" if open_ else ""),
-            "evidence": evidence,
+            "evidence": rows,
             "accepted": list(self.accepted()),
         }
 
     def _refused(self) -> ReliabilityResult:
-        """Return the worst case, for what a person's code has put in place of a result."""
+        """Return the worst case, in place of what is no result."""
         return self._result._replace(
             valid=False, p_fail=1.0, p_fail_high=1.0, p_fail_low=0.0, reliability=0.0, mttf=NAN,
             evidence={one.threshold.id: False for one in self._evidence},
@@ -279,42 +254,28 @@ class Reliability(Monitor[ReliabilityResult]):
         )  # fmt: skip
 
     def standings(self) -> list[Standing]:
-        """Return every threshold after the last step."""
         return [
-            Standing(
-                "threshold", one.id, one.active, *(((), "") if one.active else self._why(one))
-            )
-            for one in self._evidence
+            Standing("threshold", one.id, one.active, *self._why(one)) for one in self._evidence
         ]
 
     def _why(self, one: Evidence) -> tuple[tuple[tuple[str, str], ...], str]:
         """Return why a threshold is not active: inputs that are not known, or what else."""
-        result = self._result
-        if not result.valid and not (self.worst_case and not _trouble(result)):
+        result, limit = self._result, one.threshold.activate
+        trouble = "" if result.reason == _UNKNOWN_INPUTS else result.reason
+        if one.active:
+            return (), ""
+        if not result.valid and (trouble or not self.worst_case):
             lacks = [(name, self._faults.get(name) or "not known") for name in result.unknown]
-            return tuple(lacks), _trouble(result)
-        limit = one.threshold.activate
+            return tuple(lacks), trouble
         if not result.p_fail_high <= limit:
             high = f"p_fail is {result.p_fail_high:.3g}, the threshold is {limit:g}"
-            return (), "; ".join(filter(None, (high, _trouble(result))))
+            return (), "; ".join(filter(None, (high, trouble)))
         return (), "it holds, but not for long enough yet"
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return input id -> evidence that is not given because the input is not known."""
-        lost = tuple(one.threshold.id for one in self._evidence if not one.active) or ("valid",)
-        uses = self.uses
-        names: list[str] = [name for name in not_known if name in uses]
+        lost = tuple(one.id for one in self._evidence if not one.active) or ("valid",)
+        names = [name for name in not_known if name in self.uses]
         return dict.fromkeys((*self._result.unknown, *names), lost)
 
     def faults(self) -> dict[str, str]:
-        """Return input id -> what was wrong with its value in the last step."""
         return dict(self._faults)
-
-
-def _trouble(result: ReliabilityResult) -> str:
-    """Return why a result is not valid, or is as bad, apart from unknown inputs."""
-    return "" if result.reason == _UNKNOWN_INPUTS else result.reason
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

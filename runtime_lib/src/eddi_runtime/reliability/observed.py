@@ -13,11 +13,10 @@ from .component import AGAIN, Component, Estimate, Known, Moment, Values, reader
 class Missed:
     """The beliefs that a chain may have since an observation of it was missed.
 
-    Each completion of what was missed gives a belief of its own. The mixture of all of them, which
-    is the belief without that observation, is too optimistic where the worst one is true. So
-    several beliefs are followed, of which all that are possible are mixtures: a probability of
-    failure given later observations is a ratio of two linear functions of the belief, so the
-    largest one is that of one of these.
+    Each completion of what was missed gives a belief of its own; their mixture, the belief without
+    that observation, is too optimistic where the worst one is true. So several are followed, of
+    which all that are possible are mixtures: a probability of failure given later observations is
+    a ratio of two linear functions of the belief, so the largest one is that of one of these.
     """
 
     def __init__(self, chain: Chain, *, lost: bool, repair: bool) -> None:
@@ -58,10 +57,7 @@ class Missed:
 
 
 def hull(beliefs: list[Belief]) -> list[Belief]:
-    """Return beliefs of which all of these are mixtures, not more than there are states in them.
-
-    What all have in common is kept, and the rest of the weight may be in any one state.
-    """
+    """Return beliefs of which all of these are mixtures, at most as many as states in them."""
     if len(beliefs) <= sum(map(any, zip(*beliefs))):
         return beliefs
     columns = list(zip(*beliefs))
@@ -81,10 +77,7 @@ def hull(beliefs: list[Belief]) -> list[Belief]:
 
 
 def independent(possible: Iterable[AbstractSet[int]]) -> list[frozenset[int]]:
-    """Return the sets of states that are not made of smaller ones without overlap.
-
-    What such a union leaves of a belief is a mixture of what its parts leave.
-    """
+    """Return the sets of states that are not made of smaller ones without overlap."""
     found: list[frozenset[int]] = []
     for whole in sorted(map(frozenset, possible), key=lambda one: (len(one), sorted(one))):
         rest = whole
@@ -107,10 +100,8 @@ _LARGEST = 64
 class MarkovChain(Component):
     """A chain of the user's own, observed through verdicts that a state holds.
 
-    Args:
-        chain: the chain.
-        observe: (state, input id, negated): the verdict F excludes the state.
-        repair: after it was seen to have failed it may work again.
+    ``observe``: (state, input id, negated): the verdict F excludes the state. ``repair``: after it
+    was seen to have failed it may work again.
     """
 
     def __init__(
@@ -135,8 +126,6 @@ class MarkovChain(Component):
         self._may_have_failed = False  # for all that is seen now
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Exclude the states whose verdict is F."""
-        del known
         verdicts = self._verdicts(values)
         seen = self._seen.get(verdicts)
         if seen is None:
@@ -149,7 +138,6 @@ class MarkovChain(Component):
         return self.chain.step(moment, seen)
 
     def _again(self, moment: Moment, seen: Seen, verdicts: tuple[Any, ...]) -> Estimate:
-        """Take what is seen after a failure."""
         if self._repair:
             if seen.unknown:
                 return self._bounded(moment, seen)
@@ -222,7 +210,6 @@ class MarkovChain(Component):
         )
 
     def doubt(self) -> str:
-        """Return which inputs were missing, and what no other one has told since."""
         if not self._vague:
             return ""
         ages = {n: self._missing[n] * 3600.0 for n in self._names if n in self._missing}
@@ -231,7 +218,6 @@ class MarkovChain(Component):
         return f"{', '.join(names)} after the start, and no input shows {open_}"
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         super().reset()
         self._forget()
         self.chain.reset()

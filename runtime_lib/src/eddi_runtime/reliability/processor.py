@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from .component import NAN, Component, Estimate, Known, Moment, Values
+from .component import NAN, Component, Estimate, Known, Moment, Values, hazard
 from .laws import Arrhenius, Limit
-from .numerics import hazard
 
 _LARGEST_STRESS = 1e300
 
@@ -39,8 +38,6 @@ class Processor(Component):
         self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Add the exposure since the last step; unknown conditions count as the worst ones."""
-        del known
         unknown: list[str] = []
         hot, known_hot = self._hot.most(values, self)
         if not known_hot:
@@ -76,7 +73,6 @@ class Processor(Component):
         return self._mean / stress if self._shape == 1.0 or self._largest == 0.0 else NAN
 
     def reset(self) -> None:
-        """Return to the start of the mission."""
         super().reset()
         self._least = self._largest = self._age  # exposure: apart once something was missed
         self._hot.reset()

@@ -1,7 +1,7 @@
 """Rotors whose motors are known to work or not.
 
-Sources: Aslansefat et al., "SafeDrones: Real-Time Reliability Evaluation of UAVs" and the paper of
-2019 on multirotor reliability by the same group; motors are numbered as in the name, from 0.
+Sources: SafeDrones (Aslansefat et al. 2022), and the paper of 2019 on multirotor reliability by
+the same group; motors are numbered as in the name, from 0.
 """
 
 from __future__ import annotations
@@ -25,12 +25,11 @@ class Rows:
 
     def rows(self, at: int) -> Sequence[Row]:
         """Return what lies ahead of each state."""
-        del at
         return self._rows
 
 
 class Propulsion(Component):
-    """The statuses leave one state, or several where one is not known, of which the worst counts.
+    """The statuses leave one state, or several where one is not known: the worst counts.
 
     Args:
         chain: what lies ahead of sets of failed motors; the last state is the loss of the frame.
@@ -56,8 +55,6 @@ class Propulsion(Component):
         self.reset()
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take the status of each motor."""
-        del known
         statuses = self._statuses(values)
         if statuses != self._last:
             self._take(values, statuses)
@@ -70,7 +67,6 @@ class Propulsion(Component):
         return found
 
     def _take(self, values: Values, statuses: tuple[Any, ...]) -> None:
-        """Find the states that are possible."""
         latched = self.latched
         failed: list[bool | None] = []
         unknown: list[str] = []
@@ -100,7 +96,6 @@ class Propulsion(Component):
         return found
 
     def reset(self) -> None:
-        """All motors work."""
         super().reset()
         self._failed = [False] * len(self._inputs)
         self._last = None

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Sequence, Tuple
 
-from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, sure
-from .numerics import hazard
+from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, hazard, sure
 
 if TYPE_CHECKING:  # a tree without dynamic gates has no chain
     from .chain import Chain
@@ -64,7 +63,7 @@ class FaultTree(Component):
         """Return bounds of the top event's probability for events in [low, high].
 
         Exact for coherent trees, and where the only intervals are [0, 1] of events that come first
-        in the order; an outer bound in any case. One pass over the nodes.
+        in the order; an outer bound in any case.
         """
         if self.grows:  # monotone: the corners are the bounds
             return self.failure(low), self.failure(high)
@@ -81,7 +80,6 @@ class FaultTree(Component):
         return bounds[-1]
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Find the probabilities of all events and of the top event."""
         low = self.laws(moment.age, moment.horizon)
         reason = ""
         unknown: list[str] = []
@@ -126,14 +124,12 @@ class FaultTree(Component):
         return min(best, 1.0), worst, 1.0 - worst
 
     def reset(self) -> None:
-        """Forget what has happened."""
         super().reset()
         self._happened = {i: False for i, _ in self.observed}
         for _, chain in self._chains:
             chain.reset()
 
     def importances(self) -> tuple[Importance, ...]:
-        """Return how much each event matters in the worst case of the last step, most first."""
         q = list(self._high)
         if not q:
             return ()

@@ -1,10 +1,10 @@
-"""Equal units, of which some are needed: satellites, cells, redundant sensors."""
+"""Parts of which all are needed, and equal units of which some are: cells, satellites."""
 
 from __future__ import annotations
 
 import math
 
-from .component import Component, Estimate, Known, Moment, Values
+from .component import NAN, Component, Estimate, Known, Moment, Values
 
 
 class KOutOfN(Component):
@@ -14,8 +14,6 @@ class KOutOfN(Component):
         self._k, self._rate, self._largest, self._name = k, rate, largest, name
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
-        """Take how many units are available."""
-        del known
         units = values[self._name]
         if units is not None:
             p, r = self._failure(int(units), moment.horizon)
@@ -43,3 +41,25 @@ def _chance(n: int, i: int, q: float, w: float) -> float:
     except OverflowError:  # it is of many units
         ways = math.lgamma(n + 1) - math.lgamma(i + 1) - math.lgamma(n - i + 1)
         return math.exp(ways + i * math.log(w) + (n - i) * math.log(q)) if q and w else 0.0
+
+
+class Series(Component):
+    """Fails as soon as one of its parts does."""
+
+    def __init__(self, *parts: str) -> None:
+        self._parts = parts
+
+    def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
+        parts = [known[name] for name in self._parts]
+        low, high = _series([p.low for p in parts]), _series([p.high for p in parts])
+        unknown = tuple(dict.fromkeys(name for part in parts for name in part.unknown))
+        reason = next((part.reason for part in parts if part.reason), "")
+        alive = math.prod(part.reliability for part in parts)
+        mttf = parts[0].mttf if len(parts) == 1 else NAN
+        return Estimate(low, high, alive, mttf, unknown, reason)
+
+
+def _series(failures: list[float]) -> float:
+    if any(p >= 1.0 for p in failures):
+        return 1.0
+    return -math.expm1(math.fsum(math.log1p(-p) for p in failures)) + 0.0  # never -0.0

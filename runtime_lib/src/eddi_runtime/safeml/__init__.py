@@ -8,12 +8,5 @@ from .statistics import Interpolated, Kolmogorov
 FORMAT = 1
 
 __all__ = [
-    "FORMAT",
-    "Axes",
-    "Interpolated",
-    "Kolmogorov",
-    "OneTest",
-    "SafeML",
-    "SafeMLResult",
-    "Table",
-]
+    "FORMAT", "Axes", "Interpolated", "Kolmogorov", "OneTest", "SafeML", "SafeMLResult", "Table",
+]  # fmt: skip

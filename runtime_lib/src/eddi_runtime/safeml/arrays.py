@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Sequence, Union
 
 import numpy as np
 
-from ..compatibility import ModelError
+from ..monitor import ModelError
 
 Array = Any
 """An array of the backend: ``numpy.ndarray`` or ``torch.Tensor``."""
@@ -38,16 +38,7 @@ class Backend:
         self._module = module
 
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
-        """Count in each sorted row what is below each value of the same row.
-
-        Args:
-            rows: (K, n), each row ascending.
-            values: (K, q).
-            equal: count what is equal to the value as well.
-
-        Returns:
-            Whole numbers (K, q).
-        """
+        """Count (K, q) in each ascending row (K, n) what is below each value of the same row."""
         side = "right" if equal else "left"
         found = [self._module.searchsorted(row, one, side=side) for row, one in zip(rows, values)]
         return self._module.stack(found).astype(self._module.int64)
@@ -80,11 +71,7 @@ Numbers = Union[Table, Sequence[Sequence[float]]]
 
 
 def array_of(numbers: Numbers) -> Array:
-    """Return numbers as a writable array of float64.
-
-    Raises:
-        ModelError: the file cannot be read, or it is not the one of the thresholds.
-    """
+    """Return numbers as a writable array of float64, or raise ModelError."""
     if not isinstance(numbers, Table):
         return np.array(numbers, dtype=np.float64)
     folder = os.path.dirname(numbers.spec.origin)  # noqa: PTH120 - pathlib is slow to import
@@ -118,16 +105,11 @@ class Torch(Backend):
         self._module = module
 
     def ranks(self, rows: Array, values: Array, *, equal: bool) -> Array:
-        """Count in each sorted row what is below each value of the same row."""
         return self._module.searchsorted(rows.contiguous(), values.contiguous(), right=equal)
 
 
 def torch_or_numpy() -> Backend:
-    """Return PyTorch as the backend; numpy, with a warning, where that is not there.
-
-    Decisions are the same with both: a robot without the library is slower or faster, not less
-    safe.
-    """
+    """Return PyTorch as the backend; numpy, with a warning, where that is not there."""
     try:
         import torch  # noqa: PLC0415 - only where it is asked for
 

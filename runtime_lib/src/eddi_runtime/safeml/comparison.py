@@ -21,16 +21,7 @@ _STATISTICS: Mapping[str, Callable[[Backend, Array, int], _Statistic]] = {
 class Comparison:
     """Statistics of windows of ``m`` values against fixed references, one per test.
 
-    Args:
-        metric: ``ks``, ``cvm`` or ``ad``.
-        reference: (K, n) of numpy, float64, each row ascending.
-        m: values of a window.
-        backend: of all arrays.
-
-    Attributes:
-        tests: K.
-        n: reference values of each test.
-        m: values of a window.
+    ``reference``: (K, n) of numpy, float64, each row ascending; all arrays are of ``backend``.
     """
 
     def __init__(self, metric: str, reference: Array, m: int, backend: Backend = NUMPY) -> None:
@@ -64,15 +55,8 @@ _Ranks = Tuple[Array, Array, int]
 class Window:
     """The last ``m`` values of each test, as ranks that are kept up to date.
 
-    A value is looked up in the reference once, when it comes. All that is kept is whole numbers
-    and the values themselves, each replaced as a whole: nothing is added up over time, so nothing
-    drifts.
-
-    Args:
-        comparison: what the window is compared with.
-
-    Attributes:
-        filled: values that are there, at most m.
+    A value is looked up in the reference once, when it comes. Whole numbers and values are
+    replaced as a whole: nothing is added up over time, so nothing drifts.
     """
 
     def __init__(self, comparison: Comparison) -> None:

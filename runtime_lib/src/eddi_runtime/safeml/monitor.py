@@ -69,10 +69,7 @@ _SPOILT = "the output has no Booleans omission and odd_violation; it is an omiss
 
 
 class SafeML(Monitor[SafeMLResult]):
-    """What the class ``Monitor`` of a compiled SafeML monitor inherits. Not thread-safe.
-
-    It has one input, which takes every message.
-    """
+    """What the class ``Monitor`` of compiled SafeML inherits; it takes every message."""
 
     kind = "safeml"
     metric: str  # ``ks``, ``cvm`` or ``ad``
@@ -113,7 +110,6 @@ class SafeML(Monitor[SafeMLResult]):
         self.reset()
 
     def reset(self) -> None:
-        """Forget all samples and verdicts."""
         self._clear()
         self._accepted = self._rejected = 0
         self._accepted_ns: int | None = None
@@ -125,12 +121,8 @@ class SafeML(Monitor[SafeMLResult]):
     def execute_step(self, eddi_input: object, t_ns: int | None = None) -> SafeMLResult:
         """Take over new samples and compare once; never raises an Exception.
 
-        Args:
-            eddi_input: its attribute holds the messages since the last step (``Messages``, as
-                EDDIInput makes it), or one message: (d,) or (r, d) numbers. None: nothing is
-                known of the source.
-            t_ns: time in nanoseconds, only for ``max_age``; what is no whole number is no time,
-                and the step is omitted then.
+        The input holds the ``Messages`` since the last step, or one message of (d,) or (r, d)
+        numbers; None: nothing is known of the source. Time is asked for ``max_age`` only.
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
@@ -190,7 +182,6 @@ class SafeML(Monitor[SafeMLResult]):
         )  # fmt: skip
 
     def _too_old(self, now: int) -> bool:
-        """Return whether the window is too old; a clock that jumped back begins the age anew."""
         if self._accepted_ns is None or self.max_age is None:
             return False
         self._accepted_ns = min(self._accepted_ns, now)
@@ -203,10 +194,7 @@ class SafeML(Monitor[SafeMLResult]):
         self._statistics = None
 
     def omission(self) -> tuple[str, str]:
-        """Return why there is no verdict now: as in the status, and in words for people.
-
-        Both are empty when there is one.
-        """
+        """Return why there is no verdict: as in the status, and for people; else both empty."""
         reason, words = self._last.reason, self._fault
         if reason == FILLING:
             words = f"the window has {self._window.filled} of {self.window_size} samples"
@@ -216,10 +204,7 @@ class SafeML(Monitor[SafeMLResult]):
         return reason, words if reason else ""
 
     def explain(self) -> tuple[OneTest, ...]:
-        """Return every test of the present window, the largest distance first.
-
-        Empty while there is no verdict.
-        """
+        """Return every test of the present window, the largest distance first, if any."""
         if self._last.omission or self._statistics is None:
             return ()
         tests = []
@@ -231,26 +216,19 @@ class SafeML(Monitor[SafeMLResult]):
         return tuple(sorted(tests, key=lambda one: -one.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
-        """Return a result with its names; NaN becomes None."""
         return {
             name: None if isinstance(value, float) and not math.isfinite(value) else value
             for name, value in output._asdict().items()
         }
 
     def series(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
-        """Return statistic, threshold, verdict and omission."""
         known = self.as_json(output)
         return {name: known[name] for name in ("statistic", "threshold", *self.decided(output))}
 
     def decided(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
-        """Return verdict and omission."""
         return {"odd_violation": output.odd_violation, "omission": output.omission}
 
     def message(self, output: object) -> Tree:
-        """Return a result as a ``SafeMLOutput`` tree; never raises.
-
-        What hand-written code has spoilt is published as omission; ``output_faults`` reports it.
-        """
         omission = getattr(output, "omission", None)
         violation = getattr(output, "odd_violation", None)
         sound = isinstance(omission, bool) and isinstance(violation, bool)
@@ -263,7 +241,6 @@ class SafeML(Monitor[SafeMLResult]):
         return "SafeMLOutput", fields
 
     def status_message(self) -> Tree:
-        """Return the facts behind the last step as a ``SafeMLStatus`` tree without header."""
         last = self._last
         fields: dict[str, Any] = {
             **last._asdict(),
@@ -278,17 +255,14 @@ class SafeML(Monitor[SafeMLResult]):
         return "SafeMLStatus", fields
 
     def standings(self) -> list[Standing]:
-        """Return whether the window is in scope after the last step."""
         if self._last.omission:
             return [Standing("", "in_scope", False, ((self.inputs[0].id, self.omission()[1]),))]
         reason = "the samples differ from the reference" if self._last.odd_violation else ""
         return [Standing("", "in_scope", not reason, (), reason)]
 
     def blocked(self, not_known: Iterable[str] = ()) -> dict[str, tuple[str, ...]]:
-        """Return the input and what is not known because of it, while there is no verdict."""
         name = self.inputs[0].id
         return {name: ("odd_violation",)} if self._last.omission or name in set(not_known) else {}
 
     def faults(self) -> dict[str, str]:
-        """Return what was wrong with a message of the last step."""
         return {self.inputs[0].id: self._fault} if self._fault else {}

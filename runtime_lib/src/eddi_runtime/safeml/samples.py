@@ -25,7 +25,7 @@ class Taken(NamedTuple):
 
 
 def take(value: object, features: int, *, single: bool) -> Taken:
-    """Read samples out of any value, and count invalid ones; never raises an Exception.
+    """Read samples of ``features`` numbers out of any value, count invalid ones; never raises.
 
     Args:
         value: the messages since the last step, or a list of lists, one message each; or one
@@ -62,11 +62,7 @@ class _NoNumbersError(Exception):
 
 
 def _array(message: Any) -> Any:
-    """Return numbers as float64 (), (d,) or (r, d).
-
-    Raises:
-        _NoNumbersError: it is anything else; the text names it.
-    """
+    """Return numbers as float64 (), (d,) or (r, d), else raise _NoNumbersError."""
     of = type(message).__name__
     shape: Any = None
     if hasattr(message, "layout") and hasattr(message, "data"):
@@ -126,17 +122,12 @@ def _sort_out(found: Array, features: int, taken: Taken, faults: list[str]) -> N
 
 
 class Axes:
-    """Principal axes of some rows.
+    """Principal axes of some rows: the means, the divisors, and the axes by falling variance.
 
-    The generator prepares references and thresholds with the same code, and the projections of the
-    reference are found by the machine that compares, one by one: so a sample of the robot and an
-    equal row of the reference become equal numbers to the last bit.
-
-    Args:
-        numbers: rows of one number for each feature: the means; what the features are divided by
-            then; and the axes, by falling variance.
-        floor: length up to which what the axes leave out is rounding noise and counts as 0;
-            ``None`` when it is not tested.
+    The generator prepares references and thresholds with this code, and projections of the
+    reference are found by the machine that compares, one by one: an equal row becomes equal
+    numbers to the last bit. ``floor``: length up to which what the axes leave out counts as 0;
+    None: it is not tested.
     """
 
     def __init__(self, numbers: Numbers, floor: float | None = None) -> None:
@@ -147,10 +138,7 @@ class Axes:
         self.labels = tuple(names if floor is None else [*names, "residual"])
 
     def values(self, sample: Array) -> Array:
-        """Return the value of each test (K,) for one sample (d,).
-
-        Numbers too large to multiply become infinite, which is beyond every reference.
-        """
+        """Return the value of each test (K,) for one sample (d,); too large ones are infinite."""
         with np.errstate(over="ignore", invalid="ignore"):
             centred = (sample - self.centre) / self.scale
             found = self.vectors @ centred
@@ -161,11 +149,7 @@ class Axes:
         return found if np.isfinite(found).all() else np.where(np.isnan(found), np.inf, found)
 
     def series(self, rows: Array) -> Array:
-        """Return the values of many samples, (K, rows).
-
-        One sample after the other: a product of matrices may differ in the last bit from what
-        ``values`` gives, and would make equal samples unequal.
-        """
+        """Return the values of many samples, (K, rows); one by one, see the class."""
         return np.ascontiguousarray(np.array([self.values(row) for row in rows]).T)
 
     def weights(self, test: int, most: int = 3) -> list[tuple[int, float]]:

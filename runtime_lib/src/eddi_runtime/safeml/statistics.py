@@ -122,7 +122,6 @@ class AndersonDarling:
         return scaled / float(self._n * self._m)
 
     def _h(self, index: Array) -> Array:
-        """Return harmonic numbers; H of -1 may be anything, it is multiplied by 0."""
         return self._harmonic[index]
 
     def _without_ties(self, low: Array) -> Array:
@@ -183,10 +182,7 @@ class AndersonDarling:
 
 
 def _tied_groups(reference: Array) -> tuple[Array, Array]:
-    """Return what is below each value that a row holds more than once, and how often: (K, Q).
-
-    Rows are filled up with groups of one value, which correct nothing.
-    """
+    """Return what is below each repeated value of a row, and how often it is there: (K, Q)."""
     found = []
     for row in reference:
         bounds = np.flatnonzero(np.concatenate([[True], row[1:] != row[:-1], [True]]))
@@ -224,9 +220,8 @@ class Kolmogorov:
 class Interpolated:
     """A law by its critical values: the logarithm of the level is linear between them.
 
-    Args:
-        points: (critical value, level), ascending; none: every probability is 1.
-        slope: growth of the critical value per unit of -ln(level) beyond the last one.
+    ``points``: (critical value, level), ascending; none: every probability is 1. ``slope``: growth
+    of the critical value per unit of -ln(level) beyond the last one.
     """
 
     def __init__(self, points: Sequence[tuple[float, float]], slope: float) -> None:

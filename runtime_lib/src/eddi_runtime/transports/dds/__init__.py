@@ -1,7 +1,4 @@
-"""DDS adapter of the runtime: monitors that join a ROS 2 graph by themselves.
-
-The only part of the runtime that imports cyclonedds, which needs Python 3.10 or newer.
-"""
+"""DDS adapter of the runtime: the only part that imports cyclonedds (Python 3.10 or newer)."""
 
 from ...node.outputs import Output
 from ...node.receipts import Input

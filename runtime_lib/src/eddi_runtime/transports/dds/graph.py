@@ -71,26 +71,46 @@ class Publication(NamedTuple):
     deadline: float | None  # seconds between two messages that it promises, if it does
 
 
-class Reader(NamedTuple):
+class Reader:
     """What reads a topic, and who takes its messages."""
 
-    reader: Any
-    receive: Receive
-    greeted: dict[int, bool]
+    def __init__(self, reader: Any, receive: Receive) -> None:
+        self.reader, self._receive = reader, receive
+        self._greeted: set[int] = set()
+
+    def take(self) -> None:
+        """Hand over all that has arrived; never raises: who waits no more receives no more."""
+        try:
+            while self._take_some():
+                pass
+        except Exception as error:  # noqa: BLE001 - whatever a driver raises
+            LOG.error("dds: %s: %s", type(error).__name__, error)
+            time.sleep(0.1)
+
+    def _take_some(self) -> bool:
+        samples = self.reader.take(_BATCH)
+        for sample in samples:
+            writer = sample.sample_info.publication_handle
+            if sample.sample_info.valid_data:  # else its writer or its data went
+                self._receive(sample, writer not in self._greeted and self._keeps(writer))
+                self._greeted.add(writer)
+            else:
+                self._greeted.discard(writer)
+        return len(samples) == _BATCH
+
+    def _keeps(self, writer: int) -> bool:
+        """Return whether a writer keeps messages for who comes later, such as the first one."""
+        with contextlib.suppress(Exception):
+            endpoint = self.reader.get_matched_publication_data(writer)
+            return Policy.Durability.TransientLocal in endpoint.qos
+        return True
 
 
 class Graph:
-    """A participant that is a node of ROS 2.
+    """A participant that is a node of ROS 2; StartError where there is no domain, or no network.
 
-    Args:
-        domain: id of the domain.
-        namespace: of the node.
-        name: of the node.
-        distro: of the ROS 2 around: up to Humble, identities on the graph are longer.
-        partition: of DDS in which topics are read and written, empty for that of ROS 2.
-
-    Raises:
-        StartError: there is no such domain, or no network.
+    ``distro``: up to Humble, identities on the graph are longer. ``partition``: in which topics
+    are read and written, empty for that of ROS 2.
     """
 
     def __init__(
@@ -133,7 +153,7 @@ class Graph:
     def reader(self, topic: str, cls: Any, receive: Receive, qos: Qos) -> None:
         """Read a ROS topic; before ``start``."""
         made = DataReader(self._subscriber, self._topic(topic, cls), told(cls, qos))
-        self._readers[topic] = Reader(made, receive, {})
+        self._readers[topic] = Reader(made, receive)
 
     def _topic(self, topic: str, cls: Any) -> Any:
         return Topic(self._participant, _PREFIX + topic, cls)
@@ -145,17 +165,15 @@ class Graph:
 
     def _tell(self, readers: list[Any], writers: list[Any]) -> None:
         types, (namespace, name) = self._types, self._node
-        nodes = [
-            types.rmw_dds_common_NodeEntitiesInfo(
-                node_namespace=namespace,
-                node_name=name,
-                reader_gid_seq=[self._gid(reader) for reader in readers],
-                writer_gid_seq=[self._gid(writer) for writer in writers],
-            )
-        ]
+        node = types.rmw_dds_common_NodeEntitiesInfo(
+            node_namespace=namespace,
+            node_name=name,
+            reader_gid_seq=[self._gid(reader) for reader in readers],
+            writer_gid_seq=[self._gid(writer) for writer in writers],
+        )
         info = types.rmw_dds_common_ParticipantEntitiesInfo(
             gid=self._gid(self._participant),
-            node_entities_info_seq=nodes if readers or writers else [],
+            node_entities_info_seq=[node] if readers or writers else [],
         )
         self._info.write(info)
 
@@ -172,7 +190,7 @@ class Graph:
         while not self._stopped:
             waiting.wait(_WAIT)
             for reader in self._readers.values():
-                _take(reader)
+                reader.take()
         for condition in (*conditions, self._guard):
             waiting.detach(condition)
 
@@ -184,33 +202,24 @@ class Graph:
             self._known.take(_MANY, self._gone)  # else the dead are kept, and look like the living
             seen = self._known.read(_MANY)
         alive = [one for one in seen if one.sample_info.instance_state == InstanceState.Alive]
-        found = (
-            Publication(one.topic_name[len(_PREFIX) :], one.type_name, _deadline(one.qos))
-            for one in alive
-        )
-        return [one for one in found if one.topic.startswith("/")]
+        names = [one.topic_name[len(_PREFIX) :] for one in alive]
+        pairs = [(one, name) for one, name in zip(alive, names) if name.startswith("/")]
+        return [Publication(name, one.type_name, _deadline(one.qos)) for one, name in pairs]
 
-    def matched(self, topic: str) -> int:
-        """Return how many publications this process listens to on a topic."""
+    def listening(self, topic: str) -> tuple[bool, bool, str]:
+        """Return whether a publication is listened to, and gives signs, and what of one is unfit.
+
+        The last is a quality of service, empty when all fits.
+        """
         with self._use:
             if self._stopped:
-                return 0
-            return int(self._readers[topic].reader.get_subscription_matched_status().current_count)
-
-    def alive(self, topic: str) -> bool:
-        """Return whether one of the publications that this process listens to gives signs."""
-        with self._use:
-            if self._stopped:
-                return False
-            return bool(self._readers[topic].reader.get_liveliness_changed_status().alive_count)
-
-    def refused(self, topic: str) -> str:
-        """Return what of a publication of a topic does not fit, empty when all does."""
-        with self._use:
-            if self._stopped:
-                return ""
-            status = self._readers[topic].reader.get_requested_incompatible_qos_status()
-        return _POLICIES.get(status.last_policy_id, "its QoS") if status.total_count else ""
+                return False, False, ""
+            reader = self._readers[topic].reader
+            unfit = reader.get_requested_incompatible_qos_status()
+            matched = reader.get_subscription_matched_status().current_count > 0
+            alive = bool(reader.get_liveliness_changed_status().alive_count)
+        reason = _POLICIES.get(unfit.last_policy_id, "its QoS") if unfit.total_count else ""
+        return matched, alive, reason
 
     def close(self) -> None:
         """Leave the graph: all is deleted in order, so that no thread of DDS meets a ghost."""
@@ -239,38 +248,6 @@ def _deadline(qos: Any) -> float | None:
     if promised is None or not 0 < promised.deadline < duration(infinite=True):
         return None
     return float(promised.deadline / 1e9)
-
-
-def _take(one: Reader) -> None:
-    """Hand over all that has arrived; never raises: who waits no more receives nothing more."""
-    try:
-        _take_all(one)
-    except Exception as error:  # noqa: BLE001 - whatever a driver raises
-        LOG.error("dds: %s: %s", type(error).__name__, error)
-        time.sleep(0.1)
-
-
-def _take_all(one: Reader) -> None:
-    while True:
-        samples = one.reader.take(_BATCH)
-        for sample in samples:
-            info = sample.sample_info
-            if info.valid_data:  # else: a writer or its data went, and there is no message
-                writer = info.publication_handle
-                one.receive(sample, one.greeted.get(writer) is None and _keeps(one, writer))
-                one.greeted[writer] = True
-            else:
-                one.greeted.pop(info.publication_handle, None)
-        if len(samples) < _BATCH:
-            return
-
-
-def _keeps(one: Reader, writer: int) -> bool:
-    """Return whether a writer keeps messages for who comes later; the first may be an old one."""
-    with contextlib.suppress(Exception):
-        endpoint = one.reader.get_matched_publication_data(writer)
-        return Policy.Durability.TransientLocal in endpoint.qos
-    return True
 
 
 def discovery_types(gid_bytes: int) -> SimpleNamespace:

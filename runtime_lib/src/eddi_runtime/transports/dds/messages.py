@@ -1,18 +1,17 @@
 """Messages of ROS 2 as classes of cyclonedds, and what of them is believed when they arrive.
 
-A writer of another type whose name is the same may match, and its bytes may decode. So bytes must
-have exactly the length of the message that was made of them, and a Boolean must be 0 or 1.
+A writer of another type of the same name may match, and its bytes may decode. So bytes must have
+exactly the length of the message that was made of them, and a Boolean must be 0 or 1.
 """
 
 from __future__ import annotations
 
 import time
 from types import SimpleNamespace
-from typing import Any, Callable, Iterable, Mapping
+from typing import Any, Callable, Mapping
 
 from cyclonedds.idl import make_idl_struct, types
 
-from ...node.health import Status
 from ...node.outputs import Converter, MessageClasses
 
 _PRIMITIVES: Mapping[str, tuple[Any, Callable[[], object]]] = {
@@ -51,16 +50,11 @@ def _read(cls: Any, data: bytes, /, **more: object) -> object:
     surplus = len(data) - len(again)
     if data[1:2] != again[1:2] or not 0 <= surplus <= _PADDING:
         return Unreadable()
-    same = data[_HEADER : len(again)] == again[_HEADER:]
-    return message if same or _differ_in_padding(data, again) else Unreadable()
-
-
-def _differ_in_padding(data: bytes, again: bytes) -> bool:
-    """Return whether bytes differ from those written again in padding only, which is 0 there.
-
-    A Boolean that was neither 0 nor 1 is written as 1.
-    """
-    return not any(new == 1 != old for old, new in zip(data[_HEADER:], again[_HEADER:]))
+    if data[_HEADER : len(again)] == again[_HEADER:]:
+        return message
+    # what differs may be padding, which is 0; a Boolean that was neither 0 nor 1 became 1
+    spoilt = any(new == 1 != old for old, new in zip(data[_HEADER:], again[_HEADER:]))
+    return Unreadable() if spoilt else message
 
 
 def message_classes(
@@ -68,13 +62,9 @@ def message_classes(
 ) -> SimpleNamespace:
     """Return the classes of messages by name: ``std_msgs_Bool``.
 
-    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type as in ``.msg`` files)
-    and ``MAKERS`` (field -> makes its value in a new message).
-
-    Args:
-        definitions: ``package/Name`` -> ``type field, type field``; a type that is used by another
-            one comes before it.
-        hashes: ``package/Name`` -> by what ROS 2 knows the definition since Iron.
+    Each has ``TYPE`` (``package/Name``), ``HASH``, ``FIELDS`` (field -> type) and ``MAKERS``
+    (field -> makes its first value). Definitions are ``type field, type field``, used ones first;
+    hashes are those of ROS 2 since Iron.
     """
     made: dict[str, Any] = {}
     for name, text in definitions.items():
@@ -137,44 +127,17 @@ def stamp() -> object:
     return OWN.builtin_interfaces_Time(sec=seconds, nanosec=rest)
 
 
-def _fields(cls: Any) -> Iterable[tuple[str, str]]:
-    found: Mapping[str, str] = cls.FIELDS
-    return found.items()
+def _fields(cls: Any) -> Any:
+    return cls.FIELDS.items()
 
 
 def _type(message: Any) -> str:
     return str(message.TYPE)
 
 
-def converter(messages: SimpleNamespace) -> Converter:
-    """Return what makes messages of ``eddi_messages``.
-
-    Args:
-        messages: what ``message_classes`` returned.
-    """
-    prefix = "eddi_messages_"
-    own = {
-        name[len(prefix) :]: of for name, of in vars(messages).items() if name.startswith(prefix)
-    }
-    module: Any = SimpleNamespace(__name__="eddi_messages.msg", **own)
+def converter(messages: SimpleNamespace, package: str = "eddi_messages") -> Converter:
+    """Return what makes those of a package of what ``message_classes`` returned."""
+    begin = f"{package}_"
+    own = {name[len(begin) :]: of for name, of in vars(messages).items() if name.startswith(begin)}
+    module: Any = SimpleNamespace(__name__=f"{package}.msg", **own)
     return Converter(MessageClasses(module, _fields, _type, stamp))
-
-
-def diagnostics_of(statuses: list[Status]) -> object:
-    """Return statuses as one message."""
-    array = OWN.diagnostic_msgs_DiagnosticArray(
-        status=[
-            OWN.diagnostic_msgs_DiagnosticStatus(
-                level=status.report.level,
-                name=status.name,
-                message=status.report.message,
-                hardware_id=status.node,
-                values=[
-                    OWN.diagnostic_msgs_KeyValue(key=k, value=v) for k, v in status.report.values
-                ],
-            )
-            for status in statuses
-        ]
-    )
-    array.header.stamp = stamp()
-    return array

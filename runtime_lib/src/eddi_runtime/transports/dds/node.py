@@ -15,7 +15,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence, Union
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status
+from ...node.health import Status, diagnostics_tree
 from ...node.loop import LOG
 from ...node.node import Node
 from ...node.outputs import MessageError, Output, Publish
@@ -24,7 +24,7 @@ from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, settings, write_to_stderr
 from .graph import Graph, Publication, reading, writing
-from .messages import OWN, Unreadable, converter, diagnostics_of
+from .messages import OWN, Unreadable, converter
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _TOPIC = re.compile(r"(?:~/|/)?[A-Za-z_][A-Za-z0-9_]*(?:/[A-Za-z_][A-Za-z0-9_]*)*")
@@ -47,27 +47,14 @@ class Arguments(NamedTuple):
 
     def topic(self, name: str) -> str:
         """Return the full name of a topic."""
-        full = self._expanded(name)
-        return self.remaps.get(full, full)
-
-    def _expanded(self, name: str) -> str:
-        if name.startswith("/"):
-            return name
+        full = name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}"
         if name.startswith("~/"):
-            return f"{self.full_name}/{name[2:]}"
-        return f"{self.namespace.rstrip('/')}/{name}"
+            full = f"{self.full_name}/{name[2:]}"
+        return self.remaps.get(full, full)
 
 
 def arguments(words: Sequence[str], name: str) -> Arguments:
-    """Return what the words of a command line say; only options are read.
-
-    Args:
-        words: of the command line, without the program.
-        name: of the node, unless another one is given.
-
-    Raises:
-        StartError: a word is not understood, or no name of ROS 2.
-    """
+    """Return what the options of a command line say; StartError where one is not understood."""
     remaps: dict[str, str] = {}
     parameters: dict[str, Parameter] = {}
     for option, assignment in _pairs(words):
@@ -118,11 +105,7 @@ def _scalar(text: str) -> Parameter:
 
 
 def domain_id(text: str) -> int:
-    """Return the domain of ``ROS_DOMAIN_ID``.
-
-    Raises:
-        StartError: it is none.
-    """
+    """Return the domain of ``ROS_DOMAIN_ID``, else StartError."""
     if text.isdecimal() and int(text) < _DOMAINS:
         return int(text)
     raise StartError(f"ROS_DOMAIN_ID is {text!r}, a number from 0 to {_DOMAINS - 1} is expected")
@@ -135,14 +118,7 @@ _DEPTH = 5
 
 
 class MonitorNode(Node):
-    """Base class of the generated node.
-
-    Args:
-        monitor: the generated EDDIMonitor.
-        eddi_input: the generated EDDIInput.
-        options: parameters.
-        given: names and remaps.
-    """
+    """Base class of the generated node."""
 
     def __init__(
         self,
@@ -163,17 +139,13 @@ class MonitorNode(Node):
         return self._domain
 
     def topics(self) -> dict[str, str]:
-        """Return input id -> full name of its topic."""
         return {source.id: self._given.topic(source.topic) for source in self._sources}
 
     def advertise(self, channel: Output) -> Publish:
-        """Return what publishes to a topic."""
         qos = writing(channel.qos, self.options.queue_size)
         return self._graph.writer(self._given.topic(channel.topic), channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
-        """Read a topic."""
-
         def receive(message: Any, kept: bool) -> None:
             if isinstance(message, Unreadable):
                 self._unreadable[source.id] = time.monotonic()
@@ -184,20 +156,16 @@ class MonitorNode(Node):
         self._graph.reader(self._given.topic(source.topic), source.type, receive, qos)
 
     def simulated_ns(self) -> int | None:
-        """Return the time of ``/clock`` where that counts, 0 before its first message."""
         return self._clock
 
     def _tick(self, message: Any, _: bool) -> None:
         if not isinstance(message, Unreadable):
             self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
 
-    def check_serialises(self, message: object) -> None:
-        """Raise what writing would raise; for messages made by hand."""
-        made: Any = message
-        made.serialize()
+    def check_serialises(self, message: Any) -> None:
+        message.serialize()
 
     def graph(self) -> GraphFact:
-        """Return why topics are silent, and which have publishers of another type."""
         quiet = self._silence.quiet(self._receipts.latest())
         known = self._graph.publications() if quiet else []
         topics = [self._topic(source, age, known) for source, age in quiet]
@@ -208,23 +176,20 @@ class MonitorNode(Node):
         found = [one for one in known if one.topic == name]
         unreadable = time.monotonic() - self._unreadable.get(source.id, -math.inf)
         expected = str(source.type.TYPE)
+        connected, alive, unfit = self._graph.listening(name)
         why = fault(
             expected,
             age,
             unreadable=unreadable < (math.inf if age is None else age),
-            refused=self._graph.refused(name),
-            connected=self._graph.matched(name) > 0,
-            alive=self._graph.alive(name),
+            refused=unfit,
+            connected=connected,
+            alive=alive,
             deadline=min((one.deadline for one in found if one.deadline), default=None),
         )
         return Topic(name, expected, {ros_type(one.type) for one in found}, age, why)
 
     def run(self) -> int:
-        """Join the graph and step until the process is to end; return the exit status.
-
-        Raises:
-            StartError: there is no such graph.
-        """
+        """Join the graph (StartError) and step until the end; return the exit status."""
         domain = domain_id(os.environ.get("ROS_DOMAIN_ID") or "0")
         given, distro = self._given, self.options.words["ros_distro"]
         partition = str(given.parameters.get("partition", ""))
@@ -250,18 +215,14 @@ class MonitorNode(Node):
     def _statuses(self) -> Callable[[list[Status]], None]:
         cls = OWN.diagnostic_msgs_DiagnosticArray
         write = self._graph.writer("/diagnostics", cls, writing({}, 1))
-        return lambda statuses: write(diagnostics_of(statuses))
+        made = converter(OWN, "diagnostic_msgs")
+        return lambda statuses: write(made.message(diagnostics_tree(statuses)))
 
     @classmethod
     def main(
         cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
-        """Run the node of a generated package and return its exit status: 1 when it cannot start.
-
-        Args:
-            eddi_input_class: the generated EDDIInput.
-            eddi_monitor_class: the generated EDDIMonitor.
-        """
+        """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
         try:
             given = arguments(sys.argv[1:], cls.NAME)
@@ -269,10 +230,7 @@ class MonitorNode(Node):
             if unknown:
                 text = f"warning: no parameter is called {', '.join(unknown)}: nothing reads it"
                 write_to_stderr(cls.NAME, text)
-            options, wrong = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
-            if wrong:
-                write_to_stderr(cls.NAME, f"error: {'; '.join(wrong)}")
-                return 1
+            options = settings(given.parameters, cls.FREQUENCY, cls.STARTUP_GRACE, DISTROS)
             node = cls(eddi_monitor_class(), eddi_input_class(), options, given)
             node.prepare()
             return node.run()

@@ -1,7 +1,7 @@
 """All monitors of a workspace in one process: one node of ROS, a thread for each monitor.
 
-Topics, private parameters and names in the diagnostics are those of separate nodes. A monitor that
-raises, hangs in hand-written code or cannot be started does not stop the others.
+Topics, parameters and names in the diagnostics are those of separate nodes. A monitor that raises,
+hangs in hand-written code or cannot be started does not stop the others.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import threading
 import traceback
 from contextlib import contextmanager
 from functools import partial
-from typing import Callable, Iterator
+from typing import Any, Callable, Iterator
 
 import rosgraph.names
 import rospy
@@ -32,11 +32,7 @@ from .watchdog import TypeRefusals, Watchdog, watch
 
 
 class Host:
-    """The process; the generated program of the launcher fills it.
-
-    Args:
-        name: of its node.
-    """
+    """The process; the generated program of the launcher fills it."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -66,11 +62,7 @@ class Host:
         eddi_input_class: Callable[[], EDDIInputBase],
         eddi_monitor_class: Callable[[], Steps],
     ) -> None:
-        """Make the node of a monitor, without ROS.
-
-        Raises:
-            StartError: a node of its name is running, or a parameter of it is wrong.
-        """
+        """Make the node of a monitor, without ROS; StartError where it must not start."""
         name = _full_name(node_class.NAME)
         options = options_of(name, node_class.FREQUENCY, node_class.STARTUP_GRACE)
         node = node_class(eddi_monitor_class(), eddi_input_class(), options)
@@ -114,27 +106,21 @@ class Host:
                 threading.Thread(target=node.ros_main, name=name, daemon=True).start()
         for name, reason in self._failed.items():
             report = Report(ERROR, f"not started: {reason}", ())
-            diagnostics.add(partial(_always, Status(report, name.lstrip("/"), name)))
+            status = Status(report, name.lstrip("/"), name)
+            diagnostics.add(partial(lambda known, _: known, status))
         if watched is not None:
             watched.start()
 
     def _take_every_message(self) -> None:
-        """Queue the messages of a topic for all monitors if one of them takes each.
-
-        A process has one connection for each topic, and the last subscriber would set its queue.
-        """
-        nodes = self._nodes.values()
+        """Queue the messages of a topic for all monitors if one takes each."""
+        nodes: list[Any] = [*self._nodes.values()]
         queued = {one.topic for node in nodes for one in node.INPUTS if one.every_message}
         for node in nodes:
-            node.INPUTS = [  # type: ignore[misc]
-                one._replace(every_message=one.topic in queued) for one in node.INPUTS
-            ]
+            node.INPUTS = [one._replace(every_message=one.topic in queued) for one in node.INPUTS]
 
     def _expected_types(self) -> dict[str, tuple[str, str]]:
-        found: dict[str, tuple[str, str]] = {}
-        for node in self._nodes.values():
-            found.update(node.expected_types())
-        return found
+        nodes = self._nodes.values()
+        return {topic: of for node in nodes for topic, of in node.expected_types().items()}
 
     def _report_now(self) -> None:
         for node in self._nodes.values():
@@ -144,7 +130,3 @@ class Host:
 def _full_name(name: str) -> str:
     """Return the name of the node that a monitor would be by itself."""
     return str(rosgraph.names.resolve_name(name, rospy.names.get_caller_id()))
-
-
-def _always(status: Status, _: bool) -> Status:
-    return status

@@ -1,7 +1,7 @@
 """The ROS 1 node of one monitor: subscribe, one step per period, publish.
 
-The names ``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_main`` are those
-of SESAME D7.2 Fig 31; a person may override them in the generated RosNode.
+``create_ros_msg``, ``init_publisher``, ``init_subscriber`` and ``ros_main`` are names of SESAME
+D7.2 Fig 31; a person may override them in the generated RosNode.
 """
 
 from __future__ import annotations
@@ -12,14 +12,13 @@ from io import BytesIO
 from types import ModuleType
 from typing import Any, Callable, Iterable, Mapping
 
+import diagnostic_msgs.msg
 import rospy
 import rospy.impl.paramserver
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from ...compatibility import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
-from ...monitor import Steps
-from ...node.health import Status
+from ...monitor import ModelError, Steps
+from ...node.health import Status, diagnostics_tree
 from ...node.loop import LOG
 from ...node.node import Node
 from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
@@ -91,29 +90,14 @@ def _stamped_age(message: object) -> float:
 
 def diagnostics_publisher() -> Callable[[list[Status]], None]:
     """Return what publishes statuses on ``/diagnostics``."""
-    publisher: Any = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=5)
-
-    def publish(statuses: list[Status]) -> None:
-        array = DiagnosticArray(
-            status=[
-                DiagnosticStatus(
-                    level=status.report.level,
-                    name=status.name,
-                    message=status.report.message,
-                    hardware_id=status.node,
-                    values=[KeyValue(key=key, value=value) for key, value in status.report.values],
-                )
-                for status in statuses
-            ]
-        )
-        array.header.stamp = stamp()
-        publisher.publish(array)
-
-    return publish
+    messages: Any = diagnostic_msgs.msg
+    publisher: Any = rospy.Publisher("/diagnostics", messages.DiagnosticArray, queue_size=5)
+    made = converter(messages)
+    return lambda statuses: publisher.publish(made.message(diagnostics_tree(statuses)))
 
 
 def start_log() -> None:
-    """Let the log of the process write by rospy; ``rospy.init_node`` has been called.
+    """Let rospy write the log of the process; ``rospy.init_node`` has been called.
 
     Every ``rospy.log*`` asks the ROS master for a parameter before it writes (ros_comm 1.15.15,
     unless that parameter is set), and writes to a pipe that roslaunch has to read.
@@ -135,12 +119,14 @@ class MonitorNode(Node):
     ) -> None:
         super().__init__(monitor, eddi_input, converter(self.MESSAGES), options)
         self._subscribers: dict[str, Any] = {}
-        self._refusals = TypeRefusals()
-        self._watchdog: Watchdog | None = None
-        self.ending: RosEnding = RosEnding()
+        self.share(RosEnding(), TypeRefusals(), None)
 
-    def subscribe(self, source: Input) -> None:
-        """Subscribe to an input topic; blocks while the ROS master does not answer."""
+    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
+        """Take what a process has once; several monitors of one process share it."""
+        self.ending: RosEnding = ending
+        self._refusals, self._watchdog = refusals, watchdog
+
+    def subscribe(self, source: Input) -> None:  # blocks while the ROS master does not answer
         large = source.buffer_bytes != DEFAULT_BUFFER_BYTES
         self._subscribers[source.id] = rospy.Subscriber(
             source.topic,
@@ -151,39 +137,36 @@ class MonitorNode(Node):
             **({"buff_size": source.buffer_bytes} if large else {}),
         )
 
-    def advertise(self, channel: Output) -> Publish:
-        """Return a publisher: latched, with a queue, so that no subscriber can block."""
+    def advertise(self, channel: Output) -> Publish:  # with a queue no subscriber can block
         size = self.options.queue_size
         made: Any = rospy.Publisher(channel.topic, channel.type, queue_size=size, latch=True)
         publish: Publish = made.publish
         return publish
 
-    def check_serialises(self, message: object) -> None:
-        """Raise what rospy would raise once somebody listens; for messages made by hand."""
-        made: Any = message
-        made.serialize(BytesIO())
+    def check_serialises(self, message: Any) -> None:
+        message.serialize(BytesIO())
 
     def simulated_ns(self) -> int | None:
-        """Return the time of ``/clock`` where that counts."""
         return None if rospy.rostime.is_wallclock() else int(rospy.Time.now().to_nsec())
 
     def topics(self) -> Mapping[str, str]:
-        """Return input id -> resolved topic of every subscription."""
         return {name: one.resolved_name for name, one in dict(self._subscribers).items()}
 
-    def graph(self) -> GraphFact:
-        """Return what the master knows: topics without a publisher, types that do not fit.
+    def expected_types(self) -> dict[str, tuple[str, str]]:
+        """Return resolved topic -> (input id, ROS type name) of every subscription."""
+        known = dict(self._subscribers).items()
+        return {one.resolved_name: (name, str(one.type)) for name, one in known}
 
-        It also lists a publisher that was killed.
-        """
-        watchdog = self._watchdog
-        seen = {} if watchdog is None else dict(watchdog.wrong_types)
-        expected = self.expected_types()
-        refused = dict(self._refusals.heard)
-        receipts = self._receipts.latest()
-        shared = set() if watchdog is None else watchdog.shared
+    def graph(self) -> GraphFact:  # a master also lists a publisher that was killed
+        watchdog, expected = self._watchdog, self.expected_types()
+        state, seen, shared, published = "not watched", {}, set(), None
+        if watchdog is not None:
+            state, seen = watchdog.state, dict(watchdog.wrong_types)
+            shared, published = watchdog.shared, watchdog.published
+        refused, receipts = dict(self._refusals.heard), self._receipts.latest()
         wrong: dict[str, str] = {}
-        mixed: list[str] = []
+        warnings = ["ROS master lost"] if state == LOST else []
+        published = None if state == LOST else published
         for topic, (name, _) in expected.items():
             last = receipts[name].at if name in receipts else None
             text = standing(seen.get(topic), last) or standing(refused.get(topic), last)
@@ -191,33 +174,19 @@ class MonitorNode(Node):
                 wrong[topic] = text
             elif topic in shared and (topic in seen or topic in refused):
                 _, text = seen.get(topic) or refused[topic]
-                mixed.append(f"a publisher that is registered for {topic} does not fit: {text}")
-        state = "not watched" if watchdog is None else watchdog.state
-        lost = ("ROS master lost",) if state == LOST else ()
-        warnings = (*lost, *mixed)
-        known = None if watchdog is None or lost else watchdog.published
+                warnings.append(f"a publisher that is registered for {topic} does not fit: {text}")
         ages = {source.id: age for source, age in self._silence.quiet(receipts)}
         silent = [
-            Topic(topic, kind, (kind,) if topic in known else (), ages[name], _REGISTERED)
+            Topic(topic, kind, (kind,) if topic in published else (), ages[name], _REGISTERED)
             for topic, (name, kind) in expected.items()
-            if known is not None and name in ages
+            if published is not None and name in ages
         ]
-        found = self._silence.explained(silent, known or ())
-        return found._replace(values=(("master", state),), warnings=warnings, wrong_types=wrong)
-
-    def expected_types(self) -> dict[str, tuple[str, str]]:
-        """Return resolved topic -> (input id, ROS type name) of every subscription."""
-        subscribers = dict(self._subscribers)
-        return {
-            subscriber.resolved_name: (name, str(subscriber.type))
-            for name, subscriber in subscribers.items()
-        }
+        found = self._silence.explained(silent, published or ())
+        values = (("master", state),)
+        return found._replace(values=values, warnings=tuple(warnings), wrong_types=wrong)
 
     def run(self) -> int:
-        """Advertise, publish once, subscribe and loop; return the exit status.
-
-        ``rospy.init_node`` has been called.
-        """
+        """Advertise, publish once, subscribe and loop; return the exit status."""
         self.ending.install()
         start_log()
         self._refusals.install()
@@ -226,10 +195,6 @@ class MonitorNode(Node):
         self.run_on(rospy.get_name(), diagnostics_publisher, begun)
         self.ending.wait()
         return self.ending.status
-
-    def share(self, ending: RosEnding, refusals: TypeRefusals, watchdog: Watchdog | None) -> None:
-        """Be one of several monitors of a process, which has these once."""
-        self.ending, self._refusals, self._watchdog = ending, refusals, watchdog
 
     @classmethod
     def main(

@@ -1,9 +1,7 @@
 """Start and end of a process with a node of rospy.
 
-A start that cannot work ends before the node registers, so that the ROS graph never sees a broken
-node. rospy's own shutdown talks to the ROS master without a time limit: a master that hangs, or a
-host that vanished, would keep the process (and roslaunch) waiting. So XML-RPC to the master and to
-other nodes has a time limit here, which rospy's own proxies have not.
+What cannot work ends before the node registers, so that the graph never sees a broken node. XML-
+RPC to the master and to other nodes has a time limit here, which rospy's own proxies have not.
 """
 
 from __future__ import annotations
@@ -27,6 +25,7 @@ from ...node.start import Settings, StartError, settings, write_to_stderr
 
 Address = Union[str, Tuple[str, Dict[str, str]]]
 TIMEOUT_S = 2.0
+_NO_ANSWER = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, TypeError)
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -49,37 +48,19 @@ class Refused(Exception):  # noqa: N818 - the answer "no"
 
 
 class Peer:
-    """One XML-RPC server: the master or the slave API of a node. Not for use by two threads.
-
-    Every call of the ROS API carries the name of the node that calls.
-    """
+    """One XML-RPC server: the master or the slave API of a node. Not for use by two threads."""
 
     def __init__(self, uri: str, caller: str, timeout: float = TIMEOUT_S) -> None:
-        self.uri = uri
-        self._caller = caller
-        self._timeout = timeout
+        self.uri, self._caller, self._timeout = uri, caller, timeout
 
     def call(self, method: str, *arguments: object) -> object:
-        """Call one method of the ROS master or slave API and return its value.
-
-        Raises:
-            Unreachable: no usable answer.
-            Refused: the answer carries another status than success.
-        """
+        """Return the value of a method of the master or slave API; Unreachable, Refused."""
         try:
             # A new connection per call: the master may have been restarted in between.
-            proxy = xmlrpc.client.ServerProxy(self.uri, transport=_Transport(self._timeout))
-            with proxy:
-                answer = getattr(proxy, method)(self._caller, *arguments)
-            status, text, value = answer
-        except (
-            OSError,
-            http.client.HTTPException,
-            xmlrpc.client.Error,
-            ValueError,
-            TypeError,
-        ) as e:
-            raise Unreachable(f"{self.uri}: {type(e).__name__}: {e}") from e
+            with xmlrpc.client.ServerProxy(self.uri, transport=_Transport(self._timeout)) as proxy:
+                status, text, value = getattr(proxy, method)(self._caller, *arguments)
+        except _NO_ANSWER as error:
+            raise Unreachable(f"{self.uri}: {type(error).__name__}: {error}") from error
         if status != 1:
             raise Refused(str(text))
         return value
@@ -95,8 +76,8 @@ class Peer:
 def answers_as(uri: str, node: str, caller: str) -> bool:
     """Return whether a living node of this name answers at an address.
 
-    A dead registration may point to a port that another node has by now, hence the name is
-    asked for too; ``getName`` exists in rospy only, where it is missing ``getPid`` decides.
+    A dead registration may point to a port that another node has by now, so the name is asked for;
+    ``getName`` exists in rospy only, where it is missing ``getPid`` decides.
     """
     peer = Peer(uri, caller)
     try:
@@ -147,11 +128,7 @@ def wait_for_master(node: str) -> Peer:
 
 
 def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
-    """Return what a person has set, as soon as the master answers and nothing forbids a start.
-
-    Raises:
-        StartError: a living node has our name, or a parameter is wrong.
-    """
+    """Return what a person has set, as soon as the master answers; StartError forbids a start."""
     master = wait_for_master(node)
     with suppress(Unreachable):
         # The master would shut the other one down, with respawn on both sides for ever in turns.
@@ -159,32 +136,22 @@ def options_of(node: str, frequency: float, startup_grace: float) -> Settings:
         if uri is not None and answers_as(uri, node, node):
             reason = f"a node with the name {node} is running at {uri}; nothing was started"
             raise StartError(reason)
-    given = _private_parameters(master, node)
-    options, wrong = settings(given, frequency, startup_grace, ON_MASTER_LOSS)
-    if wrong:
-        raise StartError("; ".join(wrong))
-    return options
-
-
-def _private_parameters(master: Peer, node: str) -> dict[str, object]:
-    """Return the private parameters: the master's, then those of the command line."""
     try:
-        given = master.call("getParam", node)
+        held = master.call("getParam", node)
     except (Refused, Unreachable):
-        given = {}
-    parameters: dict[str, object] = dict(given) if isinstance(given, dict) else {}
+        held = {}
+    given: dict[str, object] = dict(held) if isinstance(held, dict) else {}
     try:
-        parameters.update(rospy.client.load_command_line_node_params(list(sys.argv)))
+        given.update(rospy.client.load_command_line_node_params(list(sys.argv)))
     except rospy.ROSInitException as error:
         raise StartError(str(error)) from error
-    return parameters
+    return settings(given, frequency, startup_grace, ON_MASTER_LOSS)
 
 
 class RosEnding(Ending):
     """The end of a process with a node of rospy: status 0, ``TAKEN_OVER`` or ``MASTER_LOST``."""
 
     def install(self) -> None:
-        """Hear of every end that rospy knows; ``rospy.init_node`` has been called."""
         rospy.on_shutdown(self.begin)
         rospy.core.add_preshutdown_hook(self._explain)
         super().install()
@@ -196,7 +163,6 @@ class RosEnding(Ending):
         rospy.signal_shutdown(reason)
 
     def wait(self) -> None:
-        """Wait until the node is unregistered and all is logged; the guard limits the wait."""
         while self.begun and not rospy.is_shutdown():
             time.sleep(0.01)
         super().wait()

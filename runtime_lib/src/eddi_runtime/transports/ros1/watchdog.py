@@ -1,9 +1,8 @@
 """Check the ROS master every few seconds, in a thread of its own.
 
-A rospy node registers once. When roscore is restarted the node stays unknown forever, without any
-report. The watchdog detects it and registers the node again, or ends the process so that
-``respawn`` brings it back. It also finds a second node of the same name and publishers whose
-message type does not fit.
+A rospy node registers once: when roscore is restarted it stays unknown without any report. The
+watchdog registers it again, or ends the process so that ``respawn`` brings it back. It also finds
+a second node of the same name and publishers whose message type does not fit.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import Any, Callable
+from typing import Any, Callable, Dict, Tuple
 
 import rosgraph
 import rospy
@@ -24,6 +23,10 @@ from .process import MASTER_LOST, TAKEN_OVER, Peer, Refused, RosEnding, Unreacha
 OK, LOST, REREGISTERED = "ok", "lost", "re-registered"
 _ATTEMPTS = 3
 _REFUSALS = ("md5sum", "types do not match")
+Wrong = Dict[str, Tuple[float, str]]
+"""Topic -> since when (monotonic seconds) its publisher does not fit, and why."""
+Expected = Callable[[], Dict[str, Tuple[str, str]]]
+"""Returns resolved topic -> (input id, ROS type name) of all subscriptions."""
 
 
 class TypeRefusals(logging.Handler):
@@ -34,7 +37,7 @@ class TypeRefusals(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self.heard: dict[str, tuple[float, str]] = {}
+        self.heard: Wrong = {}
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keep the reason of a refused connection."""
@@ -53,10 +56,7 @@ class TypeRefusals(logging.Handler):
 
 
 def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str:
-    """Return what is wrong with the publisher of a topic, empty once a message came since.
-
-    The master keeps the type of a publisher that is gone, and another one may publish beside it.
-    """
+    """Return what is wrong with a publisher, empty once a message came since: it may be gone."""
     if known is None or (last_receipt is not None and last_receipt > known[0]):
         return ""
     return known[1]
@@ -65,19 +65,14 @@ def standing(known: tuple[float, str] | None, last_receipt: float | None) -> str
 class Watchdog:
     """Compares what the master knows with what this node is.
 
-    ``expected`` returns resolved topic -> (input id, ROS type name) of all subscriptions;
     ``changed`` is called whenever ``state`` or ``wrong_types`` changed.
     """
 
     def __init__(
-        self,
-        options: Settings,
-        ending: RosEnding,
-        expected: Callable[[], dict[str, tuple[str, str]]],
-        changed: Callable[[], None],
+        self, options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
     ) -> None:
         self.state = OK  # of the master
-        self.wrong_types: dict[str, tuple[float, str]] = {}  # topic -> when found, and what
+        self.wrong_types: Wrong = {}
         # topics with a publisher -> type, when the master was asked last
         self.published: dict[str, str | None] | None = None
         self.shared: set[str] = set()  # topics with more than one publisher, then
@@ -136,7 +131,9 @@ class Watchdog:
             LOG.info("the ROS master answers again and still knows this node")
             self.state = OK
         self.shared = {topic for topic, names in nodes.items() if len(names) > 1}
-        self._check_types({topic: types.get(topic) for topic, names in nodes.items() if names})
+        # Only topics with a publisher: the master keeps the types of all others, too.
+        self.published = {topic: types.get(topic) for topic, names in nodes.items() if names}
+        self._check_types(self.published)
 
     def _return(self) -> None:
         """Make a master that does not know this node know it, or end."""
@@ -157,13 +154,11 @@ class Watchdog:
         LOG.warn("the ROS master did not know this node any more: registered again")
 
     def _check_types(self, published: dict[str, str | None]) -> None:
-        # Only topics with a publisher: the master keeps the types of all others, too.
-        self.published = published
-        wrong: dict[str, tuple[float, str]] = {}
+        wrong: Wrong = {}
         for topic, (_, expected) in self._expected().items():
-            found = published.get(topic)
-            if found not in (None, "*", expected):
-                text = f"{expected} expected, the publisher sends {found}"
+            sent = published.get(topic)
+            if sent not in (None, "*", expected):
+                text = f"{expected} expected, the publisher sends {sent}"
                 known = self.wrong_types.get(topic)
                 if known is None or known[1] != text:
                     LOG.error("wrong message type on %s: %s", topic, text)
@@ -173,20 +168,16 @@ class Watchdog:
 
 
 def watch(
-    options: Settings,
-    ending: RosEnding,
-    expected: Callable[[], dict[str, tuple[str, str]]],
-    changed: Callable[[], None],
+    options: Settings, ending: RosEnding, expected: Expected, changed: Callable[[], None]
 ) -> Watchdog | None:
     """Return the watchdog of this process, ``None`` where a person wants none."""
     return Watchdog(options, ending, expected, changed) if options.watchdog_period else None
 
 
 def reregister(master: Peer, node: str, own_uri: str) -> None:
-    """Register everything at a new master that rospy's own start registered at the former one.
+    """Register at a new master all that rospy itself registered at the former one.
 
-    The topic manager and the service manager are inner parts of rospy (ros_comm 1.15.15): a test
-    guards this function per version.
+    Both managers are inner parts of rospy (ros_comm 1.15.15): a test guards this per version.
     """
     topics: Any = rospy.impl.registration.get_topic_manager()
     services: Any = rospy.impl.registration.get_service_manager()

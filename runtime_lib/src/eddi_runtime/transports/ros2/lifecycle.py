@@ -11,8 +11,7 @@ from ...node.life_cycle import LifeCycle
 from ...node.loop import LOG
 from ...plain_values import one_line
 from .node import MonitorNode
-from .parameters import declared
-from .process import Process, Receive
+from .process import Process, Receive, declared
 
 __all__ = ["ManagedMonitorNode"]
 
@@ -67,17 +66,14 @@ class ManagedProcess(Process):
         self._subscriptions: list[Any] = []
 
     def new_node(self, name: str) -> Any:
-        """Return the node of rclpy."""
         return _ManagedNode(name)
 
     def new_publisher(self, topic: str, cls: Any, qos: QoSProfile) -> Any:
-        """Return the publisher of a topic, the same one for each activation."""
         if topic not in self._publishers:
             self._publishers[topic] = self.node.create_lifecycle_publisher(cls, topic, qos)
         return self._publishers[topic]
 
     def subscription(self, topic: str, cls: Any, qos: QoSProfile, receive: Receive) -> Any:
-        """Subscribe to a topic."""
         made = super().subscription(topic, cls, qos, receive)
         self._subscriptions.append(made)
         return made
@@ -100,19 +96,12 @@ class ManagedMonitorNode(MonitorNode):
     PROCESS: ClassVar[type[Process]] = ManagedProcess
 
     def init_publisher(self) -> None:
-        """Advertise every topic, that of diagnostics too: one of an active node would not send."""
         super().init_publisher()
         if self.options.diagnostics:
             self.statuses()
 
     @classmethod
     def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
-        """Run a managed node until its process is to end; return the exit status.
-
-        Args:
-            process: a ``PROCESS``.
-            make: returns a node that knows nothing.
-        """
         meaning = "configure and activate the node at its start, nobody else does"
         node = process.node
         autostart = declared(node, "autostart", False, meaning)

@@ -1,7 +1,6 @@
 """The ROS 2 node of one monitor, on rclpy: subscribe, one step per period, publish.
 
-Steps follow the monotonic clock, never a timer of ROS: with ``use_sim_time`` and no ``/clock``
-such a timer would not fire at all.
+Steps follow the monotonic clock: a timer of ROS waits for ever with no ``/clock``.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ import time
 from types import ModuleType
 from typing import Any, Callable, ClassVar, Iterable, Mapping
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+import diagnostic_msgs.msg
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
@@ -19,19 +18,19 @@ from rclpy.time import Time
 from ... import ModelError
 from ...inputs import UNKNOWN_AGE, EDDIInputBase
 from ...monitor import Steps
-from ...node.health import Status
+from ...node.health import Status, diagnostics_tree
 from ...node.node import Node
 from ...node.outputs import Converter, MessageClasses, MessageError, Output, Publish
 from ...node.publications import fault
 from ...node.receipts import MAX_QUEUED, Input, Topic
 from ...node.report import GraphFact
 from ...node.start import Settings, StartError, end_at_signals, write_to_stderr
-from .parameters import deadline, declared_settings, keeps, reading, refused, writing
-from .process import Process
+from .process import Process, deadline, declared_settings, keeps, reading, refused, writing
 
 _SPELT = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
 _SEQUENCE = re.compile(r"sequence<(.*?)(?:, (\d+))?>")
 _ARRAY = re.compile(r"(.*)(\[\d+\])")
+_DEPTH = 5
 
 
 def msg_type(of: str) -> str:
@@ -57,45 +56,12 @@ def ros_type(message: object) -> str:
 
 
 def converter(messages: ModuleType, stamp: Callable[[], object]) -> Converter:
-    """Return what makes messages of a package.
-
-    Args:
-        messages: module that holds the message classes by name (``eddi_messages.msg``).
-        stamp: returns the present time for a header.
-    """
+    """Return what makes messages of a package (``eddi_messages.msg``)."""
     return Converter(MessageClasses(messages, _fields, ros_type, stamp))
 
 
-def diagnostics_of(statuses: list[Status], stamp: object) -> object:
-    """Return statuses as one message."""
-    array = DiagnosticArray(
-        status=[
-            DiagnosticStatus(
-                level=bytes([status.report.level]),
-                name=status.name,
-                message=status.report.message,
-                hardware_id=status.node,
-                values=[KeyValue(key=key, value=value) for key, value in status.report.values],
-            )
-            for status in statuses
-        ]
-    )
-    array.header.stamp = stamp
-    return array
-
-
-_DEPTH = 5
-
-
 class MonitorNode(Node):
-    """Base class of the generated RosNode.
-
-    Args:
-        monitor: the generated EDDIMonitor.
-        eddi_input: the generated EDDIInput.
-        options: parameters.
-        process: the node of rclpy.
-    """
+    """Base class of the generated RosNode."""
 
     PROCESS: ClassVar[type[Process]] = Process  # what it runs in
 
@@ -107,20 +73,16 @@ class MonitorNode(Node):
         self._read: dict[str, tuple[str, QoSProfile]] = {}
 
     def simulated_ns(self) -> int | None:
-        """Return the time of ``/clock`` where that counts."""
         return self._process.simulated_ns()
 
     def topics(self) -> Mapping[str, str]:
-        """Return input id -> full name of its topic."""
         return {name: topic for name, (topic, _) in dict(self._read).items()}
 
     def advertise(self, channel: Output) -> Publish:
-        """Return what publishes to a topic."""
         qos = writing(channel.qos, self.options.queue_size)
         return self._process.publisher(channel.topic, channel.type, qos)
 
     def subscribe(self, source: Input) -> None:
-        """Subscribe to an input topic."""
         qos = reading(source.qos, MAX_QUEUED if source.every_message else _DEPTH)
         kept = keeps(qos)
 
@@ -132,10 +94,7 @@ class MonitorNode(Node):
         self._read[source.id] = (made.topic_name, made.qos_profile)
 
     def _age(self, message: Any, sent: int | None) -> float:
-        """Return how old a message is that may have been kept; one of the future may have any age.
-
-        Which publisher a message comes from is not told, so each is looked at.
-        """
+        """Return how old a message is that may have been kept; the future may be any age."""
         made = getattr(getattr(message, "header", None), "stamp", None)
         if made is not None and (made.sec or made.nanosec):
             age = (Time.from_msg(self._process.stamp()) - Time.from_msg(made)).nanoseconds / 1e9
@@ -146,11 +105,9 @@ class MonitorNode(Node):
         return age if age >= 0.0 else UNKNOWN_AGE
 
     def check_serialises(self, message: object) -> None:
-        """Raise what publishing would raise; for messages made by hand."""
         serialize_message(message)
 
     def graph(self) -> GraphFact:
-        """Return why topics are silent, which have publishers of another type, and namesakes."""
         quiet = self._silence.quiet(self._receipts.latest())
         topics = [self._topic(source, age) for source, age in quiet if source.id in self._read]
         published = self._process.published() if topics else []
@@ -175,26 +132,19 @@ class MonitorNode(Node):
         return Topic(name, expected, {one.type for one in known}, age, why)
 
     def run(self, begun: Callable[[], None]) -> None:
-        """Step until its end.
-
-        Args:
-            begun: called once all topics are advertised and subscribed to.
-        """
+        """Step until its end."""
         self.run_on(self._process.name, self.statuses, begun)
 
     def statuses(self) -> Callable[[list[Status]], None]:
         """Return what publishes statuses."""
-        publish = self._process.publisher("/diagnostics", DiagnosticArray, writing({}, 1))
-        return lambda statuses: publish(diagnostics_of(statuses, self._process.stamp()))
+        messages: Any = diagnostic_msgs.msg
+        made = converter(messages, self._process.stamp)
+        publish = self._process.publisher("/diagnostics", messages.DiagnosticArray, writing({}, 1))
+        return lambda rows: publish(made.message(diagnostics_tree(rows, lambda n: bytes([n]))))
 
     @classmethod
     def serve(cls, process: Any, make: Callable[[], MonitorNode]) -> int:
-        """Run a node until its process is to end; return the exit status.
-
-        Args:
-            process: a ``PROCESS``.
-            make: returns a node that knows nothing.
-        """
+        """Run a node until its process is to end; return the exit status."""
         node = make()
         node.prepare()
         with process.until(node.ending):
@@ -206,20 +156,14 @@ class MonitorNode(Node):
     def main(
         cls, eddi_input_class: Callable[[], EDDIInputBase], eddi_monitor_class: Callable[[], Steps]
     ) -> int:
-        """Run the node of a generated package and return its exit status: 1 when it cannot start.
-
-        Args:
-            eddi_input_class: the generated EDDIInput.
-            eddi_monitor_class: the generated EDDIMonitor.
-        """
+        """Run the node of a generated package; return its exit status, 1: it cannot start."""
         end_at_signals()
-        process = None
+        process: Any = None
         try:
             process = cls.PROCESS(cls.NAME)
             options = declared_settings(process.node, cls.FREQUENCY, cls.STARTUP_GRACE)
-            around = process
             return cls.serve(
-                around, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, around)
+                process, lambda: cls(eddi_monitor_class(), eddi_input_class(), options, process)
             )
         except (StartError, ModelError, MessageError) as error:
             write_to_stderr(cls.NAME, f"error: {error}")

@@ -1,4 +1,4 @@
-"""rclpy in this process: one node, and a thread that hands over what arrives.
+"""rclpy in this process: one node with its parameters and QoS, and a thread that hands over.
 
 Signals are the monitor's own: rclpy would end its context while the last step still publishes.
 """
@@ -10,18 +10,22 @@ import signal
 import sys
 import threading
 import time
-from typing import Any, Callable, Iterator, NamedTuple, Optional
+from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Optional
 
 import rclpy
 import rclpy.subscription
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.duration import Duration
+from rclpy.exceptions import ParameterException
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 from rclpy.time import Time
 
 from ...node.loop import LOG, Ending
-from ...node.start import StartError
+from ...node.publications import reading_qos, writing_qos
+from ...node.start import FREQUENCIES, Settings, StartError, settings
 from ...plain_values import one_line
 
 try:  # since Iron
@@ -31,10 +35,102 @@ except ImportError:
 
 _WAIT_S = 0.2
 _END_S = 0.5
+_MOST_QUEUED = 1_000_000
 _TELLS_TIMES = hasattr(rclpy.subscription, "MessageInfo")
 """Since Iron a callback is told when a message was sent."""
 Receive = Callable[[Any, Optional[int]], None]
 """Takes a message, and when it was sent (nanoseconds of wall time), if that is known."""
+
+
+def declared_settings(node: Any, frequency: float, startup_grace: float) -> Settings:
+    """Declare the parameters of a node of rclpy; return what a person set (StartError)."""
+    grace = "seconds in which an input may wait for its first message"
+    queue = "messages that wait for a slow subscriber of the outputs"
+    robot = "name of this robot among others, empty for the configured one"
+    whole = {"integer_range": [IntegerRange(from_value=1, to_value=_MOST_QUEUED, step=1)]}
+    rows: list[tuple[str, object, str, dict[str, Any]]] = [
+        ("frequency", frequency, "steps per second", _between(*FREQUENCIES)),
+        ("diagnostics", True, "publish a summary on /diagnostics", {}),
+        ("startup_grace", startup_grace, grace, _between(0.0, sys.float_info.max)),
+        ("robot", "", robot, {}),
+        ("queue_size", 1, queue, whole),
+    ]
+    given = {
+        name: declared(node, name, default, text, **more) for name, default, text, more in rows
+    }
+    return settings(given, frequency, startup_grace)
+
+
+def declared(node: Any, name: str, default: object, meaning: str, **ranges: Any) -> Any:
+    """Declare a parameter; return what a person has set, or raise StartError."""
+    # Read once, so nobody can set them later; 10 is as good a number as 10.0.
+    descriptor = ParameterDescriptor(
+        description=meaning, read_only=True, dynamic_typing=isinstance(default, float), **ranges
+    )
+    try:
+        return node.declare_parameter(name, default, descriptor).value
+    except ParameterException as error:
+        raise StartError(f"parameter {name}: {error.args[0]}") from error
+
+
+def _between(low: float, high: float) -> dict[str, Any]:
+    made = FloatingPointRange(from_value=low, to_value=high, step=0.0)
+    return {"floating_point_range": [made]}
+
+
+_FOR_EVER_NS = 2**62
+"""Whatever is longer: what counts as infinite depends on the middleware and the release."""
+
+
+def reading(given: Mapping[str, Any], depth: int) -> QoSProfile:
+    """Return how evidence is read: see :func:`reading_qos`."""
+    return _profile(reading_qos(given, depth))
+
+
+def writing(given: Mapping[str, Any], depth: int) -> QoSProfile:
+    """Return how results are written: see :func:`writing_qos`."""
+    return _profile(writing_qos(given, depth))
+
+
+def _profile(qos: Mapping[str, Any]) -> QoSProfile:
+    times = {k: Duration(seconds=qos[k]) for k in ("deadline", "lifespan") if k in qos}
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=qos["depth"],
+        reliability=getattr(ReliabilityPolicy, qos["reliability"].upper()),
+        durability=getattr(DurabilityPolicy, qos["durability"].upper()),
+        **times,
+    )
+
+
+def keeps(profile: QoSProfile) -> bool:
+    """Return whether a reader gets messages of before it was there, which may be of any age."""
+    return bool(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def refused(reader: QoSProfile, writers: Iterable[QoSProfile]) -> str:
+    """Return what of every writer is less than a reader asks for, empty when one fits."""
+    reasons = [_lacking(reader, writer) for writer in writers]
+    return reasons[0] if reasons and all(reasons) else ""
+
+
+def _lacking(reader: QoSProfile, writer: QoSProfile) -> str:
+    reliable = reader.reliability == ReliabilityPolicy.RELIABLE
+    if reliable and writer.reliability == ReliabilityPolicy.BEST_EFFORT:
+        return "the reliability"
+    if keeps(reader) and writer.durability == DurabilityPolicy.VOLATILE:
+        return "the durability"
+    asked, promised = deadline([reader]), deadline([writer])
+    return "the deadline" if asked and (promised is None or promised > asked) else ""
+
+
+def deadline(writers: Iterable[QoSProfile]) -> float | None:
+    """Return the shortest time between two messages that a writer promises, in seconds.
+
+    ROS 2 writes none as zero, and as the longest there is.
+    """
+    times = [writer.deadline.nanoseconds for writer in writers]
+    return min((ns / 1e9 for ns in times if 0 < ns < _FOR_EVER_NS), default=None)
 
 
 class Publication(NamedTuple):
@@ -45,14 +141,7 @@ class Publication(NamedTuple):
 
 
 class Process:
-    """A node of rclpy.
-
-    Args:
-        name: of the node, unless the command line has another one.
-
-    Raises:
-        StartError: an argument is wrong, or there is no middleware.
-    """
+    """A node of rclpy; StartError where an argument is wrong, or there is no middleware."""
 
     def __init__(self, name: str) -> None:
         try:
@@ -100,24 +189,19 @@ class Process:
         def changed(signs: Any) -> None:
             self._signs[topic] = signs
 
-        def made(**more: Any) -> Any:
-            overriding = QoSOverridingOptions.with_default_policies()
-            taken = with_time if _TELLS_TIMES else without
-            return self.node.create_subscription(
-                cls, topic, taken, qos, qos_overriding_options=overriding, **more
-            )
-
+        taken = with_time if _TELLS_TIMES else without
+        more: dict[str, Any] = {}
+        more["qos_overriding_options"] = QoSOverridingOptions.with_default_policies()
+        events = SubscriptionEventCallbacks(liveliness=changed)
         try:
-            return made(event_callbacks=SubscriptionEventCallbacks(liveliness=changed))
+            return self.node.create_subscription(
+                cls, topic, taken, qos, event_callbacks=events, **more
+            )
         except UnsupportedEventTypeError:  # of this middleware: nothing is told of signs of life
-            return made()
+            return self.node.create_subscription(cls, topic, taken, qos, **more)
 
     def alive(self, topic: str) -> bool | None:
-        """Return whether a publisher of a topic gives signs of life, ``None`` if that is not told.
-
-        Args:
-            topic: by the name that the node uses for it.
-        """
+        """Return whether a publisher of a topic gives signs of life, ``None`` if untold."""
         signs = self._signs.get(topic)
         return None if signs is None else signs.alive_count > 0 or not signs.not_alive_count
 
@@ -131,7 +215,14 @@ class Process:
         ending.install()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: ending.begin())
-        LOG.start(self.writers())
+        log = self.node.get_logger()
+        # one line each: rclpy remembers the level of every place that it is called from
+        writers: dict[str, Callable[..., None]] = {
+            "info": lambda text, *values: log.info(_filled(text, values)),
+            "warn": lambda text, *values: log.warning(_filled(text, values)),
+            "error": lambda text, *values: log.error(_filled(text, values)),
+        }
+        LOG.start(writers)
         try:
             yield
         finally:
@@ -164,17 +255,13 @@ class Process:
     def stamp(self) -> object:
         """Return the time for a header: ROS time, wall time while there is none (no /clock)."""
         now = self.node.get_clock().now()
-        if now.nanoseconds == 0:
-            now = Time(nanoseconds=time.time_ns())
-        return now.to_msg()
+        return (now if now.nanoseconds else Time(nanoseconds=time.time_ns())).to_msg()
 
     def publications(self, topic: str) -> list[Publication]:
         """Return every publisher of a topic, by the name that the node uses for it."""
         with self._open:
-            found = [] if self._closed else self.node.get_publishers_info_by_topic(topic)
-        return [
-            Publication(one.topic_type.replace("/msg/", "/"), one.qos_profile) for one in found
-        ]
+            infos = [] if self._closed else self.node.get_publishers_info_by_topic(topic)
+        return [Publication(i.topic_type.replace("/msg/", "/"), i.qos_profile) for i in infos]
 
     def published(self) -> list[str]:
         """Return the full names of all topics that somebody publishes."""
@@ -187,16 +274,6 @@ class Process:
         with self._open:
             known = [] if self._closed else self.node.get_node_names_and_namespaces()
         return sum(f"{space.rstrip('/')}/{name}" == self.name for name, space in known)
-
-    def writers(self) -> dict[str, Callable[..., None]]:
-        """Return what writes the lines of the log."""
-        log = self.node.get_logger()
-        # one line each: rclpy remembers the level of every place that it is called from
-        return {
-            "info": lambda text, *values: log.info(_filled(text, values)),
-            "warn": lambda text, *values: log.warning(_filled(text, values)),
-            "error": lambda text, *values: log.error(_filled(text, values)),
-        }
 
     def close(self) -> None:
         """Leave the graph, once nobody receives, publishes or asks any more."""

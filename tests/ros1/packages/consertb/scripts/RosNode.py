@@ -6,7 +6,7 @@ import eddi_messages.msg
 from eddi_messages.msg import ConSertOutput
 from std_msgs.msg import Bool
 
-from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
+from eddi_runtime.transports.ros1 import Input, MonitorNode, Output, reported
 
 from consertb.EDDIInput import EDDIInput
 

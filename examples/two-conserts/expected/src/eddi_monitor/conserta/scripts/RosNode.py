@@ -9,7 +9,7 @@ import sys
 import eddi_messages.msg
 from std_msgs.msg import Bool
 
-from eddi_runtime.ros1 import Input, MonitorNode, Output, reported
+from eddi_runtime.transports.ros1 import Input, MonitorNode, Output, reported
 
 with reported('conserta'):
     from conserta.EDDIInput import EDDIInput
