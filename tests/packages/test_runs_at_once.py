@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -14,7 +13,7 @@ import pytest
 
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.regions.package import locked
-from tests.cli.command import Result, example, files_below, run
+from tests.cli.command import Result, example, files_below, run, scaffold
 from tests.diagnosed import assert_reported
 
 pytestmark = pytest.mark.slow
@@ -128,19 +127,6 @@ def test_a_second_run_is_refused_but_not_a_look(folder: Path) -> None:
         assert files_below(folder) == before
         first.kill()
     assert run(*GENERATE, cwd=folder).status in {0, 3}  # a lock of the dead holds nobody
-
-
-def scaffold(*words: str, cwd: Path) -> subprocess.Popen[str]:
-    code = (
-        "import sys; from pathlib import Path; from eddi_scaffold.packages import rendering; "
-        "from tests.cli.command import template; rendering.own_template = template; "
-        "from eddi_scaffold.cli import main; main()"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *words],
-        cwd=cwd, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
 
 
 def test_two_monitors_at_once_are_both_launched_or_one_is_refused(tmp_path: Path) -> None:
