@@ -37,7 +37,8 @@ def template() -> rendering.Template:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name in PATHS:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name)
+            skip = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=skip)
         else:
             shutil.copy(ROOT / name, folder / name)
     return rendering.Template(str(folder), None)

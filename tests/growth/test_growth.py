@@ -17,10 +17,10 @@ from tests.growth.work import work
 pytestmark = pytest.mark.slow
 
 TIMES = 3
-COUNT = 25
+COUNT = 16
 FEWER = {"XDSL: chain": 10, "XDSL: nodes": 10, "BIF: variables": 10}
 """Where a thing is a lot of work: the order of inference is searched for it."""
-FEWER |= {"XDSL: children of one node": 50, "XDSL: states": 50, "Open-PSA: gates": 50}
+FEWER |= {"XDSL: children of one node": 40, "XDSL: states": 50, "Open-PSA: gates": 50}
 FEWER |= {"Open-PSA: uses of a parameter": 50}  # with fewer, what is constant grows
 FEWER |= {"deployment: robots": 4, "deployment: robots that fulfil a demand": 4}  # a model for each
 MOST = 1.25

@@ -74,13 +74,15 @@ def test_every_kind_and_every_example(
 
 def test_it_joins_a_second_monitor_to_the_packages_that_all_share(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours", tmp_path / "theirs"
-    for place in (ours, theirs):
-        (place / "src/eddi_monitor").mkdir(parents=True)
-    for letter in "ab":
-        files = ("-m", EXAMPLE / "two_conserts.xml", "-c", EXAMPLE / f"consert_{letter}_config.yml")
-        assert run("generate", "-w", ours, *files, cwd=tmp_path).status == 0
-        words = ("answers", "--all", "-w", theirs, "-o", tmp_path / letter, *files)
-        assert run(*words, cwd=tmp_path).status == 0
-        for answers in sorted((tmp_path / letter).iterdir()):
-            copied(answers, theirs / "src/eddi_monitor" / answers.stem)
+    (ours / "src").mkdir(parents=True)
+    model = ("-m", EXAMPLE / "two_conserts.xml", "-c")
+    generate = ("generate", "-w", ours, *model)
+    assert run(*generate, EXAMPLE / "consert_a_config.yml", cwd=tmp_path).status == 0
+    shutil.copytree(ours, theirs)
+    config = EXAMPLE / "consert_b_config.yml"
+    assert run(*generate, config, cwd=tmp_path).status == 0
+    words = ("answers", "--all", "-w", theirs, "-o", tmp_path / "answers", *model, config)
+    assert run(*words, cwd=tmp_path).status == 0
+    for answers in sorted((tmp_path / "answers").iterdir()):
+        copied(answers, theirs / "src/eddi_monitor" / answers.stem)
     assert files_below(theirs) == files_below(ours)
