@@ -58,7 +58,7 @@ WANTED="$(cat pyproject.toml) $BASE_PYTHON $PWD"
 if [ ! -x .venv/bin/python ] || [ "$(cat "$STAMP" 2>/dev/null)" != "$WANTED" ]; then
   echo "installing eddi-scaffold into .venv ..." >&2
   "$BASE_PYTHON" -m venv --clear .venv
-  .venv/bin/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]' 2>&1 | { grep -v '^WARNING: Location' || true; }
+  .venv/bin/python -m pip install --quiet --disable-pip-version-check --editable ".[${EXTRAS:-dev}]" 2>&1 | { grep -v '^WARNING: Location' || true; }
   printf '%s' "$WANTED" >"$STAMP"
 fi
 PYTHON=$PWD/.venv/bin/python

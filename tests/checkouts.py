@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -61,11 +62,8 @@ def run(
     command: list[str],
     folder: Path,
     env: Mapping[str, str] | None = None,
-    *,
-    status: int = 0,
-    umask: int = -1,
 ) -> subprocess.CompletedProcess[str]:
-    """Run a command without a terminal and check its exit status."""
+    """Run a command without a terminal; it has to succeed."""
     done = subprocess.run(
         command,
         cwd=folder,
@@ -73,11 +71,47 @@ def run(
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
-        umask=umask,
         check=False,
     )
-    assert done.returncode == status, f"{command}\n{done.stdout}\n{done.stderr}"
+    assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     return done
+
+
+_SEVERAL = """
+import contextlib, io, json, sys
+from eddi_scaffold import cli
+from eddi_scaffold.cli.console import console
+
+results = []
+for words in json.loads(sys.argv[1]):
+    sys.argv = ["eddi-scaffold", *words]
+    console.quiet, console.verbose, console.colour = False, False, None
+    with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(said):
+        try:
+            cli.main()
+        except SystemExit as end:
+            results.append((int(end.code or 0), said.getvalue()))
+print(json.dumps(results))
+"""
+
+
+def several(
+    commands: Mapping[tuple[object, ...], int], folder: Path, env: Mapping[str, str]
+) -> list[str]:
+    """Run commands one after the other in one new process, and return their words.
+
+    Args:
+        commands: words -> exit status that is expected.
+        folder: where they run.
+        env: says where Python finds the program.
+    """
+    lines = [list(map(str, words)) for words in commands]
+    results = json.loads(
+        run([sys.executable, "-c", _SEVERAL, json.dumps(lines)], folder, env).stdout
+    )
+    for line, status, (got, said) in zip(lines, commands.values(), results, strict=True):
+        assert got == status, f"{line}\n{said}"
+    return [said for _, said in results]
 
 
 @dataclass(frozen=True)
@@ -96,15 +130,14 @@ class Checkout:
     def example(self) -> Path:
         return self.path / "examples" / "two-conserts"
 
-    def eddi(
-        self, *words: object, cwd: Path | None = None, umask: int = -1, status: int = 0
-    ) -> str:
-        """Run ``eddi-scaffold`` of this checkout and return its words."""
+    def eddi(self, *words: object, cwd: Path | None = None) -> str:
+        """Run ``eddi-scaffold`` of this checkout, by default beside it; return its words."""
+        return self.several({words: 0}, cwd or self.path.parent)[0]
+
+    def several(self, commands: Mapping[tuple[object, ...], int], folder: Path) -> list[str]:
+        """Run several commands of this checkout."""
         sources = os.pathsep.join([str(self.path), str(self.path / "runtime_lib" / "src")])
-        command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
-        variables = {**self.env, "PYTHONPATH": sources}
-        done = run(command, cwd or self.path.parent, variables, status=status, umask=umask)
-        return done.stderr
+        return several(commands, folder, {**self.env, "PYTHONPATH": sources})
 
     def copier(self, *words: object, cwd: Path) -> None:
         """Run the plain ``copier`` command; from here Python finds nothing of ours."""

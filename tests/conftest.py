@@ -69,12 +69,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the longest files, so that no worker waits for one at the end."""
-    ranks: dict[Path, int] = {}
+    """Begin with the longest files, so that no worker waits for one at the end.
+
+    Those with ROS, which wait a lot, and others, which compute, take turns.
+    """
+    marks: dict[Path, set[str]] = {}
     for item in items:
-        marks = {mark.name for mark in item.iter_markers()} & {"ros", "slow"}
-        ranks[item.path] = max(ranks.get(item.path, 0), len(marks))
-    items.sort(key=lambda item: -ranks[item.path])
+        marks.setdefault(item.path, set()).update(mark.name for mark in item.iter_markers())
+    classes = [[p for p in marks if "ros" in marks[p]], [p for p in marks if "ros" not in marks[p]]]
+    turns = {path: turn for files in classes for turn, path in enumerate(files)}
+    items.sort(key=lambda item: ("slow" not in marks[item.path], turns[item.path]))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -37,8 +37,8 @@ _ANSWER = "git ignores modes"
 def copier_here(*words: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     """Run Copier's command line in this process: it starts once, and keeps what it repeats.
 
-    The programs that it starts are forks of this process. `tests/packaging`, `tests/e2e` and
-    `tests/generated` start all of them anew.
+    The programs that it starts are forks of this process. `tests/packaging` and `tests/e2e` start
+    all of them anew.
     """
     render_faster()
     before, here = [os.dup(1), os.dup(2)], Path.cwd()

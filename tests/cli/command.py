@@ -7,8 +7,10 @@ import contextlib
 import io
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -35,7 +37,8 @@ def template() -> rendering.Template:
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     for name in PATHS:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name)
+            skip = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=skip)
         else:
             shutil.copy(ROOT / name, folder / name)
     return rendering.Template(str(folder), None)
@@ -74,6 +77,26 @@ def run(*words: object, cwd: Path) -> Result:
     finally:
         os.chdir(before)
     raise AssertionError("a command ends with an exit status")
+
+
+def scaffold(
+    *words: object, cwd: Path, env: Mapping[str, str] | None = None, umask: int = -1
+) -> subprocess.Popen[str]:
+    """Start a command as a process of its own."""
+    code = (
+        "import sys; from eddi_scaffold.packages import rendering; "
+        "from tests.cli.command import template; rendering.own_template = template; "
+        "from eddi_scaffold.cli import main; main()"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, words)],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": str(ROOT), **(env or {})},
+        umask=umask,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 def example(folder: Path) -> Path:

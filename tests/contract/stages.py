@@ -146,12 +146,12 @@ class DdsStage(Stage):
 
 
 class Ros2Stage(Stage):
-    """ROS 2 on loopback: a workspace that its colcon has built.
+    """ROS 2 on loopback, with the messages of a workspace that its colcon has built.
 
     Args:
-        folder: of the workspace.
+        folder: of the package, which runs as it lies there; `tests/e2e` runs one that is installed.
         config: of its monitor.
-        below: folder of the workspace with the messages, built unless it is there.
+        below: the workspace with the messages, built unless it is there.
     """
 
     def __init__(self, folder, config=CONFIG, below=None):
@@ -162,10 +162,10 @@ class Ros2Stage(Stage):
             folder, "src/eddi_monitor/rover", *place, code="rover", config=config
         )
         around = RELEASE.workspace(below or folder.with_name("below"))
-        own = ("--packages-select", "rover", "eddi_runtime")
-        RELEASE.colcon(folder, "build", *own, env=around)
         self.lock, self.domain = free_domain()
-        self.environment = {**RELEASE.sourced(folder), **on_loopback(self.domain)}
+        paths = [str(self.package), str(RUNTIME), around.get("PYTHONPATH", "")]
+        own = {"PYTHONPATH": os.pathsep.join(paths), **on_loopback(self.domain)}
+        self.environment = {**around, **own}
 
     def env(self, master=None, messages=None):
         return self.environment
@@ -174,8 +174,7 @@ class Ros2Stage(Stage):
         return self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self.environment)
 
     def command(self, namespace, *parameters):
-        node = self.folder / "install" / "rover" / "lib" / "rover" / "ros_node"
-        return [str(node), *ros_args(namespace, parameters)]
+        return [RELEASE.python, "-m", "rover.RosNode", *ros_args(namespace, parameters)]
 
     def destroy(self):
         super().destroy()

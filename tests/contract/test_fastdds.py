@@ -1,6 +1,5 @@
 """The monitor on DDS and a robot in C++ with another implementation: Fast DDS of Debian."""
 
-import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.contract.stages import DdsStage, why_no_dds
-from tests.ros1.world import until
+from tests.ros1.world import demand, until
 
 pytestmark = pytest.mark.slow
 
@@ -47,10 +46,7 @@ class Peer:
 def program(tmp_path_factory):
     missing = shutil.which("g++") is None or not HEADER.exists()
     reason = "Fast DDS is not here: apt-get install g++ libfastrtps-dev" if missing else None
-    if reason and os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(reason)
-    if reason or why_no_dds():
-        pytest.skip(reason or why_no_dds())
+    demand(reason or why_no_dds())
     made = tmp_path_factory.mktemp("fastdds") / "peer"
     libraries = ["-lfastrtps", "-lfastcdr"]
     subprocess.run(["g++", "-std=c++17", "-o", made, SOURCE, *libraries], check=True)

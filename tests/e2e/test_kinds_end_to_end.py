@@ -8,7 +8,6 @@ of a real robot become a monitor. Each guarantee goes away when its sources die.
 import json
 import math
 import random
-import subprocess
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +15,8 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.packages.running import load
+from tests.checkouts import HERE
+from tests.cli.command import run as eddi
 from tests.connect.test_robots import consert, decided
 from tests.data_files import data_file
 from tests.e2e.robot import Run, end
@@ -23,6 +24,7 @@ from tests.e2e.workspace import Workspace
 from tests.ros1.world import PYTHON, until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
+EXAMPLES = HERE / "examples"
 PATIENCE_S = 30.0
 EVENTS, DRIVE = "/motor/events", "/drive/guarantees"
 SCOPE, LANDING = "/camera_scope/safeml", "/landing/guarantees"
@@ -84,11 +86,10 @@ class Kinds(Run):
 
 
 @pytest.fixture(scope="module")
-def workspace(generator, folder, home):
+def workspace(folder, home):
     """The examples as they are, a ConSert behind the network, and a monitor of a real robot."""
-    examples = generator.path / "examples"
     config = folder / "eddi_config.yml"
-    text = (examples / "pedestrian" / "eddi_config.yml").read_text()
+    text = (EXAMPLES / "pedestrian" / "eddi_config.yml").read_text()
     config.write_text(text.replace("Simulator", f"  evidence: [{EVIDENCE}]\nSimulator", 1))
     (folder / "crossing.yml").write_text(CROSSING_MODEL)
     crossing = folder / "crossing_config.yml"
@@ -102,21 +103,21 @@ def workspace(generator, folder, home):
     }
     made = Workspace(folder / "kinds", home)
     for model, configs in monitors.items():
-        path = examples / model
-        generator.generate(made.path, path, *(path.parent / name for name in configs))
-    generator.generate(made.path, *connected(generator, folder))
+        path = EXAMPLES / model
+        made.generate(path, *(path.parent / name for name in configs))
+    made.generate(*connected(folder))
     output = made.catkin_make()
     assert "CMake Warning" not in output, output
     return made
 
 
-def connected(generator, folder):
+def connected(folder):
     """Return a model and what `connect` and a person make of it for a real robot."""
     models = data_file("mros/expected/cob4_ros_tool_test.models")
     config, model = folder / "base_config.yml", folder / "Base.yml"
     model.write_text(consert(INPUTS))
     robot = ("--system", models / "cob4_ros_tool_test.rossystem", "--models", models)
-    generator.run("connect", model, *robot, "-o", config)
+    assert eddi("connect", model, *robot, "-o", config, cwd=folder).status == 0
     lines = {"DistanceAhead": "MIN(base_laser_front_scan.ranges[*])"}
     text, count = decided(config.read_text(), lines)
     assert (text.count("topic: /"), count) == (41, 4)
@@ -166,9 +167,9 @@ def test_two_topics_make_an_event_and_that_a_guarantee(run):
     assert all(message["active"] == (message["verdict"] == TRUE) for message in messages)
 
 
-def recorded(generator):
+def recorded():
     """Return the frames of the example's recording: usual ones, then those in fog."""
-    lines = (generator.path / "examples" / "safeml" / "recording.csv").read_text().splitlines()
+    lines = (EXAMPLES / "safeml" / "recording.csv").read_text().splitlines()
     cells = [line.partition(",")[2] for line in lines[1:]]
     frames = [[float(part) for part in cell.split()] for cell in cells if cell and '"' not in cell]
     whole = [frame for frame in frames if len(frame) == 6]
@@ -193,8 +194,8 @@ def offline(package, frames):
     return found
 
 
-def test_from_the_camera_to_the_guarantee(generator, workspace, run, tmp_path):
-    usual, fog = recorded(generator)
+def test_from_the_camera_to_the_guarantee(workspace, run, tmp_path):
+    usual, fog = recorded()
     frames = [*spoilt(usual, random.Random(4)), *fog]
     (tmp_path / "frames.json").write_text(json.dumps(frames))
     expected = offline(workspace.packages / "camera_scope", frames)
@@ -367,15 +368,6 @@ def sensors_die_under_the_guarantee(run):
         return text == "inactive: RiskIsLow: unknown there"
 
     until(blamed, PATIENCE_S, "a diagnosis of the guarantee")
-
-
-def test_the_package_of_the_network_passes_its_own_test(workspace):
-    subprocess.run(
-        ["/usr/bin/python3", "-m", "unittest", "discover", "-s", "test"],
-        cwd=workspace.packages / "pedestrian_prediction_example",
-        env=workspace.devel_env(),
-        check=True,
-    )
 
 
 def test_battery_and_motor_become_evidence(workspace, run):

@@ -3,15 +3,12 @@
 import hashlib
 import os
 import shutil
-import subprocess
 from pathlib import Path
 
+from tests.checkouts import run
+from tests.cli.command import run as eddi
 from tests.e2e.robot import clean_env, sourced
 
-MONITORS = ("conserta", "consertb")
-PACKAGES = (
-    *MONITORS, "eddi_messages", "eddi_monitor", "eddi_monitor_launcher", "eddi_runtime",
-)  # fmt: skip
 _INTERPRETER = "-DPYTHON_EXECUTABLE=/usr/bin/python3"
 _BUILT = "build/\ndevel/\ninstall/\nlogs/\n.catkin_tools/\n.catkin_workspace\n"
 
@@ -45,25 +42,26 @@ class Workspace:
         """Return package -> digest of all its files, and of the modes that catkin looks at."""
         return {folder.name: _digest(folder) for folder in sorted(self.packages.iterdir())}
 
+    def generate(self, model, *configs, words=()):
+        """Generate in this process."""
+        options = [word for config in configs for word in ("-c", config)]
+        done = eddi("generate", "-w", self.path, "-m", model, *options, *words, cwd=self.path)
+        assert done.status == 0, done.err
+
     def catkin_make(self, *targets):
         return self._build(["catkin_make", "-j2", _INTERPRETER, *targets])
 
     def catkin_build(self):
+        """Build; what is left of packages that are gone would hide what is installed elsewhere."""
         self._build(["catkin", "init"])
+        if (self.path / "devel").exists():
+            self._build(["catkin", "clean", "--orphans", "--yes"])
         return self._build(["catkin", "build", "--no-status", "-j2", "--cmake-args", _INTERPRETER])
 
     def _build(self, command):
-        done = subprocess.run(
-            command,
-            cwd=self.path,
-            env=self._build_env,
-            check=False,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
-        assert done.returncode == 0, f"{command}\n{done.stdout}"
-        return done.stdout
+        alone = ["env", "-i", *(f"{name}={value}" for name, value in self._build_env.items())]
+        done = run([*alone, *command], self.path)
+        return done.stdout + done.stderr
 
     def devel_env(self):
         return sourced(self.path / "devel" / "setup.bash", self.home)

@@ -9,8 +9,8 @@ import pytest
 
 from tests.contract.stages import why_no_dds
 from tests.fields import table
-from tests.ros1.world import PYTHON, RUNTIME, make_messages, why_no_ros
-from tests.ros2.world import RELEASE, REQUIRED, shared
+from tests.ros1.world import PYTHON, RUNTIME, demand, make_messages, why_no_ros
+from tests.ros2.world import RELEASE, shared
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
@@ -39,8 +39,7 @@ def ros2(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def ros1(tmp_path_factory):
-    if reason := why_no_ros():
-        (pytest.fail if REQUIRED else pytest.skip)(reason)
+    demand(why_no_ros())
     texts = {"All": table.ALL, "Inner": table.INNER}
     made = make_messages(tmp_path_factory.mktemp("ros1") / "made", texts, table.PACKAGE)
     env = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8", "PYTHONPATH": str(made)}

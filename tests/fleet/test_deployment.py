@@ -1,6 +1,5 @@
 """The example with two robots, from its deployment file to real nodes on one ROS 1 master."""
 
-import os
 import shutil
 import signal
 import time
@@ -9,7 +8,7 @@ import pytest
 
 from tests.cli.command import ROOT, run
 from tests.fleet.worlds import BOOL, Ros1Robots
-from tests.ros1.world import PYTHON, why_no_ros
+from tests.ros1.world import PYTHON, demand, why_no_ros
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
 
@@ -54,11 +53,7 @@ class Cell(Ros1Robots):
 
 @pytest.fixture(scope="module")
 def cell(tmp_path_factory):
-    reason = why_no_ros()
-    if reason is not None and os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(reason)
-    if reason is not None:
-        pytest.skip(reason)
+    demand(why_no_ros())
     made = Cell(tmp_path_factory.mktemp("cell"))
     try:
         made.begin()

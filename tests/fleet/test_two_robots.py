@@ -1,6 +1,5 @@
 """A guarantee that rests on another robot falls with that one, and comes back with it."""
 
-import os
 import signal
 import time
 
@@ -8,7 +7,7 @@ import pytest
 
 from tests.contract.stages import why_no_dds
 from tests.fleet.worlds import DdsRobots, Ros1Robots, why_no_namespaces
-from tests.ros1.world import until, why_no_ros
+from tests.ros1.world import demand, until, why_no_ros
 
 pytestmark = pytest.mark.slow
 
@@ -16,10 +15,9 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module", params=[pytest.param("ros1", marks=pytest.mark.ros), "dds"])
 def robots(request, tmp_path_factory):
     ros1 = request.param == "ros1"
-    reason = why_no_ros() if ros1 else why_no_dds() or why_no_namespaces()
-    if reason is not None and ros1 and os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(reason)
-    if reason is not None:
+    if ros1:
+        demand(why_no_ros())
+    elif reason := why_no_dds() or why_no_namespaces():
         pytest.skip(reason)
     made = (Ros1Robots if ros1 else DdsRobots)(tmp_path_factory.mktemp(request.param))
     try:

@@ -24,7 +24,7 @@ from tests.frozen.texts import Parts, compiled, names_of_models, parts_of, print
 pytestmark = pytest.mark.slow
 
 DIGESTS = Path(__file__).parent / "digests.json"
-EACH, ALL = 20, 200
+EACH, ALL = 8, 200
 """Random models of a kind in a usual run, and in the long profile."""
 HELP = """\
 For those from before run `pytest tests/frozen --frozen-texts FOLDER` in a checkout of the last

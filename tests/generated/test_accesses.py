@@ -45,17 +45,3 @@ def test_elements_by_name_and_by_key(tmp_path: Path) -> None:
     text = (package / "EDDIInput.py").read_text("utf-8")
     assert "self.P = by_name(js.position, js.name, 'arm')" in text
     assert "self.Q = by_key(dg.status, 'name', '/Power: battery').level" in text
-
-
-def test_evidence_of_a_network_on_a_topic_of_its_own(tmp_path: Path) -> None:
-    example = Path(__file__).parents[2] / "examples" / "pedestrian"
-    for name in ("pedestrian.xml", "eddi_config.yml"):
-        text = (example / name).read_text("utf-8")
-        evidence = '{id: Low, node: Critical, state: "Yes", at_most: 0.3, topic: low}'
-        text = text.replace("SimulatorOutputs", f"  evidence: [{evidence}]\nSimulatorOutputs", 1)
-        (tmp_path / name).write_text(text, "utf-8")
-    (tmp_path / "ws" / "src").mkdir(parents=True)
-    done = run(
-        "generate", "-w", "ws", "-m", "pedestrian.xml", "-c", "eddi_config.yml", cwd=tmp_path
-    )
-    assert done.status == 0, done.err

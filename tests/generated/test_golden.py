@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.checkouts import HERE, Checkout, tree, without_origin
+from tests.checkouts import HERE, tree, without_origin
+from tests.cli.command import EXAMPLE, run
 from tests.kinds.examples import EXAMPLES
 
 pytestmark = pytest.mark.slow
@@ -69,28 +70,34 @@ def test_workspace_of_the_example(both: Path, request: pytest.FixtureRequest) ->
     compare(both, WORKSPACE, request)
 
 
-def test_dds_package(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    words = ("-m", clone.example / "two_conserts.xml", "-c", clone.example / "consert_b_config.yml")
-    clone.eddi("-q", "generate", "--platform", "dds", "-o", tmp_path, *words)
+SMALL = ("-m", EXAMPLE / "two_conserts.xml", "-c", EXAMPLE / "consert_b_config.yml")
+
+
+def generate(folder: Path, *words: object) -> None:
+    done = run("generate", *words, cwd=folder)
+    assert done.status == 0, done.err
+
+
+def test_dds_package(tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    generate(tmp_path, "--platform", "dds", "-o", tmp_path, *SMALL)
     compare(tmp_path, DDS, request)
 
 
-def test_ros2_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    words = ("-m", clone.example / "two_conserts.xml", "-c", clone.example / "consert_b_config.yml")
+def test_ros2_packages(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     (tmp_path / "src").mkdir()
-    clone.eddi("-q", "generate", "--platform", "ros2", "-w", tmp_path, *words)
+    generate(tmp_path, "--platform", "ros2", "-w", tmp_path, *SMALL)
     compare(tmp_path / "src" / "eddi_monitor", ROS2, request)
 
 
-def test_plain_packages(clone: Checkout, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+def test_plain_packages(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     """One package of each kind; the ConSert is without a configuration."""
-    generate = ("-q", "generate", "--platform", "plain", "-o")
+    plain = ("--platform", "plain", "-o")
     (tmp_path / "rover").mkdir()
-    clone.eddi(*generate, tmp_path / "rover", "-m", MODELS / "rover.yml")
+    generate(tmp_path, *plain, tmp_path / "rover", "-m", MODELS / "rover.yml")
     compare(tmp_path / "rover", PLAIN, request)
     for model, config in (files for kind, files in EXAMPLES.items() if kind != "consert"):
         example = Path(model).parent
         files = ("-m", HERE / "examples" / model, "-c", HERE / "examples" / config)
         (tmp_path / example).mkdir()
-        clone.eddi(*generate, tmp_path / example, *files)
+        generate(tmp_path, *plain, tmp_path / example, *files)
         compare(tmp_path / example, HERE / "examples" / example / "expected", request)

@@ -55,9 +55,16 @@ def a_robot_in_the_shell(world: World) -> None:
     (world.work / "deployment.yml").write_text(text.replace("platform: ros1\n", master), "utf-8")
 
 
-BUILDERS = (
-    configurations_name_files_of_others,
-    model_names_files_of_others,
-    deployment_names_files_of_others,
-    a_robot_in_the_shell,
-)
+def configurations_and_deployment(world: World) -> None:
+    """Both: no command reads the two."""
+    configurations_name_files_of_others(world)
+    deployment_names_files_of_others(world)
+
+
+def model_and_robot(world: World) -> None:
+    """The same."""
+    model_names_files_of_others(world)
+    a_robot_in_the_shell(world)
+
+
+BUILDERS = (configurations_and_deployment, model_and_robot)

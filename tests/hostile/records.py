@@ -11,16 +11,16 @@ BESIDE = "test/../../../../precious.txt"
 DEEP = "[" * 100_000
 
 
-def records_name_files_of_others(world: World) -> None:
-    """What vanished from a rendering is removed, what was edited is copied: here, far outside."""
-    others = [str(world.precious), BESIDE]
-    _add_to_manifest(world, others)
+def records_name_files_of_others_or_none(world: World) -> None:
+    """What vanished from a rendering is removed, what was edited is copied: here, far outside.
 
-
-def records_name_no_files(world: World) -> None:
-    """Folders, a file as a folder, names that no disk can hold, the records themselves."""
+    And folders, a file as a folder, names that no disk can hold, the records themselves.
+    """
     names = ["test", "EDDIInput.py/x", "a" * 300, "b/" * 3000 + "b", "\ud800", "\0", "", "a\nb"]
-    _add_to_manifest(world, [*names, ".eddi/manifest", ".eddi", ".copier-answers.yml"])
+    names += [".eddi/manifest", ".eddi", ".copier-answers.yml", str(world.precious), BESIDE]
+    lines = "".join(f"{'0' * 16} {name}\n" for name in names)
+    with (world.eddi / "manifest").open("ab") as file:
+        file.write(lines.encode("utf-8", "surrogatepass"))
 
 
 def saved_bodies_of_odd_names(world: World) -> None:
@@ -86,8 +86,7 @@ def answers_that_are_programs(world: World) -> None:
 
 
 BUILDERS = (
-    records_name_files_of_others,
-    records_name_no_files,
+    records_name_files_of_others_or_none,
     saved_bodies_of_odd_names,
     folders_of_records_that_lead_elsewhere,
     a_manifest_that_lies_elsewhere,
@@ -98,12 +97,6 @@ BUILDERS = (
     modules_that_are_paths,
     answers_that_are_programs,
 )
-
-
-def _add_to_manifest(world: World, names: list[str]) -> None:
-    lines = "".join(f"{'0' * 16} {name}\n" for name in names)
-    with (world.eddi / "manifest").open("ab") as file:
-        file.write(lines.encode("utf-8", "surrogatepass"))
 
 
 def _answer(world: World, key: str, value: object) -> None:

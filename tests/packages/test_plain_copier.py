@@ -1,7 +1,4 @@
-"""Plain Copier with the answers of some files gives what `generate` gives for these files.
-
-The example of the two ConSerts, with the shared packages, is rendered in `tests/generated`.
-"""
+"""Plain Copier with the answers of some files gives what `generate` gives for these files."""
 
 from __future__ import annotations
 
@@ -14,11 +11,12 @@ import yaml
 
 from eddi_scaffold.packages import assembly
 from eddi_scaffold.packages.running import load
-from tests.cli.command import ROOT, files_below, run, template
+from tests.cli.command import EXAMPLE, ROOT, files_below, run, template
 
 pytestmark = pytest.mark.slow
 
 ROS1, PLAIN = ("ros1", "ws/src/eddi_monitor", "-w"), ("plain", "ws", "-o")
+DDS = ("dds", *PLAIN[1:])
 ROS2 = ("ros2", *ROS1[1:])
 ROBOT = ("--system", "rover.rossystem", "--models", "nodes")
 CASES = [
@@ -27,6 +25,7 @@ CASES = [
     ("drone", "missionloss", "drone.xml", "reliability_config.yml", PLAIN),
     ("safeml", "camera_scope", "safeml_config.yml", "perception_config.yml", PLAIN),
     ("pedestrian", "pedestrian_prediction_example", "pedestrian.xml", "eddi_config.yml", ROS2),
+    ("two-conserts", "consertb", "two_conserts.xml", "consert_b_config.yml", DDS),
 ]
 
 
@@ -69,5 +68,21 @@ def test_every_kind_and_every_example(
     )
     assert ours.keys() == theirs.keys()
     assert [name for name in ours if ours[name] != theirs[name]] == []
-    if where is not ROS1:
+    if where not in (ROS1, DDS):
         load(tmp_path / package).new()
+
+
+def test_it_joins_a_second_monitor_to_the_packages_that_all_share(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours", tmp_path / "theirs"
+    (ours / "src").mkdir(parents=True)
+    model = ("-m", EXAMPLE / "two_conserts.xml", "-c")
+    generate = ("generate", "-w", ours, *model)
+    assert run(*generate, EXAMPLE / "consert_a_config.yml", cwd=tmp_path).status == 0
+    shutil.copytree(ours, theirs)
+    config = EXAMPLE / "consert_b_config.yml"
+    assert run(*generate, config, cwd=tmp_path).status == 0
+    words = ("answers", "--all", "-w", theirs, "-o", tmp_path / "answers", *model, config)
+    assert run(*words, cwd=tmp_path).status == 0
+    for answers in sorted((tmp_path / "answers").iterdir()):
+        copied(answers, theirs / "src/eddi_monitor" / answers.stem)
+    assert files_below(theirs) == files_below(ours)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -14,7 +13,7 @@ import pytest
 
 from eddi_scaffold.cli.console import console
 from eddi_scaffold.regions.package import locked
-from tests.cli.command import Result, example, files_below, run
+from tests.cli.command import Result, example, files_below, run, scaffold
 from tests.diagnosed import assert_reported
 
 pytestmark = pytest.mark.slow
@@ -65,24 +64,22 @@ def append(path: Path) -> None:
     path.write_text(path.read_text() + MINE)
 
 
-@pytest.mark.parametrize("words", [GENERATE, UPGRADE])
-def test_what_is_saved_during_a_run_stays(folder: Path, words: tuple[str, ...]) -> None:
+def test_what_is_saved_during_a_run_stays(folder: Path) -> None:
     before = files_below(folder)
-    result = run_while(lambda: append(folder / INPUT), *words, cwd=folder)
+    result = run_while(lambda: append(folder / INPUT), *GENERATE, cwd=folder)
     assert result.status == 2
     assert_reported("F013", result.err)
     before[str(INPUT)] += MINE.encode()
     assert files_below(folder) == before
-    assert run(*words, cwd=folder).status in {0, 3}
+    assert run(*UPGRADE, cwd=folder).status in {0, 3}
     assert saved(folder) == 1
 
 
-@pytest.mark.parametrize("name", ["src/consertb/EDDIMonitor.py", "test/new.py"])
-def test_any_other_file_that_is_saved_stays(folder: Path, name: str) -> None:
-    path = folder / PACKAGE / name
-    path.touch()
-    run_while(lambda: append(path), *GENERATE, cwd=folder)
-    assert saved(folder) == 1
+def test_any_other_file_that_is_saved_stays(folder: Path) -> None:
+    paths = [folder / PACKAGE / name for name in ("src/consertb/EDDIMonitor.py", "test/new.py")]
+    paths[1].touch()
+    run_while(lambda: [append(path) for path in paths], *GENERATE, cwd=folder)
+    assert saved(folder) == 2
 
 
 def test_a_file_of_ours_that_a_person_makes_during_the_run_stays(folder: Path) -> None:
@@ -128,19 +125,6 @@ def test_a_second_run_is_refused_but_not_a_look(folder: Path) -> None:
         assert files_below(folder) == before
         first.kill()
     assert run(*GENERATE, cwd=folder).status in {0, 3}  # a lock of the dead holds nobody
-
-
-def scaffold(*words: str, cwd: Path) -> subprocess.Popen[str]:
-    code = (
-        "import sys; from pathlib import Path; from eddi_scaffold.packages import rendering; "
-        "from tests.cli.command import template; rendering.own_template = template; "
-        "from eddi_scaffold.cli import main; main()"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
-    return subprocess.Popen(
-        [sys.executable, "-c", code, *words],
-        cwd=cwd, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
 
 
 def test_two_monitors_at_once_are_both_launched_or_one_is_refused(tmp_path: Path) -> None:

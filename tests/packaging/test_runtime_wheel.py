@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
 import subprocess
 import sys
@@ -15,7 +14,7 @@ import pytest
 from eddi_runtime import __version__
 
 from eddi_scaffold.program.runtime_parts import PARTS
-from tests.checkouts import HERE, assert_licensed, run
+from tests.checkouts import HERE, assert_licensed, run, tree
 from tests.cli.command import EXAMPLE
 from tests.cli.command import run as eddi
 from tests.interpreters import old_python
@@ -55,30 +54,31 @@ class World:
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> World:
-    if importlib.util.find_spec("build") is None:
-        pytest.skip("the package `build` is not installed")
     folder = tmp_path_factory.mktemp("runtime")
     skip = shutil.ignore_patterns("__pycache__")
     shutil.copytree(HERE / "runtime_lib", folder / "runtime_lib", ignore=skip)
-    own = ["--no-isolation"] if importlib.util.find_spec("hatchling") else []
     wheels = folder / "wheels"
-    run([sys.executable, "-m", "build", *own, "--outdir", str(wheels), "runtime_lib"], folder)
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(wheels)]
+    run([*build, "runtime_lib"], folder)
 
     words = ("--platform", "plain", "-o", folder / "monitors", "--runtime", "installed")
     model = ("-m", EXAMPLE / "two_conserts.xml", "--name", "ConSertB")
     done = eddi("generate", *words, *model, cwd=folder)
     assert done.status == 0, done.err
     package = folder / "monitors" / "consertb"
+    before = tree(package)
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-    own = int(metadata.version("setuptools").partition(".")[0]) >= 71  # builds wheels by itself
-    isolation = ["--no-build-isolation"] if own else []
-    run([*pip, "wheel", "--no-deps", *isolation, "-w", str(wheels), str(package)], folder)
+    wheel = ["wheel", "--no-deps", "--no-build-isolation", "-w", str(wheels), str(package)]
+    run([*pip, *wheel], folder)
+    assert tree(package, "build", "consertb.egg-info") == before
 
     run([sys.executable, "-m", "venv", "--without-pip", str(folder / "venv")], folder)
     python = folder / "venv" / "bin" / "python"
     install = ["--python", str(python), "install", "--no-index", "--find-links", str(wheels)]
     run([*pip, *install, "consertb"], folder)  # brings the runtime: it says that it needs it
     (site,) = (folder / "venv").glob("lib/python*/site-packages")
+    installed = {path.name for path in (site / "consertb").iterdir()}
+    assert not {"test", ".eddi", "build"} & installed, installed
     return World(wheels, site, python, package)
 
 

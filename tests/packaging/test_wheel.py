@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 import zipfile
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import __version__
-from tests.checkouts import Checkout, assert_licensed, checkout, git, run, tree
+from tests.checkouts import assert_licensed, checkout, git, run, several, tree
 
 OLD, NOW = "v0.0.1", f"v{__version__}"
 SHELF = "~/.local/share/eddi-scaffold/templates.bundle"
@@ -24,12 +23,10 @@ class Installed:
 
     Attributes:
         folder: beside ``home`` and ``site``.
-        source: what it was built from.
         wheel: the file.
     """
 
     folder: Path
-    source: Checkout
     wheel: Path
 
     @property
@@ -37,36 +34,30 @@ class Installed:
         home = self.folder / "home"
         return {"PYTHONPATH": str(self.folder / "site"), "HOME": str(home), "XDG_DATA_HOME": ""}
 
-    def eddi(self, *words: object) -> str:
-        command = [sys.executable, "-m", "eddi_scaffold", *map(str, words)]
-        done = run(command, self.folder, self.env)
-        return done.stdout + done.stderr
-
     def copier(self, *words: object) -> None:
         """Run Copier, which finds nothing of ours but the bundle in the home folder."""
         env = {**self.env, "PYTHONPATH": ""}
-        run([sys.executable, "-m", "copier", *map(str, words)], self.folder, env)
+        command = [sys.executable, "-m", "copier", *map(str, words), "--trust", "--defaults"]
+        run([*command, "--quiet"], self.folder, env)
 
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    if importlib.util.find_spec("build") is None:
-        pytest.skip("the package `build` is not installed")
     folder = tmp_path_factory.mktemp("packaging")
     source = checkout(folder / "source", OLD)
     readme = source.path / "copier_templates/ros1_monitor/.eddi/new/{{ stage }}/README.md.jinja"
     readme.write_text(f"{readme.read_text('utf-8')}\nNew in {NOW}.\n", "utf-8")
     git(source.path, "commit", "--quiet", "--all", "--message", "Release")
     git(source.path, "tag", NOW)
-    own = ["--no-isolation"] if importlib.util.find_spec("hatchling") else []
     # first the sdist, then the wheel from the sdist, where there is no .git
-    run([sys.executable, "-m", "build", *own, "--outdir", str(folder / "dist")], source.path)
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder / "dist")]
+    run(build, source.path)
     (wheel,) = (folder / "dist").glob("*.whl")
     pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-index"]
     run([*pip, "--target", str(folder / "site"), str(wheel)], folder)
     (folder / "home").mkdir()
-    elsewhere = source.path.rename(folder / "sources that nobody finds")
-    return Installed(folder, Checkout(elsewhere), wheel)
+    source.path.rename(folder / "sources that nobody finds")
+    return Installed(folder, wheel)
 
 
 def test_contents(installed: Installed) -> None:
@@ -77,53 +68,48 @@ def test_contents(installed: Installed) -> None:
     assert_licensed(installed.wheel.parent, "eddi_scaffold")
     assert not [name for name in names if "/expected/" in name or "/tests/" in name]
     assert installed.wheel.stat().st_size < 1_900_000
-
-
-def test_the_codes_are_explained(installed: Installed) -> None:
-    assert "What to do: " in installed.eddi("explain", "X007")
-
-
-def test_the_bundle_holds_every_release(installed: Installed) -> None:
     bundle = installed.folder / "site" / "eddi_scaffold" / "templates.bundle"
     heads = git(installed.folder, "ls-remote", "--tags", str(bundle))
     assert {line.rpartition("/")[2] for line in heads.splitlines()} == {OLD, NOW}
 
 
-def test_main_job(installed: Installed, tmp_path: Path) -> None:
+def test_the_main_job_and_the_update_of_a_package_of_an_old_release(
+    installed: Installed, tmp_path: Path
+) -> None:
     where = (
         "import eddi_runtime, eddi_scaffold; print(eddi_runtime.__file__, eddi_scaffold.__file__)"
     )
     found = run([sys.executable, "-c", where], tmp_path, installed.env).stdout.split()
     assert all(Path(file).is_relative_to(installed.folder / "site") for file in found), found
-    installed.eddi("example", "two-conserts", tmp_path / "example")
     (tmp_path / "src").mkdir()
-    sources = ("-m", tmp_path / "example" / "two_conserts.xml")
-    config = ("-c", tmp_path / "example" / "consert_a_config.yml")
+    model = ("-m", "example/two_conserts.xml")
+    files_a, files_b = ((*model, "-c", f"example/consert_{one}_config.yml") for one in "ab")
+    looking = {
+        ("explain", "X007"): 0,
+        ("example", "two-conserts", "example"): 0,
+        ("generate", "-w", ".", *files_a, "--dry-run"): 0,
+    }
     before = tree(installed.folder / "home")
-    installed.eddi("generate", "-w", tmp_path, *sources, *config, "--dry-run")
+    explained, *_ = several(looking, tmp_path, installed.env)
+    assert "What to do: " in explained
     assert tree(installed.folder / "home") == before
-    installed.eddi("generate", "-w", tmp_path, *sources, *config)
+    working = {
+        ("generate", "-w", ".", *files_a): 0,
+        ("upgrade", "-w", "."): 0,
+        ("status", "-w", "."): 0,
+        ("answers", *files_a, "-o", "a.yml"): 0,
+        ("answers", *files_b, "-o", "b.yml"): 0,
+    }
+    several(working, tmp_path, installed.env)
     package = tmp_path / "src" / "eddi_monitor" / "conserta"
     answers = (package / ".copier-answers.yml").read_text("utf-8")
     assert f"_commit: {NOW}\n_src_path: {SHELF}\n" in answers
-    installed.eddi("upgrade", "-w", tmp_path)
-    installed.eddi("status", "-w", tmp_path)
-    installed.eddi("answers", *sources, *config, "-o", tmp_path / "answers.yml")
-    words = ("--trust", "--defaults", "--quiet", "--data-file", tmp_path / "answers.yml")
-    installed.copier("copy", *words, SHELF, tmp_path / "plain")
+    installed.copier("copy", "--data-file", tmp_path / "a.yml", SHELF, tmp_path / "plain")
     assert tree(tmp_path / "plain") == tree(package)
 
-
-def test_a_package_of_an_old_release_is_updated(installed: Installed, tmp_path: Path) -> None:
-    example = installed.source.example
-    sources = ("-m", example / "two_conserts.xml", "-c", example / "consert_b_config.yml")
-    installed.eddi("answers", *sources, "-o", tmp_path / "answers.yml")
     package = tmp_path / "consertb"
-    words = ("--trust", "--defaults", "--quiet", "--data-file", tmp_path / "answers.yml")
-    installed.eddi(
-        "generate", "--platform", "plain", "-o", tmp_path / "shelves the bundle", *sources
-    )
-    installed.copier("copy", *words, "--vcs-ref", OLD, SHELF, package)
+    words = ("--data-file", tmp_path / "b.yml", "--vcs-ref", OLD)
+    installed.copier("copy", *words, SHELF, package)
     source = package / "src" / "consertb" / "EDDIInput.py"
     text = source.read_text("utf-8")
     edited = text.replace("self.RtE_A_E0 = RtE_E0.data", "self.RtE_A_E0 = bool(RtE_E0.data)")
@@ -132,7 +118,7 @@ def test_a_package_of_an_old_release_is_updated(installed: Installed, tmp_path: 
     git(package, "init", "--quiet")
     git(package, "add", "--all")
     git(package, "commit", "--quiet", "--message", "Old")
-    installed.copier("update", "--trust", "--defaults", "--quiet", package)
+    installed.copier("update", package)
     assert f"New in {NOW}." in (package / "README.md").read_text("utf-8")
     assert f"_commit: {NOW}\n" in (package / ".copier-answers.yml").read_text("utf-8")
     assert source.read_text("utf-8") == edited

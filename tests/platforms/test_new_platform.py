@@ -14,6 +14,8 @@ import pytest
 
 from eddi_scaffold.platforms import names, owner_of, platforms
 from tests.checkouts import HERE, Checkout, checkout, git, run, tree, without_origin
+from tests.cli.command import example
+from tests.quick_copier import copier_here
 
 pytestmark = pytest.mark.slow
 
@@ -22,75 +24,52 @@ TEMPLATES = ("robot", "fleet")
 PLATFORM = "eddi_scaffold/platforms/amiga_500/"
 TRANSPORT = "runtime_lib/src/eddi_runtime/transports/floppy/"
 ADDED = (PLATFORM, TRANSPORT, *(f"copier_templates/{name}/" for name in TEMPLATES))
-WORKSPACE = Path("ws", "src", "eddi_monitor")
 STAGED = ".eddi/new/{{ stage }}"
 HAND = "        self.hand = 'mine'\n"
-
-
-@pytest.fixture(scope="module")
-def clone(tmp_path_factory: pytest.TempPathFactory) -> Checkout:
-    """Return a checkout in which somebody added a platform."""
-    made = checkout(tmp_path_factory.mktemp("toy") / "eddi-scaffold", "v0.0.1")
-    skip = shutil.ignore_patterns("__pycache__")
-    for name in (PLATFORM, TRANSPORT):
-        shutil.copytree(TOY / Path(name).name, made.path / name, ignore=skip)
-    for name in TEMPLATES:
-        shutil.copytree(TOY / name, made.path / "copier_templates" / name)
-    link = made.path / "copier_templates" / "robot" / STAGED / "eddi_runtime"
-    link.symlink_to("../../../../../runtime_lib/src/eddi_runtime")
-    git(made.path, "add", "--all")
-    git(made.path, "commit", "--quiet", "--message", "Monitors for the Amiga 500")
-    return made
-
-
-@pytest.fixture(scope="module")
-def world(clone: Checkout) -> Path:
-    """Return a folder with a workspace in which ROS 1 and the new platform have a monitor each."""
-    folder = clone.path.parent
-    (folder / "ws" / "src").mkdir(parents=True)
-    for path in clone.example.iterdir():
-        if path.is_file():
-            shutil.copy(path, folder)
-    generate(clone, "a", "ros1")
-    return folder
-
-
-def generate(clone: Checkout, letter: str, platform: str) -> str:
-    model = ("-m", "two_conserts.xml", "-c", f"consert_{letter}_config.yml")
-    return clone.eddi("generate", "-w", "ws", *model, "--platform", platform)
 
 
 def transports(runtime: Path) -> set[str]:
     return {path.parent.name for path in runtime.glob("transports/*/__init__.py")}
 
 
-def test_nothing_else_is_touched(clone: Checkout) -> None:
+def with_the_toy(path: Path) -> Checkout:
+    """Return a checkout in which somebody added a platform."""
+    clone = checkout(path, "v0.0.1")
+    for name in (PLATFORM, TRANSPORT):
+        skip = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(TOY / Path(name).name, clone.path / name, ignore=skip)
+    for name in TEMPLATES:
+        shutil.copytree(TOY / name, clone.path / "copier_templates" / name)
+    link = clone.path / "copier_templates" / "robot" / STAGED / "eddi_runtime"
+    link.symlink_to("../../../../../runtime_lib/src/eddi_runtime")
+    git(clone.path, "add", "--all")
+    git(clone.path, "commit", "--quiet", "--message", "Monitors for the Amiga 500")
     changed = git(clone.path, "diff", "--name-status", "HEAD~", "HEAD").splitlines()
-    assert changed
-    for line in changed:
-        status, _, path = line.partition("\t")
-        assert status == "A"
-        assert path.startswith(ADDED)
+    for status, _, name in (line.partition("\t") for line in changed):
+        assert status == "A", "nothing else is touched"
+        assert name.startswith(ADDED)
+    return clone
 
 
-def test_it_is_offered(clone: Checkout) -> None:
-    help_text = run(
-        [sys.executable, "-m", "eddi_scaffold", "generate", "--help"],
-        clone.path,
-        {"PYTHONPATH": str(clone.path), "COLUMNS": "200", "TERM": "dumb"},
-    ).stdout
-    assert "amiga_500 or dds or plain or ros1 or ros2" in help_text
-    said = clone.eddi("generate", "--platform", "atari", "-o", ".", "-m", "nothing.xml", status=2)
-    assert "platforms: amiga_500, dds, plain, ros1, ros2" in said
-    model = clone.example / "two_conserts.xml"
-    said = clone.eddi("generate", "--platform", "amiga_500", "-w", "no", "-m", model, status=2)
-    assert "there is no such box of floppy disks" in said
-
-
-def test_it_lives_beside_ros1(clone: Checkout, world: Path) -> None:
-    said = generate(clone, "b", "amiga_500")
-    assert "switch on consertb" in said
-    packages = world / WORKSPACE
+def test_it_lives_beside_ros1_as_the_others_do(tmp_path: Path) -> None:
+    clone = with_the_toy(tmp_path / "eddi-scaffold")
+    (example(tmp_path) / "ws" / "src").mkdir(parents=True)
+    model = ("-m", "two_conserts.xml")
+    config_a, config_b = (("-c", f"consert_{letter}_config.yml") for letter in "ab")
+    amiga = (*model, *config_b, "--platform", "amiga_500")
+    commands = {
+        ("generate", "--platform", "atari", "-o", ".", *model): 2,
+        ("generate", "--platform", "amiga_500", "-w", "no", *model): 2,
+        ("generate", "-w", "ws", *model, *config_a): 0,
+        ("generate", "-w", "ws", *amiga): 0,
+        ("status", "-w", "ws"): 0,
+        ("answers", *amiga, "-w", "ws", "--all", "-o", "answers"): 0,
+    }
+    unknown, nowhere, _, made, *_ = clone.several(commands, tmp_path)
+    assert "platforms: amiga_500, dds, plain, ros1, ros2" in unknown
+    assert "there is no such box of floppy disks" in nowhere
+    assert "switch on consertb" in made
+    packages = tmp_path / "ws" / "src" / "eddi_monitor"
     robot = packages / "consertb"
     assert "red screen" in (robot / "node.py").read_text("utf-8")
     assert not {"about", "questions.yml", "package.xml"} & {path.name for path in robot.iterdir()}
@@ -102,50 +81,31 @@ def test_it_lives_beside_ros1(clone: Checkout, world: Path) -> None:
     assert "consertb" not in manifest
 
     code = "from consertb.node import step; print(step({}))"
-    answer = run([sys.executable, "-c", code], packages, {"PYTHONPATH": ""}).stdout
+    answer = run([sys.executable, "-B", "-c", code], packages, {"PYTHONPATH": ""}).stdout
     assert answer.startswith("([{'id': 'System_A_G0_c2', 'active': False}"), answer
     assert "missing" in answer
 
-    clone.eddi("status", "-w", "ws")  # another exit status when a package differs
-
-
-def test_plain_copier_renders_the_same(clone: Checkout, world: Path, tmp_path: Path) -> None:
-    generate(clone, "b", "amiga_500")
-    words = ("-m", "two_conserts.xml", "-c", "consert_b_config.yml", "--platform", "amiga_500")
-    clone.eddi("answers", *words, "-w", "ws", "--all", "-o", tmp_path)
-    for name in ("consertb", "all_robots"):
-        answers = ("--data-file", f"{name}.yml")
-        where = ("--vcs-ref", "HEAD", *answers, clone.path, f"copied/{name}")
-        clone.copier("copy", "--trust", "--defaults", *where, cwd=tmp_path)
-        got, wanted = tree(tmp_path / "copied" / name), tree(world / WORKSPACE / name)
+    for name in ("consertb", "all_robots"):  # plain Copier renders the same
+        words = ("--trust", "--quiet", "--defaults", "--vcs-ref", "HEAD", "--data-file")
+        place = (f"answers/{name}.yml", clone.path, f"copied/{name}")
+        assert copier_here("copy", *words, *place, cwd=tmp_path).returncode == 0
+        got, expected = tree(tmp_path / "copied" / name), tree(packages / name)
         file = ".copier-answers.yml"
-        assert without_origin(got.pop(file)[1]) == without_origin(wanted.pop(file)[1])
-        assert got == wanted
+        assert without_origin(got.pop(file)[1]) == without_origin(expected.pop(file)[1])
+        assert got == expected
 
-
-def test_it_is_upgraded(clone: Checkout, world: Path) -> None:
-    generate(clone, "b", "amiga_500")
-    written = world / WORKSPACE / "consertb" / "EDDIInput.py"
+    written = robot / "EDDIInput.py"
     text = written.read_text("utf-8")
     end = text[text.index("        '''-----Manual edit end") :].splitlines()[0]
     written.write_text(text.replace(end, HAND + end, 1), "utf-8")
-
-    model = world / "newer.xml"
-    old = (world / "two_conserts.xml").read_text("utf-8")
-    newer = old.replace("sensor of system B", "camera of system B")
-    assert newer != old
-    model.write_text(newer, "utf-8")
+    old = (tmp_path / "two_conserts.xml").read_text("utf-8")
+    assert "sensor of system B" in old
+    (tmp_path / "newer.xml").write_text(old.replace("sensor of", "camera of"), "utf-8")
     template = clone.path / "copier_templates" / "robot" / STAGED / "node.py.jinja"
     template.write_text(template.read_text("utf-8").replace("One step", "Each step"), "utf-8")
-    clone.eddi("upgrade", world / WORKSPACE / "consertb", "-m", model, cwd=world)
-    git(clone.path, "checkout", "--quiet", "--", ".")
-
+    clone.several({("upgrade", robot, "-m", "newer.xml"): 0}, tmp_path)
     assert written.read_text("utf-8").count(HAND) == 1
-    robot = written.parent
     assert "Each step" in (robot / "node.py").read_text("utf-8")
-    clone.eddi("upgrade", "-w", "ws")
-    assert written.read_text("utf-8").count(HAND) == 1
-    assert "One step" in (robot / "node.py").read_text("utf-8")
 
 
 def test_every_template_has_one_platform() -> None:

@@ -1,22 +1,15 @@
 """The fast fixture: a real ROS master and real nodes, without catkin and without a compiler."""
 
-import os
-
 import pytest
 
 from eddi_scaffold.kinds.consert import MESSAGES
 from tests.ros1 import models
-from tests.ros1.world import World, make_messages, why_no_ros
+from tests.ros1.world import World, demand, make_messages, why_no_ros
 
 
 @pytest.fixture(scope="session")
 def ros_here():
-    reason = why_no_ros()
-    if reason is None:
-        return
-    if os.environ.get("EDDI_REQUIRE_ROS") == "1":
-        pytest.fail(reason)
-    pytest.skip(reason)
+    demand(why_no_ros())
 
 
 @pytest.fixture(scope="session")

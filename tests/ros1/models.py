@@ -38,13 +38,6 @@ MODELS = {
         order=["RtE_A_D0", "RtE_A_E0"],
         name="ConSertA",
     ),
-    "consertb": consert(
-        ["RtE_B_E0"],
-        guarantees=["System_B_G0"],
-        edges=["RtE_B_E0>System_B_G0"],
-        specs={"RtE_B_E0": _reads("RtE_E0", "none")},
-        name="ConSertB",
-    ),
     "tester": tester(None),
     "tester_half": tester(0.5),
 }

@@ -12,6 +12,8 @@ import time
 import xmlrpc.client
 from pathlib import Path
 
+import pytest
+
 HERE = Path(__file__).parent
 PYTHON = "/usr/bin/python3"
 RUNTIME = HERE.parents[1] / "runtime_lib" / "src"
@@ -30,6 +32,14 @@ def why_no_ros():
     if tried.returncode == 0:
         return None
     return f"{PYTHON} has no ROS 1: {tried.stderr.strip().splitlines()[-1]}"
+
+
+def demand(reason):
+    """Skip a test for a reason, if there is one; fail where what it needs must be there."""
+    if reason and os.environ.get("EDDI_REQUIRE_ROS") == "1":
+        pytest.fail(reason)
+    if reason:
+        pytest.skip(reason)
 
 
 def free_port():
@@ -243,7 +253,7 @@ class World:
 
     def env(self, master, messages=None):
         paths = [messages or self.messages, RUNTIME]
-        paths += [HERE / "packages" / name / "src" for name in ("conserta", "consertb", "tester")]
+        paths += [HERE / "packages" / name / "src" for name in ("conserta", "tester")]
         return {
             "PATH": "/usr/sbin:/usr/bin:/sbin:/bin",
             "HOME": str(self.folder),

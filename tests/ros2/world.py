@@ -14,12 +14,11 @@ import pytest
 from tests.cli.command import EXAMPLE, ROOT, run
 from tests.e2e.robot import CLEAN_PATH
 from tests.fields import table
+from tests.ros1.world import demand
 
 FLAGS = ("-DCMAKE_C_FLAGS=-O0", "-DCMAKE_CXX_FLAGS=-O0")
 """Nobody waits for these messages."""
 _WHEELS = ROOT / "script" / "ros2_wheels.txt"
-REQUIRED = os.environ.get("EDDI_REQUIRE_ROS") == "1" and "EDDI_NO_ROS2" not in os.environ
-"""ROS 2 is missing only where its wheels do not fit."""
 _SOURCED = bool(os.environ.get("AMENT_PREFIX_PATH"))
 
 
@@ -47,11 +46,9 @@ class Release:
 
     def demand(self):
         """Skip a test where it cannot be used; fail where it must be there."""
-        reason = self.why_not()
-        if reason and REQUIRED:
-            pytest.fail(reason)
-        if reason:
-            pytest.skip(reason)
+        if (reason := self.why_not()) and "EDDI_NO_ROS2" in os.environ:
+            pytest.skip(reason)  # its wheels do not fit
+        demand(reason)
 
     def env(self, home):
         """Return the environment of a person whose ROS 2 it is."""

@@ -77,7 +77,7 @@ def old_pytest() -> Path:
 @pytest.mark.slow
 def test_runtime_tests_pass_on_python_3_8(old_pytest: Path) -> None:
     """Of the runtime by itself; what a test compiles first, newer Pythons compile."""
-    options = ["-q", "-p", "no:cacheprovider", "-c", str(HERE / "pyproject.toml")]
+    options = ["-q", "-p", "no:cacheprovider", "-c", str(HERE / "pyproject.toml"), "-m", "not slow"]
     command = [str(old_pytest), "-m", "pytest", *options, str(HERE / "runtime_lib" / "tests")]
     done = run(command, HERE, {"PYTHONDONTWRITEBYTECODE": "1", "PYTEST_ADDOPTS": ""})
     assert re.search(r"^\d+ passed", done.stdout, re.MULTILINE), done.stdout

@@ -11,7 +11,7 @@ from py_compile import PycInvalidationMode
 
 CHECKOUT = Path(__file__).parents[2]
 _PARTS = ("copier.yml", "copier_templates", "eddi_scaffold", "runtime_lib", "pyproject.toml")
-_TASKS = ("compiling", "regions")
+_TASKS = ("regions",)
 _STAGE = "copier_templates/ros1_monitor/.eddi/new/{{ stage }}"
 _CHANGES = {
     "copier_templates/eddi_input.py.jinja": (

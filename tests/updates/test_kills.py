@@ -132,7 +132,7 @@ def test_so_is_a_command(folder: Path, templates: Templates, command: str) -> No
     edited(place)
     if command == "upgrade":
         place.inputs = START
-    some = sorted(random.Random(command).sample(range(260), 2))
+    some = random.Random(command).sample(range(260), 1)
     kill_anywhere(place, command, count() if histories(0, 1) else some)
 
 
@@ -166,15 +166,14 @@ def test_so_is_copier(folder: Path, templates: Templates, command: str) -> None:
         assert snapshot(package) == after
 
 
-@pytest.mark.parametrize("limit", [0, 700])
-def test_a_full_disk_changes_nothing(folder: Path, limit: int) -> None:
+def test_a_full_disk_changes_nothing(folder: Path) -> None:
     place = Bare(folder)
     edited(place)
     before = snapshot(place.package)
     plan = place.plan()
 
     def run() -> int:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (700, 700))
         plan.prepare()
         return 0
 
