@@ -129,17 +129,6 @@ def test_without_bind_the_id_is_the_attribute():
     assert (one.x, one.states["x"].state) == (3, "ok")
 
 
-def test_no_limit_is_never_stale():
-    one = Input()
-
-    def process(message):
-        one.free = message
-
-    one.begin_step({"topic": 1e9})
-    one.update("free", process, {"topic": 3}, ("topic",))
-    assert one.states["free"][:3] == ("ok", "", 1e9)
-
-
 class Each(EDDIInputBase):
     """An input that takes every message of ``a``, with the latest of ``b``."""
 

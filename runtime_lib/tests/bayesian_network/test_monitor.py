@@ -1,6 +1,5 @@
 """The monitor of a Bayesian network: inputs, methods, outputs, messages."""
 
-import json
 import math
 from types import SimpleNamespace
 
@@ -9,7 +8,6 @@ from eddi_runtime import ModelError as RuntimeModelError
 from eddi_runtime.bayesian_network import (
     BayesianNetworkMonitor,
     BayesianNetworkOutput,
-    Monitor,
     Node,
     Outcome,
 )
@@ -22,23 +20,11 @@ from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     give,
     monitor,
-    node,
     posterior,
 )
 
 DIRECT = {"Speed": "s", "Gap": "g", "Danger": "x"}
 SLOW_NEAR = {"yes": 0.6, "no": 0.4}
-
-PEDESTRIAN = (
-    node("Pace", "still walk run", (), [1 / 3, 1 / 3, 1 / 3]),
-    node("Space", "near far", (), [0.5, 0.5]),
-    node(
-        "Critical",
-        "Yes No",
-        "Pace Space",
-        [0.2, 0.8, 0.05, 0.95, 0.7, 0.3, 0.2, 0.8, 0.9, 0.1, 0.4, 0.6],
-    ),
-)
 
 
 def hostile():
@@ -61,40 +47,6 @@ def hostile():
             raise RuntimeError
 
     return [Hostile(), Number("nan"), Number(2.0), 10**400, b"x", {}, [object()], type, ...]
-
-
-def test_it_is_a_monitor_like_any_other():
-    one = monitor(bins=BINS)
-    assert one.kind == "bayesian_network"
-    assert one.model_id == "net"
-    assert isinstance(one, Monitor)
-    assert [spec.id for spec in one.inputs] == ["v", "d"]
-    with pytest.raises(NotImplementedError):
-        Monitor().execute_step(None)
-
-
-def test_the_result_prints_as_in_d72_fig_22():
-    one = monitor(
-        PEDESTRIAN,
-        outputs=["Critical"],
-        bins={
-            "Pace": {"input": "v", "scale": 3.6, "bins": [2.0, 4.0]},
-            "Space": {"input": "d", "bins": [1.0]},
-        },
-    )
-    wanted = (
-        "[BayesianNetworkOutput(actor_id=0, bayesian_network_id='net', output_nodes=[Node("
-        "title='Critical', outcomes=[Outcome(name='Yes', value=0.7), Outcome(name='No', value=0.3)"
-        "])])]"
-    )
-    assert str(one.execute_step(give(v=4 / 3.6, d=0.4))) == wanted
-
-
-def test_declared_inputs():
-    one = monitor(bins=BINS)
-    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
-    assert one.status() == out.OK
-    assert posterior(one.execute_step(give(v=2, d=3.0))) == {"yes": 0.1, "no": 0.9}
 
 
 def test_missing_inputs_leave_the_prior():
@@ -136,11 +88,6 @@ def test_direct_inputs():
     assert posterior(echo, "Alarm") == {"on": 0.01, "off": 0.99}
     one.execute_step(give(s="hot", g=[1.0]))
     assert one.faults() == {"s": "there is no state 'hot'", "g": "1 values for 2 states"}
-
-
-def test_a_discretisation_goes_before_a_direct_input():
-    one = monitor(bins=BINS, direct={"Gap": "Gap"})
-    assert posterior(one.execute_step(give(v=2.0, d=1.0, Gap="far"))) == SLOW_NEAR
 
 
 def test_nodes_that_are_not_observed_are_not_fed():
@@ -334,28 +281,6 @@ def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(mo
         posteriors(one, {"Gap": "near"})
 
 
-def test_outputs_in_network_order_and_none():
-    one = monitor(bins=BINS, outputs=["Alarm", "Speed", "Danger"])
-    (result,) = one.execute_step(give(v=0.0, d=0.0))
-    assert [found.title for found in result.output_nodes] == ["Speed", "Danger", "Alarm"]
-    none = monitor(bins=BINS, outputs=[])
-    assert none.execute_step(give()) == [BayesianNetworkOutput(0, "net", [])]
-    assert none.message(none.execute_step(give())) == (
-        "BayesianNetworkOutput",
-        {"output_nodes": []},
-    )
-
-
-def test_json_and_series():
-    one = monitor(bins=BINS)
-    output = one.execute_step(give(v=2.0, d=1.0))
-    outcomes = [{"name": "yes", "value": 0.6}, {"name": "no", "value": 0.4}]
-    nodes = [{"title": "Danger", "outcomes": outcomes}]
-    wanted = [{"actor_id": 0, "bayesian_network_id": "net", "output_nodes": nodes}]
-    assert json.loads(json.dumps(one.as_json(output))) == wanted
-    assert one.series(output) == {"Danger=yes": 0.6, "Danger=no": 0.4}
-
-
 def test_messages():
     one = monitor(bins=BINS)
     tree = one.message(one.execute_step(give(v=2.0, d=1.0)))
@@ -417,14 +342,6 @@ def test_explanation():
     assert "Gap: 0.5, 1" in direct.explain().text()
 
 
-def test_posteriors_of_few_states_are_known_from_the_start():
-    one = monitor(direct=DIRECT)
-    assert len(one._known_rows) == 36
-    before = dict(one._known_rows)
-    one.execute_step(give(s="stands", g="near"))
-    assert one._known_rows == before
-
-
 def test_posteriors_of_former_states_are_remembered(monkeypatch):
     monkeypatch.setattr(inference_plan, "MAX_CASES", 4)
     monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
@@ -464,21 +381,6 @@ def test_methods_that_say_the_same_in_each_step_are_asked_once():
 
     for kind in (Calling, Growing):
         assert len(monitor(bins=BINS, hooks=kind())._methods._asked) == 2
-
-
-def test_time_is_for_holding_only():
-    bins = {"Gap": {"input": "d", "bins": [2.0], "missing": "hold"}}
-    one = monitor(bins=bins, specs={"d": {"max_age": 1.0}})
-    near = one.execute_step(give(d=1.0), 0)
-    assert one.execute_step(give(d=None), 10**9) == near
-    assert one.execute_step(give(d=None), 2 * 10**9) != near
-    assert one.execute_step(give(d=1.0)) == one.execute_step(give(d=None)) == near
-
-
-def test_nothing_is_blocked_by_a_missing_input():
-    one = monitor(bins=BINS)
-    one.execute_step(give())
-    assert one.blocked(["v"]) == {}
 
 
 def test_posteriors_by_name():

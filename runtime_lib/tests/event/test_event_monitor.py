@@ -70,18 +70,6 @@ def test_what_is_no_value_is_unknown(number):
     assert verdicts(monitor.execute_step(Hostile(), 2 * SECOND)) == [None, None]
 
 
-def test_numbers_of_other_types():
-    numpy = pytest.importorskip("numpy")
-    monitor = made(("gt", "x", 5), "a")
-    for x, a in (
-        (6, True),
-        (numpy.float32(6), numpy.bool_(1)),
-        (numpy.int16(6), numpy.array(True)[()]),
-    ):
-        assert verdicts(monitor.execute_step(SimpleNamespace(x=x, a=a), 0)) == [True, True]
-        monitor.reset()
-
-
 def test_messages():
     monitor = made(("gt", "x", 5), ("gt", "x", 5))
     (one, other) = monitor.message(step(monitor, 0, x=6.0))
@@ -170,11 +158,6 @@ def test_ages_come_from_the_input():
         source.states["x"] = InputState("ok", "", age)
         monitor.reset()
         assert verdicts(monitor.execute_step(source, 10 * SECOND)) == wanted
-
-
-def test_time_is_the_clock_of_the_machine_when_none_is_given():
-    monitor = made(("time", "a", 1), period=SECOND)
-    assert verdicts(monitor.execute_step(SimpleNamespace(a=True))) == [True]
 
 
 def test_a_clock_that_stands_hides_no_silence():

@@ -29,12 +29,6 @@ def steps(node):
     return [t - BEGIN for t in node.steps]
 
 
-def test_the_first_result_is_that_of_knowing_nothing(robot):
-    node = robot.start("conserta")
-    assert robot.active(A) == [(0.0, set())]
-    assert steps(node) == [0.0]
-
-
 def test_an_input_may_wait_until_the_grace_is_over(robot):
     node = robot.start("consertb", STARTUP_GRACE=2.0)
     robot.run(1.875)
@@ -64,10 +58,6 @@ def test_a_value_that_is_nan_is_not_usable(robot):
     assert robot.active(B) == [(0.0, set())]
     robot.run(2.0)
     assert node.report()[:2] == FINE
-
-
-def test_without_grace_a_silent_source_is_an_error_at_once(robot):
-    assert robot.start("consertb", STARTUP_GRACE=0.0).levels == [(0.0, ERROR)]
 
 
 def test_a_verdict_does_not_wait_for_the_grace(robot):

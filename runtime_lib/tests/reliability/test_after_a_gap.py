@@ -11,12 +11,10 @@ from eddi_runtime.reliability.observed import hull, independent  # noqa: E402 - 
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - as above
     chain,
-    event,
     monitor,
-    tree,
 )
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY  # noqa: E402 - as above
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
 NAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True], [2, "ok", True]])
@@ -110,20 +108,6 @@ def test_a_level_that_is_ignored_ends_no_gap():
     empty = told([part], "level", [10.0, None, 90.0])
     assert [one.valid for one in empty] == [True, False, True]
     assert empty[2].p_fail == 1.0
-
-
-@pytest.mark.parametrize("shape", [0.5, 3.0])
-def test_a_processor_may_have_aged_less_than_the_worst(shape):
-    part = {**CPU, "shape": shape, "mttf_ref": 0.01, "utilisation": None}
-    never = tree([event("model", model="cpu")], [{"type": "NOT", "of": [0]}])
-    *_, after = told([part], "t", [60.0] * 3 + [None] * 5 + [60.0], horizon=1e-3)
-    *_, good = told([part, never], "t", [60.0] * 3 + [None] * 5 + [60.0], horizon=1e-3)
-    assert after.valid
-    for then in (-199.0, 60.0, 85.0):
-        *_, exact = told([part], "t", [60.0] * 3 + [then] * 5 + [60.0], horizon=1e-3)
-        assert after.p_fail_low <= exact.p_fail * (1 + 1e-12)
-        assert exact.p_fail <= after.p_fail_high * (1 + 1e-12)
-        assert 1.0 - exact.p_fail <= good.p_fail_high * (1 + 1e-12)
 
 
 def test_a_hull_holds_the_beliefs_that_it_replaces():

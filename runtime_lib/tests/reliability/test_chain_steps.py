@@ -1,6 +1,5 @@
 """The steps of a chain, taken many at a time, against the same steps taken one by one."""
 
-import math
 import random
 
 import pytest
@@ -160,13 +159,3 @@ def test_as_many_observations_as_there_may_be_are_kept():
         assert len(ours._seen) <= 64
         if found.reason == "":
             assert found.high == pytest.approx(other.look(1, mask)[0], rel=1e-9, abs=0.0)
-
-
-def test_a_reset_monitor_says_the_same_again():
-    arcs = [[0, 1, 3.0], [1, 2, 0.5]]
-    one = monitor([chain(arcs, 3, [2])])
-    first = [step(one, i * 0.1) for i in range(50)]
-    one.reset()
-    assert [step(one, i * 0.1) for i in range(50)] == first
-    assert all(a.p_fail <= b.p_fail for a, b in zip(first, first[1:]))
-    assert not any(math.isnan(result.mttf) for result in first)

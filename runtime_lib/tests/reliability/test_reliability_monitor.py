@@ -62,24 +62,6 @@ def test_what_failed_does_not_work_again():
     assert step(repaired, 0.1, **WORKING).p_fail < 0.05
 
 
-def test_a_motor_that_may_work_again_is_unknown_at_once():
-    one = monitor([quad(0.01, repair=True)], WORKING)
-    step(one, **{**WORKING, "m2": False})
-    for i in range(1, 4):
-        result = step(one, i * 0.1, **{**WORKING, "m2": None})
-        assert (result.valid, result.unknown) == (False, ("m2",))
-        assert (result.p_fail_low, result.p_fail_high) == (pytest.approx(0.0392, rel=1e-3), 1.0)
-
-
-def test_an_unknown_motor_gives_an_interval():
-    result = step(rotors(), m0=True, m1=True, m2=None, m3=True)
-    assert not result.valid
-    assert result.unknown == ("m2",)
-    assert result.p_fail_low == pytest.approx(-math.expm1(-0.04), rel=1e-14)
-    assert result.p_fail == result.p_fail_high == 1.0
-    assert result.reason == "unknown inputs"
-
-
 @pytest.mark.parametrize("nothing", [None, math.nan, object(), [], "yes", 3, b"1", {}, 1.5])
 def test_what_is_no_status_is_unknown(nothing):
     one = rotors()

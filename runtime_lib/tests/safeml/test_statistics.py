@@ -33,40 +33,6 @@ def test_definition(metric, reference, window):
     assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
-@pytest.mark.parametrize("metric", METRICS)
-@pytest.mark.parametrize("levels", [2, 10, 100, None])
-def test_definition_on_larger_samples(metric, levels):
-    chance = np.random.RandomState(3)
-    for _ in range(4):
-        n, m = chance.randint(1, 200), chance.randint(1, 50)
-        pooled = chance.normal(size=n + m)
-        pooled = pooled if levels is None else np.round(pooled * levels) / levels
-        reference, window = pooled[:n].tolist(), pooled[n:].tolist()
-        expected = LITERAL[metric](reference, window)
-        assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-12)
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@given(SAMPLES, SAMPLES, st.randoms(use_true_random=False))
-def test_order_and_increasing_maps_do_not_matter(metric, reference, window, chance):
-    before = one(metric, reference, window)
-    places = {value: k for k, value in enumerate(sorted({*reference, *window}))}
-    chance.shuffle(reference)
-    chance.shuffle(window)
-    moved = one(metric, [places[x] ** 3 for x in reference], [places[w] ** 3 for w in window])
-    assert moved == pytest.approx(before, rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@pytest.mark.parametrize("values", [[1.0], [2.0, 2.0, 2.0], [1.0, 2.0, 3.0]])
-def test_equal_samples_have_no_distance(metric, values):
-    assert one(metric, values, values) == pytest.approx(0.0, abs=1e-15)
-
-
-def test_the_smallest_samples():
-    assert [one(metric, [1.0], [2.0]) for metric in METRICS] == [1.0, 0.25, pytest.approx(1.0)]
-
-
 def test_sums_that_do_not_fit_into_64_bits():
     """Whole numbers or doubles: the same to 1e-10."""
     chance = np.random.RandomState(1)
