@@ -6,15 +6,15 @@ import gzip
 from pathlib import Path
 
 import pytest
+from eddi_runtime.bayesian_network.asking import posteriors
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml.reference import read_reference
-from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_file
-from tests.kinds.bayesian_network.networks import brute_force
+from tests.kinds.bayesian_network.networks import joined, running
 
 SPACES = (
     'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
@@ -160,9 +160,9 @@ def test_networks_with_unusual_states_and_rows(file: str, node: str, wanted: lis
     reading = read_models(read_source(data_file(f"field/{file}")))
     (model,) = reading.models
     assert {one.level for one in reading.problems} <= {"warning"}
-    assert brute_force(model.data, {}, node) == pytest.approx(wanted, abs=1e-12)
-    monitor, _ = monitor_of(model, None)
+    monitor, _ = joined(model)
     assert monitor is not None
+    assert posteriors(running(monitor), {})[node] == pytest.approx(wanted, abs=1e-12)
 
 
 def test_intervals_of_bif() -> None:

@@ -129,16 +129,6 @@ def test_the_strongest_cause_wins(
     assert [float(text) for text in table] == pytest.approx(wanted, abs=1e-12)
 
 
-def test_a_noisy_or_without_a_leak() -> None:
-    text = noisy_or(
-        "<strengths>0 1 0 1</strengths><parameters>0.9 0.1 0 1 0.8 0.2 0 1 0 1</parameters>"
-    )
-    reading = read(text, "n.xdsl")
-    assert reading.problems == ()
-    table = reading.models[0].data.node("C").table
-    assert table == pytest.approx([0.98, 0.02, 0.9, 0.1, 0.8, 0.2, 0.0, 1.0])
-
-
 def test_strengths_name_the_states_of_the_columns() -> None:
     """The absence of A is what causes C: its columns stand in the order n, y."""
     text = noisy_or(

@@ -173,13 +173,6 @@ def test_two_instances_need_two_names():
     assert again.unmatched_demands == ("u/D", "v/D")
 
 
-def test_touching_ranges_are_one():
-    offered = numeric(("0", "1", ")"), ("1", "2", "]"))
-    assert compose([("p", provider(offered)), ("u", user(numeric(("0.5", "2", "]"))))]).composable
-    gap = numeric(("0", "1", ")"), ("1.0001", "2", "]"))
-    assert not compose([("p", provider(gap)), ("u", user(numeric(("0", "2", "]"))))]).composable
-
-
 def test_open_ends_and_exact_bounds():
     offered = numeric(("0", "inf", ")"))
     assert not compose(
@@ -206,22 +199,6 @@ def test_inclusion_is_that_of_the_numbers(inner, outer):
     points = [Fraction(n, 2) for n in range(30)]
     expected = all(holds(outer, x) for x in points if holds(inner, x))
     assert is_inside(inner, outer) == expected
-
-
-def test_text_and_json():
-    x = BinaryDimension("X")
-    good = compose([("u", user(x)), ("p", provider(x)), ("q", provider(x))])
-    assert good.as_text() == ["composable", "order: p, q, u", "bindings:", "  u/D <- p/G or q/G"]
-    guarantees = [{"instance": name, "guarantee": "G"} for name in "pq"]
-    binding = {"instance": "u", "demand": "D", "guarantees": guarantees}
-    assert good.as_json() == {
-        "composable": True,
-        "order": ["p", "q", "u"],
-        "bindings": [binding],
-        **{key: [] for key in ("unmatched_demands", "unmatched_services", "reasons", "warnings")},
-    }
-    bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
-    assert bad.as_text()[:3] == ["not composable", "order: p", "reasons:"]
 
 
 FALLBACK = """\

@@ -23,10 +23,6 @@ from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
 
 
-def test_export_writes_the_layout_of_d72():
-    assert read(ROVER).export() == {"Rover.yml": ROVER}
-
-
 def test_inputs_are_demands_then_evidence():
     demand, distance, lidar = read(ROVER).inputs()
     assert (demand.id, demand.type, demand.covered) == (

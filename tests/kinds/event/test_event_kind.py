@@ -50,16 +50,6 @@ def test_what_the_rate_decides_is_checked_with_it(folder: Path) -> None:
     assert run("check", "overheat.events", "eddi_config.yml", cwd=folder).status == 0
 
 
-@pytest.mark.parametrize(
-    ("text", "code"),
-    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")],
-)
-def test_wrong_files(text: str, code: str, folder: Path) -> None:
-    (folder / "overheat.events").write_text(text)
-    result = run("check", "overheat.events", cwd=folder)
-    assert (result.status, f"[{code}]" in result.err) == (1, True)
-
-
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
     told = "warning: 2 events share one topic: the latest message may be from any of them [W005]"
@@ -94,13 +84,6 @@ def test_run_on_recorded_inputs(folder: Path) -> None:
     assert [row[1]["raised"] for row in rows] == [False] * 8 + [True] + [False] * 5
     alone = run("run", "overheat.events", "-i", "values.csv", "--json", cwd=folder)
     assert alone.out == result.out
-
-
-def test_units_of_a_configuration(folder: Path) -> None:
-    config = CONFIG.replace("id: temp, type: float,", "id: temp, type: float, unit: K,")
-    (folder / "eddi_config.yml").write_text(config)
-    result = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert "[K022]" in result.err
 
 
 SCAN = """\

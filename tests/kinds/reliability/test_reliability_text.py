@@ -116,17 +116,6 @@ def test_two_monitors_of_one_text_are_independent() -> None:
     assert one.execute_step(SimpleNamespace(**working), 10**8).p_fail == 1.0
 
 
-def test_an_attribute_that_cannot_be_read_is_unknown() -> None:
-    class Hostile:
-        def __getattr__(self, name: str) -> Any:
-            raise RuntimeError(name)
-
-    one = monitor([quad(0.01)], ["m0", "m1", "m2", "m3"])
-    found = one.execute_step(Hostile(), 0)
-    assert found.unknown == ("m0", "m1", "m2", "m3")
-    assert one.faults()["m0"] == "reading it raised RuntimeError"
-
-
 @pytest.mark.slow
 def test_very_many_units_are_counted() -> None:
     one = monitor([{**UNITS, "k": 4990, "rate": 1e-3, "max": None}], ["n"])

@@ -13,24 +13,9 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
-from tests.fuzz.mutations import mutations
 from tests.kinds.safeml.monitors import joined
 
 _CHANCE = random.Random(2)
-CONFIG = b"""# Constants to specify at design time
-window_size : 6 #[steps]
-reference_sample_file : 'reference.csv'
-significance_level: 0.1
-distance_metric : 'AndersonDarlingDistance'
-n_components : 2
-standardize: true
-calibration: stream
-stride: 1
-max_age: 2.5
-"""
-CSV = "\n".join(
-    ",".join(f"{_CHANCE.gauss(0, 1):.3f}" for _ in range(3)) for _ in range(60)
-).encode()
 
 
 @pytest.fixture(scope="module")
@@ -55,16 +40,6 @@ def answer(folder: Path, config: bytes, csv: bytes) -> None:
         result = one.execute_step(SimpleNamespace(sample=[value] * features), 0)
         one.message(result)
         one.status_message()
-
-
-@given(config=mutations(CONFIG))
-def test_configuration(folder: Path, config: bytes) -> None:
-    answer(folder, config, CSV)
-
-
-@given(csv=mutations(CSV))
-def test_reference(folder: Path, csv: bytes) -> None:
-    answer(folder, CONFIG, csv)
 
 
 VALUES = st.sampled_from([0.0, 1.0, -1.0, 1e-320, 1e150, 1e300, -1e308, 0.1])

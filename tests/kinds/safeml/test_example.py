@@ -11,7 +11,7 @@ from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
-from eddi_scaffold.recordings.results import changes, picture
+from eddi_scaffold.recordings.results import changes
 from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "safeml"
@@ -50,12 +50,6 @@ def test_usual_frames_pass_and_fog_is_seen_within_a_window(monitors: list[BoundM
     worst = one.explain()[0]
     assert worst.violated
     assert {feature for feature, _ in worst.weights[:2]} & {1, 2}  # contrast and sharpness
-
-
-def test_the_plot_shows_statistic_threshold_and_verdict(monitors: list[BoundMonitor]) -> None:
-    svg = picture("Camera", played(monitors[0], read_source(EXAMPLE / "recording.csv")))
-    for name in ("statistic", "threshold", "odd_violation", "omission"):
-        assert f">{name}<" in svg
 
 
 def test_run_says_why_there_is_no_verdict(monitors: list[BoundMonitor]) -> None:

@@ -49,13 +49,6 @@ def test_default_configuration_with_dependent_samples(phi: float, is_long: bool)
     assert found < (0.13 if is_long else 0.16)
 
 
-def test_short_references_with_dependent_samples(is_long: bool) -> None:
-    if not is_long:
-        pytest.skip("in the long profile")
-    for phi in (0.0, 0.5, 0.9):
-        assert mean_rate(lambda chance, phi=phi: process(2000, phi, chance), 12, phi) < 0.17
-
-
 def mean_rate(rows_of: Callable[[np.random.Generator], Rows], references: int, phi: float) -> float:
     rates = []
     for seed in range(references):
