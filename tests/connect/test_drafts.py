@@ -133,22 +133,6 @@ def test_a_comment_behind_no_inputs_stays() -> None:
     assert "# none yet\nEDDIInputs:\n  - id: Way" in written(mine, draft([WAY], [CLEAR]))
 
 
-def test_an_entry_that_says_nothing_is_filled() -> None:
-    mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: WayIsClear\n- id: Charge\n"
-    after = written(mine, draft([WAY, POWER], [CLEAR, CHARGE]))
-    assert "- id: WayIsClear\n  # connect: taken" in after
-    assert "  requires: [clear]\n  field: data\n- id: Charge\n" in after
-
-
-def test_an_age_that_becomes_known_is_written() -> None:
-    before = written("", draft([WAY], [CLEAR]))
-    after = written(before, draft([WAY], [CLEAR], {"/front/clear": age_of(0.1, 0.3, "a bag")}))
-    assert "    max_age: 0.36  # a bag\n" in after
-    assert before.replace(
-        "max_age: TODO  # TODO seconds: no rate of /front/clear is known", ""
-    ) == (after.replace("max_age: 0.36  # a bag", ""))
-
-
 @pytest.mark.parametrize(
     ("median", "longest", "seconds"), [(0.1, 0.1, 0.25), (0.02, 0.2, 0.24), (0.0333, 0.04, 0.084)]
 )
@@ -329,31 +313,6 @@ def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     for name, text in first.items():
         assert f"# connect: expression: {text}" in entries[name].splitlines()[1]
         assert "expression: TODO  # TODO one of the above" in entries[name]
-
-
-def test_evidence_takes_the_event_that_the_eddi_names(tmp_path: Path) -> None:
-    text = next(
-        match["content"]
-        for match in re.finditer(
-            r"<!-- file: landing.xml -->\n```xml\n(?P<content>.*?)```",
-            (ROOT / "docs" / "reference" / "eddi.md").read_text("utf-8"),
-            re.DOTALL,
-        )
-    )
-    text = text.replace('<runtimeEvidence name="MotorFit"', '<runtimeEvidence name="MayFly"')
-    (tmp_path / "landing.xml").write_text(text, "utf-8")
-    motor = (
-        "Model: {id: motor_watch, type: Event, frequency: 10}\n"
-        "SimulatorOutputs: [{id: temp, type: std_msgs.Float64, topic: /temp}]\n"
-        "EDDIInputs: [{id: temp, requires: [temp], max_age: 1}]\n"
-        "EDDIOutputs: [{id: fit, topic: motor_watch/fit, event: MotorFit},"
-        " {id: hot, topic: motor_watch/hot, event: hot}]\n"
-    )
-    (tmp_path / "motor.yml").write_text(motor, "utf-8")
-    words = ("connect", "landing.xml", "--name", "Landing", "--with", "motor.yml")
-    done = run(*words, cwd=tmp_path)
-    assert "  - id: MayFly\n    # connect: taken, 100 points" in done.out
-    assert "    requires: [fit]\n    field: active\n" in done.out
 
 
 def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:

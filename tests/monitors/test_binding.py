@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.config.reading import read_config
-from eddi_scaffold.kinds import ModelInput, kinds
+from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
-from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_reported
 
-KIND = kinds()["consert"]
 SPEED = """---
 guarantees:
   - {id: Drives, dimensions: [{Binary: {type: Driving}}]}
@@ -75,12 +71,6 @@ def test_the_only_field_of_a_message_is_taken_where_its_type_fits() -> None:
     whole = "  - {id: whole, type: std_msgs.Int32, topic: /whole}\n"
     (binding,) = sound("requires: [whole], max_age: none", sources=whole).inputs
     assert binding.expression == "whole.data"
-
-
-def test_an_unknown_message_is_left_to_a_person_unless_a_field_is_named() -> None:
-    assert sound("requires: [other]").inputs[0].expression is None
-    assert sound("requires: [other], field: range").inputs[0].expression == "other.range"
-    assert sound("requires: [lidar, other]").inputs[0].expression is None
 
 
 def test_the_shortest_age_of_what_is_required_counts_unless_the_input_says_one() -> None:
@@ -150,20 +140,6 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     monitor, problems = monitor_of(model, None)
     assert monitor is None
     assert_reported("K015", problems)
-
-
-def test_the_example_needs_no_hand_written_line() -> None:
-    for letter in ("a", "b"):
-        path = EXAMPLE / f"consert_{letter}_config.yml"
-        config, problems = read_config(Source(str(path), Path(path).read_bytes()))
-        assert problems == []
-        assert config is not None
-        models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
-        model = models["ab".index(letter)]
-        monitor, found = monitor_of(model, config)
-        assert found == []
-        assert monitor is not None
-        assert all(binding.expression for binding in monitor.inputs)
 
 
 OTHER = "they are not of one dimension"
@@ -262,13 +238,3 @@ def test_a_unit_that_contradicts_the_message_is_an_error(
     entry: str, uom: str, message: str, hint: str | None
 ) -> None:
     assert said(entry, uom) == [("K022", message, hint)]
-
-
-def test_the_unit_to_write_converts_the_value() -> None:
-    text = SPEED.replace("uom: m", "uom: percent")
-    (model,) = read_models(Source("speed.yml", text.encode())).models
-    entry = "requires: [battery], field: percentage, unit: fraction"
-    config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
-    monitor, problems = monitor_of(model, config)
-    assert monitor is not None, problems
-    assert monitor.inputs[0].factor == (100, 1)

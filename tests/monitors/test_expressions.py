@@ -94,23 +94,6 @@ def test_missing_stale_and_nan_are_unknown() -> None:
     assert step(eddi_input, name, 5 * SECOND, {}, battery=SimpleNamespace(percentage=0.1)) is False
 
 
-def test_what_is_known_decides_where_it_can() -> None:
-    monitor, problems = joined(config('expression: "battery.present AND motor.data < 80"'))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    absent = SimpleNamespace(present=False)
-    assert step(eddi_input, "BatteryIsFine", 0, {}, battery=absent) is False
-    assert step(eddi_input, "BatteryIsFine", 1, {}, battery=SimpleNamespace(present=True)) is None
-
-
-def test_a_hazard_is_true_when_unknown() -> None:
-    monitor, problems = joined(
-        config('expression: "battery.percentage < 0.2"\n    polarity: HAZARD')
-    )
-    assert monitor is not None, problems
-    assert step(bound(monitor), "BatteryIsFine", 0, {}) is True
-
-
 def test_another_input_may_be_named() -> None:
     text = config(
         'expression: "battery.present"', 'expression: "BatteryIsFine AND motor.data < 80"'
@@ -149,14 +132,6 @@ def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, w
     assert words in " ".join(problem.message for problem in problems)
 
 
-def test_declarations_beside_the_inputs() -> None:
-    text = config(
-        "expression: battery.percentage > LEAST", more='declarations: ["CONST LEAST = 0.2"]\n'
-    )
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-
-
 SAFETY = """\
 ENUM Mode { AUTO, HAND }
 CONST limit = 80
@@ -188,12 +163,6 @@ def test_the_event_of_a_file_is_the_expression(tmp_path: Path) -> None:
     assert step(eddi_input, name, 0, {}) is True  # of a HAZARD, as the file says
     assert step(eddi_input, name, SECOND, {}, motor=SimpleNamespace(data=90.0)) is False
     assert step(eddi_input, name, 2 * SECOND, {}, motor=SimpleNamespace(data=70.0)) is False
-
-
-def test_the_only_event_of_a_file_needs_no_name(tmp_path: Path) -> None:
-    monitor, problems = from_file(tmp_path, "", "motor.data < 80")
-    assert monitor is not None, problems
-    assert step(bound(monitor), "MotorIsCool", 0, {}, motor=SimpleNamespace(data=9.0)) is True
 
 
 def test_the_configuration_says_what_the_event_does_not(tmp_path: Path) -> None:
@@ -323,12 +292,6 @@ def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
     monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
     assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
     assert problem.place.line == 2
-
-
-def test_an_enum_inside_of_an_expression() -> None:
-    text = "ENUM M { ON, OFF } VAR motor.data : M TIMEOUT 1s motor.data == ON"
-    monitor, problems = joined(config(f'expression: "{text}"'))
-    assert monitor is not None, problems
 
 
 @pytest.mark.parametrize(
@@ -480,29 +443,6 @@ def test_the_status_says_why_a_list_gives_nothing() -> None:
     assert step(eddi_input, "BatteryIsFine", 4, {}, scan=scan_of(5.0, 5.0, 5.0)) is True
 
 
-class Counted(list[float]):
-    """A list that counts how often it is looked through."""
-
-    looks = 0
-
-    def __iter__(self) -> Any:
-        self.looks += 1
-        return super().__iter__()
-
-
-def test_a_message_is_reduced_once_however_many_steps_hold_it() -> None:
-    text = config('expression: "MIN(MIN(scan.ranges[*]), 2s) > 1"', more=SCAN)
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    scan = scan_of()
-    scan.ranges = Counted([5.0, 6.0])
-    for k in range(25):
-        found = step(eddi_input, "BatteryIsFine", k * SECOND // 10, {}, scan=scan)
-    assert found is True
-    assert scan.ranges.looks == 1
-
-
 @pytest.mark.parametrize(
     ("source", "expression", "fields", "wanted"),
     [
@@ -560,18 +500,3 @@ def test_a_var_that_contradicts_the_message_is_an_error() -> None:
         declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
         _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
         assert [one.code for one in problems if one.level == "error"] == codes
-
-
-def test_numbers_in_texts() -> None:
-    more = "  - {id: diag, type: diagnostic_msgs.DiagnosticArray, topic: /d, max_age: 1}\n"
-    path = 'diag.status["/Power: b"].values[Voltage].value'
-    monitor, problems = joined(config(f"expression: 'NUMBER({path}) > 22'", more=more))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    for t, (text, wanted) in enumerate(
-        [("24.5", True), (" 2e1 ", False), ("24 V", None), ("nan", None), ("", None), ("1_0", None)]
-    ):
-        values = [SimpleNamespace(key="Voltage", value=text)]
-        status = [SimpleNamespace(name="/Power: b", values=values)]
-        diag = SimpleNamespace(status=status)
-        assert step(eddi_input, "BatteryIsFine", t, {}, diag=diag) is wanted

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
 import sys
 from collections.abc import Mapping, Sequence
@@ -130,14 +129,6 @@ def test_a_bag_of_ros2_gives_the_same_verdicts(
     assert verdicts(folder, "--bag", "ros2") == expected
 
 
-def test_a_folder_with_a_pipe_is_no_bag(folder: Path) -> None:
-    (folder / "ros2").mkdir()
-    os.mkfifo(folder / "ros2" / "metadata.yaml")
-    words = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "ros2")
-    result = run(*words, cwd=folder)
-    assert (result.status, "I011" in result.err) == (2, True)
-
-
 def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0, True)])
     config = folder / "consert_a_config.yml"
@@ -259,16 +250,6 @@ def test_fields_that_the_bag_has_are_read(tmp_path: Path, text: str) -> None:
     result = battery(tmp_path, "volts: float32, charging: bool", text)
     assert result.status == 0, result.err
     assert result.out.splitlines() == ["     0.000  empty active"]
-
-
-def test_what_the_bag_knows_is_not_called_unchecked(tmp_path: Path) -> None:
-    battery(tmp_path, "", "requires: [battery], field: charging")
-    config = tmp_path / "c.yml"
-    config.write_text(config.read_text().replace("MessageTypes:\n  robot_msgs/Battery: {}\n", ""))
-    result = run("check", "c.yml", cwd=tmp_path)
-    assert "[K039]" in result.err
-    result = run("run", "c.yml", "--bag", "a.bag", cwd=tmp_path)
-    assert (result.status, "unchecked" in result.err) == (0, False)
 
 
 def test_the_parts_of_a_time_are_called_as_on_the_robot(tmp_path: Path) -> None:
