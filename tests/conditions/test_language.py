@@ -201,13 +201,6 @@ def test_words_are_names_where_they_can_be() -> None:
     assert problems("a.and.or > 5 AND x.NOT == TRUE", known=False) == []
 
 
-def test_canonical_form_of_literals() -> None:
-    found = analyse("x > 1e-7 AND d > 5.0 m AND NOT a and ABS(x) >= 1.5e300", variables=KNOWN)
-    assert found.events[0].canonical == (
-        "((((x > 1e-07) AND (d > 5 m)) AND (NOT a)) AND (ABS(x) >= 1.5e+300))"
-    )
-
-
 @pytest.mark.parametrize("rate", [0, -1, float("nan"), float("inf"), 1e10])
 def test_a_rate_that_is_none(rate: float) -> None:
     with pytest.raises(EddiError) as caught:

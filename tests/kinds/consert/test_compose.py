@@ -134,24 +134,6 @@ def test_a_type_that_is_spelt_otherwise_is_named():
     assert service.endswith("a service of type Localisation; did you mean 'Localization'?")
 
 
-def test_order_and_bindings_do_not_depend_on_the_order_of_files():
-    parts = [("u", user(BinaryDimension("X"))), ("p", provider(BinaryDimension("X")))]
-    for instances in (parts, parts[::-1]):
-        result = compose(instances)
-        assert result.composable
-        assert result.order == ("p", "u")
-        assert result.bindings == {("u", "D"): (("p", "G"),)}
-
-
-def test_bindings_never_lead_back():
-    """Both u and w could feed each other; only p, accepted before, is bound."""
-    x = BinaryDimension("X")
-    parts = [("u", user(x, offers="T")), ("w", user(x, offers="T")), ("p", provider(x))]
-    result = compose(parts)
-    assert result.order == ("p", "u", "w")
-    assert result.bindings == {("u", "D"): (("p", "G"),), ("w", "D"): (("p", "G"),)}
-
-
 def test_conserts_that_wait_for_each_other():
     x = BinaryDimension("X")
     result = compose([("a", user(x, offers="T")), ("b", user(x, offers="T"))])

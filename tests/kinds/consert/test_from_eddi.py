@@ -30,17 +30,6 @@ def test_every_kind_of_content_is_read(name: str) -> None:
     assert to_yaml(consert) == (MODELS / f"{name}.yml").read_text("utf-8")
 
 
-def test_places_have_file_line_and_path() -> None:
-    ((consert,), _) = read(ROVER)
-    place = consert.guarantees[1].place
-    assert (place.file, place.line, place.path) == (
-        "m.xml",
-        28,
-        "//@odeProductPackages.0/@conSerts.0/@guarantees.1",
-    )
-    assert consert.demands[0].dimensions[0].place.line == 10
-
-
 def _example() -> str:
     return data_file("conserts/eddi_consert_example.xml").read_text()
 
@@ -160,13 +149,6 @@ def test_a_bound_that_cannot_be_read_is_said() -> None:
             'read: the unit "bananas" is unknown'
         )
     ]
-
-
-def test_default_guarantees_are_marked() -> None:
-    ((consert,), problems) = read(ROVER, "slow", "Drive/fast")
-    assert [g.default for g in consert.guarantees] == [True, True]
-    assert problems == []
-    assert codes(read(ROVER, "slaw")[1]) == {"C008"}
 
 
 A = "//@odeProductPackages.0/@conSerts.0"

@@ -78,14 +78,3 @@ def test_composition_agrees():
         if not same or bool(result.reasons) == result.composable:
             wrong.append((case["id"], want, result, sorted(codes)))
     assert wrong == []
-
-
-def test_implications_of_known_models():
-    found = {}
-    for name in ("ConSertA", "FabOS_Scanner2"):
-        (model,) = ConSertModel.read_file(
-            as_source(oracle()["models"][name], f"{name}.yml"), ()
-        ).models
-        found[name] = [p.message for p in model.check() if p.code == "S003"]
-    assert "guarantee 'System_A_G1' implies 'System_A_G0'" in found["ConSertA"]
-    assert "guarantee 'UnoccupiedLong' implies 'UnoccupiedMedium'" in found["FabOS_Scanner2"]

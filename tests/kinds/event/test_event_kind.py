@@ -39,17 +39,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_what_the_rate_decides_is_checked_with_it(folder: Path) -> None:
-    (folder / "overheat.events").write_text(TEXT.replace("500ms)", "50ms)"))
-    assert run("check", "overheat.events", cwd=folder).status == 0
-    both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
-    assert both.status == 1
-    assert "overheat.events:3:39: error: the window is shorter than one sample period" in both.err
-    faster = CONFIG.replace("frequency: 10", "frequency: 100")
-    (folder / "eddi_config.yml").write_text(faster)
-    assert run("check", "overheat.events", "eddi_config.yml", cwd=folder).status == 0
-
-
 def test_several_events_on_one_topic_are_no_evidence_for_others(folder: Path) -> None:
     both = run("check", "overheat.events", "eddi_config.yml", cwd=folder)
     told = "warning: 2 events share one topic: the latest message may be from any of them [W005]"

@@ -123,16 +123,6 @@ def test_nothing_of_a_hostile_model_becomes_code():
     assert all(row["verdict"] for row in rows)
 
 
-def test_a_reviewer_finds_the_words_of_the_condition():
-    text = (
-        "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) :=\n  AVERAGE(temp, 2s) > 80 AND temp < 9"
-    )
-    made = events_of(text).text()
-    assert "# 3:3 AVERAGE(temp, 2 s)\n" in made
-    assert "# 3:21 AVERAGE(temp, 2 s) > 80\n" in made
-    assert "# 3:26 (AVERAGE(temp, 2 s) > 80) AND (temp < 9)\n" in made
-
-
 def test_two_monitors_of_one_text_are_independent():
     made = type(monitor(("time", "a", 2), ("rise", "a")))
     one, other = made(), made()

@@ -146,20 +146,6 @@ def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
     assert plan_of(tmp_path, window_size=16).calibration is None
 
 
-@pytest.mark.parametrize(
-    ("keys", "same"),
-    [
-        ({"n_components": "null"}, {"n_components": 0}),
-        ({"significance_level": "1e-1", "window_size": "'10'"}, {}),  # YAML takes them for texts
-    ],
-)
-def test_spellings_of_one_value(
-    keys: dict[str, object], same: dict[str, object], tmp_path: Path
-) -> None:
-    monitors = [joined(tmp_path, ROWS, **{**FIGURE, **more})[0] for more in (keys, same)]
-    assert len({monitor.facts.digest for monitor in monitors}) == 1
-
-
 @pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])
 def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
     chance = np.random.default_rng(2)
