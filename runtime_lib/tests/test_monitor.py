@@ -165,8 +165,8 @@ def test_unsupported_elements_are_constants_when_asked_for():
 
 
 def test_a_ladder_of_shared_gates_is_linear():
-    made = monitor(*ladder(500))
-    given = give(**{f"e{k}": True for k in range(1002)})
+    made = monitor(*ladder(150))
+    given = give(**{f"e{k}": True for k in range(302)})
     assert made.step(given) == (True, True)
     assert made.step(give()) == (False, False)
     assert all(explanation.truncated for explanation in made.explain())
@@ -184,12 +184,12 @@ def ladder(levels):
 
 
 @pytest.mark.slow
-def test_a_chain_of_20_000_gates():
-    count = 20_000
+def test_a_chain_of_5_000_gates():
+    count = 5_000
     gates = [f"g{k}&" for k in range(count)]
     edges = [f"g{k}>g{k + 1}" for k in range(count - 1)]
-    edges += ["e>g0", "f>g10000", "h>g0", f"g{count - 1}>G"]
-    edges += [f"f>g{k}" for k in range(0, count, 2) if k != 10000]
+    edges += ["e>g0", "f>g2500", "h>g0", f"g{count - 1}>G"]
+    edges += [f"f>g{k}" for k in range(0, count, 2) if k != 2500]
     made = monitor(["e", "f", "h"], gates=gates, guarantees=["G"], edges=edges)
     assert made.step(give(e=True, f=True, h=True)) == (True,)
     assert made.explain("G").single_losses == ("e", "f", "h")

@@ -63,6 +63,9 @@ MEF = (
 )
 
 
+ONE, YES = '<float value="1"/>', '<constant value="true"/>'
+
+
 @pytest.mark.parametrize(
     ("text", "name", "old", "new", "wanted"),
     [
@@ -75,27 +78,9 @@ MEF = (
         (BIF, "n.bif", "table", "default 0.5, 0.5;\ntable", ("B201", 5)),
         (BIF, "n.bif", "0.9;", "0.9;\ndefault 0.5, 0.5;", ("B201", 5)),
         (BIF, "n.bif", "}; }", "};\ntype discrete [2] { a, b }; }", ("B201", 3)),
-        (
-            MEF,
-            "t.opsa",
-            "<float",
-            '<neg><float value="1"/><float value="2"/></neg><float',
-            ("R017", 2),
-        ),
-        (
-            MEF,
-            "t.opsa",
-            '<float value="0.1"/>',
-            '<neg><int value="1"/><int value="2"/></neg>',
-            ("R002", 2),
-        ),
-        (
-            MEF.replace("basic", "house"),
-            "t.opsa",
-            '<float value="0.1"/>',
-            '<constant value="true"/><constant value="true"/>',
-            ("R017", 2),
-        ),
+        (MEF, "t.opsa", "<float", f"<neg>{ONE * 2}</neg><float", ("R017", 2)),
+        (MEF, "t.opsa", '<float value="0.1"/>', f"<neg>{ONE * 2}</neg>", ("R002", 2)),
+        (MEF.replace("basic", "house"), "t.opsa", '<float value="0.1"/>', YES * 2, ("R017", 2)),
     ],
 )
 def test_no_second_value_is_dropped(

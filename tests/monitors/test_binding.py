@@ -182,59 +182,26 @@ def test_units_that_agree(entry: str, uom: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "uom", "message", "hint"),
+    ("source", "path", "uom", "told", "hint"),
     [
-        (
-            "requires: [battery], field: percentage",
-            "percent",
-            "percentage of sensor_msgs/BatteryState is in fraction, 'Clearance' in percent",
-            "write `unit: fraction`, which is converted: 1 fraction is 100 percent",
-        ),
-        (
-            "requires: [scan], field: 'ranges[0]'",
-            "mm",
-            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in mm",
-            "write `unit: m`, which is converted: 1 m is 1000 mm",
-        ),
-        (
-            "requires: [scan], field: 'ranges[0]', unit: km",
-            "m",
-            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in km",
-            "write `unit: m`, which is converted: 1 m is 0.001 km",
-        ),
-        (
-            "expression: 'MIN(scan.ranges[*])'",
-            "km",
-            "MIN(scan.ranges[*]) is in m, 'Clearance' in km",
-            "write `unit: m`, which is converted: 1 m is 0.001 km",
-        ),
-        (
-            "requires: [imu], field: angular_velocity.z",
-            "deg/s",
-            "angular_velocity.z of sensor_msgs/Imu is in rad/s, 'Clearance' in deg/s",
-            "write `unit: rad/s`, which is converted: 1 rad/s is 57.2958 deg/s",
-        ),
-        (
-            "requires: [battery], field: voltage",
-            "m",
-            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in m: {OTHER}",
-            None,
-        ),
-        (
-            "requires: [battery], field: voltage",
-            '""',
-            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in a ratio: {OTHER}",
-            None,
-        ),
-        (
-            "requires: [joints], field: 'position[arm]'",
-            "V",
-            f"position[arm] of sensor_msgs/JointState is in rad or m, 'Clearance' in V: {OTHER}",
-            None,
-        ),
+        ("battery", "percentage", "percent", "fraction, 'Clearance' in percent", "100 percent"),
+        ("scan", "'ranges[0]'", "mm", "m, 'Clearance' in mm", "1000 mm"),
+        ("scan", "'ranges[0]', unit: km", "m", "m, 'Clearance' in km", "0.001 km"),
+        ("imu", "angular_velocity.z", "deg/s", "rad/s, 'Clearance' in deg/s", "57.2958 deg/s"),
+        ("battery", "voltage", "m", f"V, 'Clearance' in m: {OTHER}", None),
+        ("battery", "voltage", '""', f"V, 'Clearance' in a ratio: {OTHER}", None),
+        ("joints", "'position[arm]'", "V", f"rad or m, 'Clearance' in V: {OTHER}", None),
     ],
 )
 def test_a_unit_that_contradicts_the_message_is_an_error(
-    entry: str, uom: str, message: str, hint: str | None
+    source: str, path: str, uom: str, told: str, hint: str | None
 ) -> None:
-    assert said(entry, uom) == [("K022", message, hint)]
+    ((code, message, way),) = said(f"requires: [{source}], field: {path}", uom)
+    assert (code, message.partition(" is in ")[2]) == ("K022", told)
+    unit = told.partition(",")[0]
+    assert way == (hint and f"write `unit: {unit}`, which is converted: 1 {unit} is {hint}")
+
+
+def test_an_expression_has_a_unit_as_well() -> None:
+    ((_, message, _),) = said("expression: 'MIN(scan.ranges[*])'", "km")
+    assert message == "MIN(scan.ranges[*]) is in m, 'Clearance' in km"

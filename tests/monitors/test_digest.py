@@ -24,7 +24,7 @@ from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS
 from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of, write
 
-EDITS = 12
+EDITS = 8
 """Of one model in a run."""
 _TOKEN = re.compile(r"[A-Za-z_]\w*|\d+(?:\.\d+)?")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sqlite3
 import sys
 from collections.abc import Mapping, Sequence
@@ -205,42 +206,30 @@ def battery(folder: Path, declared: str, text: str) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("declared", "text", "place", "words"),
+    ("declared", "text", "words"),
     [
-        (
-            "voltage: float32, charged: bool",
-            "requires: [battery], field: charged",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
-        ),
+        ("charged: bool, x: int8", "requires: [battery], field: charged", "has no field 'charged'"),
         (
             "voltage: float32, charging: bool",
             'expression: "battery.voltage < 12 AND battery.charging"',
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'voltage'",
+            "has no field 'voltage'",
         ),
-        (
-            "charged: bool",  # the only field needs no `field:`
-            "requires: [battery]",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
-        ),
+        # the only field needs no `field:`
+        ("charged: bool", "requires: [battery]", "has no field 'charged'"),
         (
             "volts: bool",
             "requires: [battery], field: volts",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: 'volts' is a float, the input a bool",
+            "'volts' is a float, the input a bool",
         ),
     ],
 )
 def test_the_definitions_of_the_bag_are_the_ones_that_count(
-    tmp_path: Path, declared: str, text: str, place: str, words: str
+    tmp_path: Path, declared: str, text: str, words: str
 ) -> None:
     result = battery(tmp_path, declared, text)
     assert (result.status, result.out) == (2, "")
-    assert words in result.err
-    assert "[I012]" in result.err
-    assert place in result.err
+    assert "c.yml:8:" in result.err
+    assert re.search(f"robot_msgs/Battery in the bag: .*{words}.*\\[I012\\]", result.err)
 
 
 @pytest.mark.parametrize(

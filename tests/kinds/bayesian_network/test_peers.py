@@ -68,8 +68,8 @@ def public() -> tuple[bytes, Any]:
 
 
 SIZES = {
-    "alarm": (37, 752), "andes": (223, 2314), "asia": (8, 36), "cancer": (5, 20),
-    "child": (20, 344), "earthquake": (5, 20), "hailfinder": (56, 3741), "hepar2": (70, 2139),
+    "alarm": (37, 752), "asia": (8, 36), "cancer": (5, 20),
+    "child": (20, 344), "earthquake": (5, 20), "hailfinder": (56, 3741),
     "insurance": (27, 1419), "sachs": (11, 267), "survey": (6, 37), "win95pts": (76, 1148),
 }  # fmt: skip
 """Public network -> its nodes, and the numbers in its tables."""

@@ -64,43 +64,36 @@ def user(*dimensions, id_="D", service="T", offers="U"):
     )
 
 
+def within(end, *, to="]", uom="s", subset="Demand"):
+    return numeric(("0", str(end), to), uom=uom, subset=subset)
+
+
+LEVELS = [CategoricalDimension("Level", pair, "Demand") for pair in (("a", "b"), ("b", "c"))]
 REASONS = [
+    (within(2), within(3), "Latency: [0, 3] s of D is not inside [0, 2] s of p/G"),
     (
-        numeric(("0", "2", "]")),
-        numeric(("0", "3", "]")),
-        "dimension Latency: [0, 3] s of D is not inside [0, 2] s of p/G",
+        *(within(end, subset="Guarantee") for end in (3, 2)),
+        "Latency: [0, 3] s of p/G is not inside [0, 2] s of D",
     ),
     (
-        numeric(("0", "3", "]"), subset="Guarantee"),
-        numeric(("0", "2", "]"), subset="Guarantee"),
-        "dimension Latency: [0, 3] s of p/G is not inside [0, 2] s of D",
+        *(within(2, to=")"), within(2000, uom="ms")),
+        "Latency: [0, 2000] ms of D is not inside [0, 2) s of p/G",
     ),
     (
-        numeric(("0", "2", ")")),
-        numeric(("0", "2000", "]"), uom="ms"),
-        "dimension Latency: [0, 2000] ms of D is not inside [0, 2) s of p/G",
+        within(2, uom="m"),
+        within(2),
+        "Latency: the unit m of p/G and the unit s of D do not compare",
     ),
     (
-        numeric(("0", "2", "]"), uom="m"),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the unit m of p/G and the unit s of D do not compare",
+        within(2, uom=None),
+        within(2),
+        "Latency: the ratio of p/G and the unit s of D do not compare",
     ),
     (
-        numeric(("0", "2", "]"), uom=None),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the ratio of p/G and the unit s of D do not compare",
+        *(within(2, subset="Guarantee"), within(2)),
+        "Latency: the subset is Guarantee in p/G and Demand in D",
     ),
-    (
-        numeric(("0", "2", "]"), subset="Guarantee"),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the subset is Guarantee in p/G and Demand in D",
-    ),
-    (
-        CategoricalDimension("Level", ("a", "b"), "Demand"),
-        CategoricalDimension("Level", ("b", "c"), "Demand"),
-        "dimension Level: {b, c} of D is not inside {a, b} of p/G",
-    ),
-    (BinaryDimension("Y"), BinaryDimension("X"), "p/G has no Binary dimension X"),
+    (*LEVELS, "Level: {b, c} of D is not inside {a, b} of p/G"),
 ]
 
 
@@ -108,9 +101,8 @@ REASONS = [
 def test_reason_of_the_nearest_candidate(offered, wanted, reason):
     result = compose([("p", provider(offered)), ("u", user(wanted))])
     assert not result.composable
-    assert result.unmatched_demands == ("D",)
-    assert result.unmatched_services == ()
-    assert result.reasons == (f"demand u/D is not fulfilled: {reason}",)
+    assert (result.unmatched_demands, result.unmatched_services) == (("D",), ())
+    assert result.reasons == (f"demand u/D is not fulfilled: dimension {reason}",)
     assert result.order == ("p",)
 
 
