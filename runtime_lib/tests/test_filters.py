@@ -17,12 +17,6 @@ def run(one, samples):
     return " ".join(found)
 
 
-def test_no_filter_is_no_code():
-    one = made()
-    assert one.filter is None
-    assert run(one, "T F U T") == "T F U T"
-
-
 def test_debouncing_stands_in_the_reason():
     one = made("debounce", 4)
     run(one, "F T T")

@@ -1,7 +1,7 @@
 """EDDIInputBase: what cannot be trusted becomes None, with the reason beside it."""
 
 import pytest
-from eddi_runtime import InputSpec, by_id, by_key, by_name
+from eddi_runtime import InputSpec, by_id, by_name
 from eddi_runtime.history import EDDIInputBase, Messages
 from eddi_runtime.inputs import UNKNOWN_AGE
 from eddi_runtime.plain_values import follow
@@ -198,27 +198,10 @@ def test_an_input_without_an_expression_has_no_value_of_one():
     assert one.states["free"].reason == "not known yet"
 
 
-def test_by_id():
-    items = [give(id="a", active=False), give(id="b", active=True)]
-    assert by_id(items, "b").active is True
-    with pytest.raises(LookupError, match="no element has the id 'c'; there: a, b"):
-        by_id(items, "c")
-    with pytest.raises(LookupError, match="there: nothing"):
-        by_id([], "c")
-
-
 def test_an_element_that_is_there_twice_is_none_of_them():
     items = [give(id="a", active=False), give(id="a", active=True)]
     with pytest.raises(LookupError, match="2 elements have the id 'a'; there: a, a"):
         by_id(items, "a")
-
-
-def test_by_key():
-    items = [give(title="a", header=give(frame_id="x")), give(title="b", header=give(frame_id="y"))]
-    assert by_key(items, "title", "b") is items[1]
-    assert by_key(items, "header.frame_id", "x") is items[0]
-    with pytest.raises(LookupError, match="no element has the title 'c'; there: a, b"):
-        by_key(items, "title", "c")
 
 
 def test_by_name():

@@ -18,14 +18,6 @@ def test_the_output_is_a_new_list_of_dicts_in_file_order():
     assert made.step(give(e=1, f=True)) == (False, True)
 
 
-@pytest.mark.parametrize("source", [None, 3, object(), object, "text"])
-def test_any_object_may_be_given(source):
-    made = nested()
-    assert made.execute_step(source) == [{"id": "G", "active": False}]
-    assert made.faults() == {}
-    assert {reason.kind for reason in made.reasons().values()} == {"missing"}
-
-
 def test_a_property_that_raises_is_a_fault_of_that_input_only():
     class Source:
         d = True
@@ -69,21 +61,6 @@ def test_ids_that_are_no_identifiers():
     delattr(source, "ﬁ")
     assert active(made.execute_step(source)) == ['it\'s 100 % "safe"\n\\']
     assert made.explain("G").missing == (("ﬁ",),)
-
-
-def test_attribute_and_id_differ():
-    made = monitor(
-        ["front left"],
-        guarantees=["G"],
-        edges=[("front left", "G")],
-        specs={"front left": {"attribute": "front_left"}},
-    )
-    assert made.step(give(front_left=True)) == (True,)
-    by_id = give()
-    setattr(by_id, "front left", True)
-    assert made.step(by_id) == (True,)
-    by_id.front_left = False
-    assert made.step(by_id) == (False,)
 
 
 def test_class_ids_are_published_and_model_ids_explained():
@@ -165,8 +142,8 @@ def test_unsupported_elements_are_constants_when_asked_for():
 
 
 def test_a_ladder_of_shared_gates_is_linear():
-    made = monitor(*ladder(150))
-    given = give(**{f"e{k}": True for k in range(302)})
+    made = monitor(*ladder(300))
+    given = give(**{f"e{k}": True for k in range(602)})
     assert made.step(given) == (True, True)
     assert made.step(give()) == (False, False)
     assert all(explanation.truncated for explanation in made.explain())

@@ -15,8 +15,6 @@ from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.yaml_text.nodes import Map, Scalar, read_document
-from eddi_scaffold.yaml_text.spans import inside_scalar
 from tests.checkouts import HERE
 
 EXAMPLE = HERE / "examples" / "rover-events"
@@ -230,33 +228,6 @@ def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
     monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
     assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
     assert problem.place.line == 2
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "key: plain text here",
-        'key: "quoted \\n \\u00e4 text"',
-        "key: 'it''s quoted'",
-        "key: folded\n  over lines",
-        "key: >\n  block of\n  text",
-        "key: |\n  two\n  lines",
-    ],
-)
-def test_places_inside_of_scalars(text: str) -> None:
-    node, problems = read_document(Source("x.yml", text.encode()), "K001")
-    assert not problems
-    assert isinstance(node, Map)
-    value = node.entries[0][1]
-    assert isinstance(value, Scalar)
-    of = inside_scalar(text, value.place)
-    lines = text.split("\n")
-    for offset, char in enumerate(value.text.rstrip("\n")):
-        place = of(offset)
-        assert place.line is not None
-        assert place.col is not None
-        there = lines[place.line - 1][place.col - 1 :]
-        assert there.startswith(char) or there[:1] in ("", "\\") or char in " \n"
 
 
 KEYED = """  - {id: seen, type: eddi_messages.BayesianNetworkOutput, topic: /seen, max_age: 1}

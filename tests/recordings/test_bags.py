@@ -141,18 +141,6 @@ def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     assert f"  hint: the bag has {near}\n" in result.err
 
 
-def test_a_topic_of_another_type(folder: Path) -> None:
-    written(folder / "a.bag", [healthy(0, True)])
-    config = folder / "consert_a_config.yml"
-    text = config.read_text().replace("type: std_msgs.Bool", "type: std_msgs.Int8")
-    config.write_text(text)
-    result = run(
-        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
-    )
-    assert result.status == 2
-    assert_reported("I012", result.err)
-
-
 def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0.0, True), demand(0.2, True)])
     config = folder / "consert_a_config.yml"

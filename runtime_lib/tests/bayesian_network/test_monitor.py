@@ -166,12 +166,6 @@ def test_methods_of_a_person():
     assert one.engine is engine
 
 
-def test_a_method_that_says_nothing_leaves_the_declaration():
-    one = monitor(bins=BINS, hooks=Config())
-    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
-    assert posterior(one.execute_step(give(v=6.0, d=1.0)))["yes"] == pytest.approx(0.95)
-
-
 def test_an_input_called_data_is_not_taken_for_d72s_wrapper():
     one = monitor(hooks=Config())
     assert posterior(one.execute_step(give(v=6.0, data=3)))["yes"] == pytest.approx(0.3875)
@@ -279,30 +273,6 @@ def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(mo
     assert "`outputs:` of the configuration does not name it" in one.output_faults()[0]
     with pytest.raises(ValueError, match="was not foreseen"):
         posteriors(one, {"Gap": "near"})
-
-
-def test_messages():
-    one = monitor(bins=BINS)
-    tree = one.message(one.execute_step(give(v=2.0, d=1.0)))
-    outcomes = [
-        ("OutcomeOutput", {"outcome_name": "yes", "outcome_value": 0.6}),
-        ("OutcomeOutput", {"outcome_name": "no", "outcome_value": 0.4}),
-    ]
-    nodes = [("NodeOutput", {"title": "Danger", "outcomes": outcomes})]
-    assert tree == ("BayesianNetworkOutput", {"output_nodes": nodes})
-    assert one.output_faults() == ()
-    fields = {
-        "bayesian_network_id": "net",
-        "status": out.OK,
-        "unobserved": [],
-        "valid": True,
-        "unknown_inputs": [],
-        "undecided": [],
-        "accepted": [],
-        "relevance_nodes": [],
-        "relevance": [],
-    }
-    assert one.status_message() == ("BayesianNetworkStatus", fields)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY  # noqa: E
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
 NAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True], [2, "ok", True]])
-UNNAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True]])
 FLYING = chain(ARCS, 3, [2], observe=[[2, "flying", False], [0, "flying", True]])
 GO = {"id": "go", "activate": 0.5, "release": 0.5, "hold": 0.0}
 
@@ -38,19 +37,6 @@ def test_a_state_that_is_seen_ends_a_gap(rule):
         assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-13)
 
 
-def test_what_is_still_open_is_bounded_by_the_worst_that_was_missed():
-    """Lost since the first step that was missed, or since the last: not crashed long ago."""
-    missed = [None] * 100
-    *_, after = told([NAMED], "ok", [True] * 3 + missed + [False])
-    early, late = (
-        told([NAMED], "ok", [True] * (103 - lost) + [False] * (lost + 1))[-1] for lost in (100, 0)
-    )
-    assert after.valid
-    assert after.p_fail_high == pytest.approx(early.p_fail, rel=1e-12)
-    assert after.p_fail_low == pytest.approx(late.p_fail, rel=1e-12)
-    assert late.p_fail < early.p_fail < 0.395
-
-
 def test_what_is_seen_to_exclude_failure_leaves_what_is_not_seen_as_it_was():
     """A chain with a state that nothing tells of does not lose its past with one message."""
     states = [True] * 20
@@ -59,27 +45,6 @@ def test_what_is_seen_to_exclude_failure_leaves_what_is_not_seen_as_it_was():
     *_, after = told([FLYING], "flying", states)
     assert after.valid
     assert after.p_fail == pytest.approx(before.p_fail, rel=1e-12)
-
-
-def test_a_failure_that_no_input_excludes_may_have_come_unseen():
-    *_, after = told([UNNAMED], "ok", [True, None, True])
-    assert (after.valid, after.p_fail_high, after.evidence) == (True, 1.0, {"go": False})
-    assert after.p_fail_low < 1e-3
-    *_, lost = told([NAMED], "ok", [True, False, True], on_unknown="worst_case")
-    assert lost.reason == "inconsistent"
-
-
-def test_a_chain_that_may_be_repaired_may_be_in_its_worst_state_after_a_gap():
-    model = chain(
-        [[0, 1, 1e-3], [1, 2, 0.5], [0, 3, 1e-6]], 4, [2, 3], repair=True,
-        observe=[[0, "ok", False], [1, "ok", False], [2, "ok", True], [3, "ok", True]],
-    )  # fmt: skip
-    *_, known = told([model], "ok", [True, False, True])
-    for values in ([True, None, True], [True, False, None, True], [None, None, True]):
-        *_, after = told([model], "ok", values)
-        assert after.valid
-        assert after.p_fail_high == pytest.approx(known.p_fail, rel=1e-12)
-    assert known.p_fail > 0.39
 
 
 def test_a_large_chain_is_bounded_by_every_state_until_it_is_known():

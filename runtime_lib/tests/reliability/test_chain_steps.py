@@ -137,15 +137,6 @@ def test_sums_that_are_written_out_equal_products_of_matrices(moving):
                 assert getattr(mine, name) == expected, name
 
 
-def test_nothing_that_is_consistent_is_a_failure_whatever_else_is_unknown():
-    observe = [[0, "a", False], [1, "a", False], [1, "b", False]]
-    one = monitor([chain([[0, 1, 0.5]], 2, [1], observe=observe)], ["a", "b"])
-    result = step(one, a=False)
-    assert (result.valid, result.reason, result.unknown) == (False, "inconsistent", ("b",))
-    assert (result.p_fail_low, result.p_fail_high, result.reliability) == (1.0, 1.0, 0.0)
-    assert result.mttf == 0.0
-
-
 def test_as_many_observations_as_there_may_be_are_kept():
     names = [f"i{k}" for k in range(7)]
     observe = tuple((k, name, False) for k, name in enumerate(names))

@@ -114,15 +114,6 @@ def test_a_chain_follows_the_verdicts_on_its_states():
     assert unknown.unknown == ("ok",)
 
 
-def test_contradictions_count_as_the_worst_case():
-    model = chain([[0, 1, 0.0], [1, 2, 0.5]], 3, [2], observe=[[0, "ok", False]])
-    one = monitor([model], ["ok"])
-    result = step(one, ok=False)
-    assert (result.valid, result.reason, result.p_fail) == (False, "inconsistent", 1.0)
-    nowhere = chain([[0, 1, 0.5]], 2, [1], observe=[[0, "ok", False], [1, "ok", False]])
-    assert step(monitor([nowhere], ["ok"]), ok=False).p_fail == 1.0
-
-
 def test_a_tree_with_status_inputs():
     events = [
         event("exponential", 0.1, input="a"),

@@ -9,10 +9,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from eddi_scaffold.common.problems import Problem, has_errors
+from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
-    ConSert,
     Gate,
     Propagation,
 )
@@ -201,14 +200,6 @@ def test_an_edge_into_another_consert() -> None:
     )
 
 
-def test_a_name_of_a_consert_is_unique() -> None:
-    conserts, problems = read(ROVER.replace("</conSerts>", '</conSerts>\n<conSerts name="Drive"/>'))
-    assert conserts == (DRIVE,)
-    assert texts(problems) == [
-        'm.xml:53: error C007: the ConSert name "Drive" is used twice, first in line 4'
-    ]
-
-
 def test_a_consert_without_name_is_called_as_the_file() -> None:
     ((consert,), problems) = read(ROVER.replace('<conSerts name="Drive">', "<conSerts>"))
     assert (consert.name, problems) == ("m", [])
@@ -261,33 +252,3 @@ def test_too_many_edges() -> None:
     assert texts(problems) == [
         "m.xml:52: error X003: the number of edges is 1210004, more than the limit of 1000000"
     ]
-
-
-def _sound(result: tuple[tuple[ConSert, ...], list[Problem]]) -> None:
-    _conserts, problems = result
-    assert all(p.place.line for p in problems)
-    for problem in problems:
-        assert problem.message
-        assert not problem.message.endswith(".")
-
-
-@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
-def test_without_any_one_attribute(text: str) -> None:
-    for match in re.finditer(r' [\w:]+="[^"]*"', text):
-        conserts, problems = read(text[: match.start()] + text[match.end() :])
-        _sound((conserts, problems))
-        assert conserts or has_errors(problems)
-
-
-@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
-def test_without_any_one_element(text: str) -> None:
-    lines = text.splitlines(keepends=True)
-    for first, line in enumerate(lines):
-        tag = re.match(r"( *)<(\w+)", line)
-        if tag is None or not tag.group(1):
-            continue
-        end = first
-        if not re.search(rf"/>$|</{tag.group(2)}>$", line.rstrip()):
-            closing = f"{tag.group(1)}</{tag.group(2)}>"
-            end = next(i for i in range(first, len(lines)) if lines[i].startswith(closing))
-        _sound(read("".join(lines[:first] + lines[end + 1 :])))

@@ -78,15 +78,6 @@ def test_stiff_chains_keep_their_digits():
         assert got == pytest.approx(expected, rel=1e-10, abs=0.0), hours
 
 
-def test_eight_motors_fail_with_probability_4e_18():
-    rate = 1e-9
-    rotors = rotors_chain("PPNNPPNN", [rate] * 8)
-    # both motors of one pair: 4 q^2 to leading order, the next terms are 1e-18 of it
-    q1 = -math.expm1(-rate)
-    expected = -math.expm1(4.0 * math.log1p(-q1 * q1))
-    assert propagator(rotors, 1.0)[0, -1] == pytest.approx(expected, rel=1e-12, abs=0.0)
-
-
 def test_mean_times_against_a_solver_and_closed_forms():
     chain = random_chain(20, 8)
     transient = generator(chain)[:-1, :-1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,9 +12,6 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
-from tests.kinds.safeml.monitors import joined
-
-_CHANCE = random.Random(2)
 
 
 @pytest.fixture(scope="module")
@@ -67,18 +63,3 @@ def test_extreme_numbers(
     )
     csv = "\n".join(",".join(map(repr, row)) for row in rows)
     answer(folder, config.encode(), csv.encode())
-
-
-def test_a_number_beyond_all_multiplication_is_beyond_the_reference(tmp_path: Path) -> None:
-    rows = [[_CHANCE.gauss(0, 1), _CHANCE.gauss(0, 1)] for _ in range(40)]
-    keys = {
-        "window_size": 4,
-        "significance_level": 0.2,
-        "distance_metric": "KolmogorovSmirnovDistance",
-        "n_components": 1,
-        "calibration": "iid",
-    }
-    one = compiled(joined(tmp_path, rows, **keys)[0])
-    for _ in range(4):
-        result = one.execute_step(SimpleNamespace(sample=[1.7e308, -1.7e308]), 0)
-    assert result.odd_violation
