@@ -186,3 +186,7 @@ def test_loop_and_straight_line_agree():
             assert one.execute_step(given) == other.execute_step(given)
             assert one.verdicts() == other.verdicts()
             assert one.faults() == other.faults()
+
+
+def test_no_guarantees():
+    assert monitor(["e"]).execute_step(give()) == []

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.file import ConfigFile, from_json, options_of
 from eddi_scaffold.config.reading import read_config
 from eddi_scaffold.config.schema import Config
@@ -90,13 +90,6 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
     assert [p.code for p in found] == ["K003", "K003", "K003", "K003", "K003", "K003"]
     places = [(p.place.line or 0, p.place.col or 0) for p in found]
     assert places == sorted(places)
-
-
-def test_parts_know_their_places() -> None:
-    config = read("Model: {id: A, type: C}\nEDDIInputs:\n  - id: a\n    default: 1\n")
-    assert config.place("EDDIInputs", 0, "default") == Place("c.yml", 4, 14)
-    assert config.place("EDDIInputs", 0, "unit") == config.place("EDDIInputs", 0)
-    assert config.place("EDDIOutputs") == Place("c.yml", 1, 1)
 
 
 IDS = st.text(min_size=1, max_size=6).filter(lambda text: text.isprintable())

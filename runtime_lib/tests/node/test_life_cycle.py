@@ -237,3 +237,11 @@ def test_what_cannot_work_is_not_configured_and_leaves_nothing(robot, monkeypatc
     robot.life.configure()
     robot.activate()
     robot.sense()
+
+
+def test_deactivated_at_once(robot):
+    robot.life.configure()
+    for _ in range(20):
+        robot.activate()
+        robot.deactivate()
+        assert robot.graph.active() == set()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -85,15 +84,6 @@ def test_a_message_of_a_monitor_is_unknown_after_a_second(
     together, problems = read(top, base)
     assert (limits(together["top"]), told(problems)) == ([limit], found)
     assert together["top"].compiled.text == alone["top"].compiled.text
-
-
-def test_each_message_of_an_expression_has_its_own_limit(tmp_path: Path) -> None:
-    entry = "expression: 'b.guarantees[G].active AND s.data'"
-    monitors, _ = read(written(tmp_path, "top", SENSOR_AND_MONITOR, entry))
-    computed: Any = monitors["top"].inputs[0].computed
-    (part,) = computed["parts"]
-    of = {read.name.partition(".")[0]: read.timeout for read in part["program"].reads}
-    assert of == {"b": 10**9, "s": None}
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold.common.problems import EddiError, Problem
-from eddi_scaffold.deployments.topics import Member, deployment, shared_by_robots
+from eddi_scaffold.deployments.topics import Member, deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
 
@@ -147,13 +147,3 @@ def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
     assert (problem.code, problem.message.partition(" by ")[0]) == (
         "D001", "input 'g' gains from silence",
     )  # fmt: skip
-
-
-def test_topics_that_robots_would_share_are_named(tmp_path: Path) -> None:
-    absolute = member(tmp_path, "one", "/one/out", SENSOR, "requires: [s]")
-    relative = member(tmp_path, "two", "two/out", SENSOR, "requires: [s]")
-    assert shared_by_robots([relative]) is None
-    assert shared_by_robots([absolute, relative]) == (
-        "two robots on one master would share /one/out, /one/out/status: topics without `/` at the"
-        " start are apart"
-    )

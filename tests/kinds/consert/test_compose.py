@@ -202,3 +202,19 @@ def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> No
     )
     wrong = run("compose", "A.yml", "n.bif", *marks, cwd=tmp_path)
     assert (wrong.status, wrong.err.count("[C008]")) == (2, 1)
+
+
+def test_text_and_json():
+    x = BinaryDimension("X")
+    good = compose([("u", user(x)), ("p", provider(x)), ("q", provider(x))])
+    assert good.as_text() == ["composable", "order: p, q, u", "bindings:", "  u/D <- p/G or q/G"]
+    guarantees = [{"instance": name, "guarantee": "G"} for name in "pq"]
+    binding = {"instance": "u", "demand": "D", "guarantees": guarantees}
+    assert good.as_json() == {
+        "composable": True,
+        "order": ["p", "q", "u"],
+        "bindings": [binding],
+        **{key: [] for key in ("unmatched_demands", "unmatched_services", "reasons", "warnings")},
+    }
+    bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
+    assert bad.as_text()[:3] == ["not composable", "order: p", "reasons:"]

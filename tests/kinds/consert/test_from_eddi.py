@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.kinds.consert import read_eddi
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Gate,
@@ -252,3 +253,25 @@ def test_too_many_edges() -> None:
     assert texts(problems) == [
         "m.xml:52: error X003: the number of edges is 1210004, more than the limit of 1000000"
     ]
+
+
+def test_a_name_of_a_consert_is_unique() -> None:
+    conserts, problems = read(ROVER.replace("</conSerts>", '</conSerts>\n<conSerts name="Drive"/>'))
+    assert conserts == (DRIVE,)
+    assert texts(problems) == [
+        'm.xml:53: error C007: the ConSert name "Drive" is used twice, first in line 4'
+    ]
+
+
+def test_too_many_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read_eddi, "MAX_NODES", 5)
+    assert texts(read(ROVER)[1]) == [
+        "m.xml:4: error X003: the number of nodes is 6, more than the limit of 5"
+    ]
+
+
+@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
+def test_without_any_one_attribute(text: str) -> None:
+    for match in re.finditer(r' [\w:]+="[^"]*"', text):
+        conserts, problems = read(text[: match.start()] + text[match.end() :])
+        assert conserts or has_errors(problems)

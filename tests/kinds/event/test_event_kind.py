@@ -122,3 +122,13 @@ def test_the_monitor_says_what_its_text_accepts_while_it_claims(tmp_path: Path) 
 
     assert said([1.0, 2.0, None], 0) == (True, ["free: COVERAGE 0.5", "free: ALLOW INF"])
     assert said([0.1, 0.2, 0.3], 1) == (False, [])
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [("x + 1", "E007"), ("EVENT e (HAZARD) := x >", "E001"), ("", "E001")],
+)
+def test_wrong_files(text: str, code: str, folder: Path) -> None:
+    (folder / "overheat.events").write_text(text)
+    result = run("check", "overheat.events", cwd=folder)
+    assert (result.status, f"[{code}]" in result.err) == (1, True)

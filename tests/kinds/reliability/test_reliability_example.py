@@ -83,3 +83,10 @@ def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: 
     assert (result.valid, result.unknown) == (True, ())
     assert result.p_fail < 1e-3
     assert all(one["covered"] != "-" for one in answers["inputs"] if one["id"] != "'mission_end'")
+
+
+def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:
+    (tmp_path / "m.yml").write_text("models:\n  a: {type: series, of: [gone]}\n")
+    drawn = run("diagram", "m.yml", cwd=tmp_path)
+    assert (drawn.status, "gone" in drawn.out) == (0, False)
+    assert "warning: model 'a' uses 'gone', which does not exist" in drawn.err
