@@ -119,16 +119,6 @@ def test_a_value_is_of_this_step():
     assert one.states["front left"].reason == "its method left it at None"
 
 
-def test_without_bind_the_id_is_the_attribute():
-    one = EDDIInputBase()
-
-    def process(message):
-        one.x = message
-
-    one.update("x", process, {"topic": 3}, ("topic",))
-    assert (one.x, one.states["x"].state) == (3, "ok")
-
-
 class Each(EDDIInputBase):
     """An input that takes every message of ``a``, with the latest of ``b``."""
 
@@ -191,13 +181,6 @@ def test_an_exception_without_a_printable_trace():
     assert (state.reason.startswith("SyntaxError: odd"), state.detail) == (True, "")
 
 
-def test_an_input_without_an_expression_has_no_value_of_one():
-    one = Input()
-    one.update_expression("free", lambda: setattr(one, "free", one.expression("free")), {}, ())
-    assert (one.free, one.states["free"].state) == (None, "invalid")
-    assert one.states["free"].reason == "not known yet"
-
-
 def test_an_element_that_is_there_twice_is_none_of_them():
     items = [give(id="a", active=False), give(id="a", active=True)]
     with pytest.raises(LookupError, match="2 elements have the id 'a'; there: a, a"):
@@ -219,3 +202,10 @@ def test_paths_as_data():
     message = give(nodes=[give(title="a", value=[1.0, 2.0])], x=[3.0], name=["left"])
     assert follow(message, ["nodes", ["title", "a"], "value", 1]) == 2.0
     assert follow(message, [["x", "name", "left"]]) == 3.0
+
+
+def test_an_input_without_an_expression_has_no_value_of_one():
+    one = Input()
+    one.update_expression("free", lambda: setattr(one, "free", one.expression("free")), {}, ())
+    assert (one.free, one.states["free"].state) == (None, "invalid")
+    assert one.states["free"].reason == "not known yet"

@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from eddi_runtime.bayesian_network.asking import posteriors
 from eddi_runtime.bayesian_network.claims import COMBINATIONS
 
 from .networks import HUMAN, RISK, RISKS, give, monitor, node, posterior, threshold
@@ -100,14 +99,6 @@ def test_a_value_within_the_hysteresis_after_a_gap_leaves_two_states():
     assert one.status_message()[1]["undecided"] == []
 
 
-def test_an_undecided_state_is_held_undecided():
-    bins = {"Near": {**BAND, "missing": "hold"}}
-    one = risk(direct={"Human": "human"}, bins=bins, specs={"d": {"max_age": 1.0}})
-    step(one, 0.0, d=1.8, human="no")
-    claim = step(one, 0.5, human="no")
-    assert (claim.low, claim.high) == pytest.approx((0.05, 0.4))
-
-
 def test_a_special_value_is_no_gap():
     order = {"order": ["yes", "no"], "sentinel": [[-1, "no"], [-2, "unobserved"]]}
     one = risk(direct={"Human": "human"}, bins={"Near": {**BAND, **order}})
@@ -185,17 +176,6 @@ def test_an_input_that_is_unknown_blocks_what_is_not_active():
     assert one.blocked(["near", "x"]) == {"human": ("Some",), "near": ("Some", "Never")}
 
 
-def test_messages_of_thresholds():
-    one = risk()
-    step(one, near="no")
-    claim = {"id": "Low", "active": True, "low": 0.05, "high": 0.2, "reason": ""}
-    name, fields = one.evidence_message()
-    assert name == "BayesianNetworkEvidence"
-    assert fields["evidence"] == [("BayesianNetworkThreshold", pytest.approx(claim))]
-    assert (fields["valid"], fields["unknown_inputs"]) == (False, ["human"])
-    assert one.status_message()[1]["accepted"] == []
-
-
 class Made:
     """Methods of a person that say what they are told."""
 
@@ -242,12 +222,6 @@ def test_a_method_counts_before_what_is_accepted():
     hooks.said = {"yes": "?", "no": 0.0}
     assert step(one, near="no").high == pytest.approx(0.2)  # nobody accepted a method that fails
     assert one.facts().accepted == ()
-
-
-def test_a_node_that_is_asked_about_beside_the_steps_is_no_input():
-    one = monitor(RISKS, ("Risk",), direct={"Near": "near"}, thresholds=[LOW])
-    posteriors(one, {"Human": "yes"})
-    assert step(one, near="no").high == pytest.approx(0.08)
 
 
 def told(one):

@@ -6,10 +6,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.expressions.expression import read_path
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
-
-from eddi_scaffold.program.input_expressions import split_name
 
 from . import event_models
 from .event_models import SECOND, form
@@ -216,12 +213,6 @@ def test_ages_of_messages_end_them():
     assert one.value(0, {"x": 6.0}, {"x": 0.5}) is True
     assert one.value(1, {"x": 6.0}, {"x": 1.5}) is None
     assert one.value(2, {"x": 6.0}, {"x": UNKNOWN_AGE}) is None
-
-
-def test_paths():
-    assert split_name("a.b[2][0].c") == ("a", ("b", 2, 0, "c"))
-    stamp = SimpleNamespace(stamp=SimpleNamespace(to_sec=lambda: 1.5))
-    assert read_path(stamp, ("stamp",)) == 1.5
 
 
 def test_elements_by_key_and_why_there_is_none():

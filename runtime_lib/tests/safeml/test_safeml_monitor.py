@@ -5,7 +5,7 @@ import math
 import pytest
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime.history import EDDIInputBase, Messages  # noqa: E402 - numpy comes first
+from eddi_runtime.history import Messages  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 
@@ -165,30 +165,6 @@ def test_messages():
     assert one.output_faults()
     assert one.message(result)[1]["omission"] is False
     assert one.output_faults() == ()
-
-
-def test_every_message_counts_once():
-    """Through EDDIInput, as the node feeds it."""
-
-    class Input(EDDIInputBase):
-        sample = None
-
-        def process(self, message):
-            self.sample = message
-
-    one, eddi_input = monitor(ROWS), Input()
-    eddi_input.bind(one.inputs)
-
-    def go(messages, new):
-        eddi_input.begin_step({}, {"a": new})
-        eddi_input.update_each("sample", eddi_input.process, messages, ("a",))
-        return one.execute_step(eddi_input, 0)
-
-    assert go({}, []).reason == "filling"
-    assert go({"a": [0.3]}, [[0.1], [0.2], [0.3]]).accepted == 3
-    assert go({"a": [0.3]}, []).accepted == 3
-    assert not go({"a": [0.4]}, [[0.4]]).omission
-    assert go({"a": []}, [[]]).reason == "empty"
 
 
 def test_the_scope_says_what_it_lacks():

@@ -117,16 +117,6 @@ def test_cut_sets_need_a_coherent_tree_and_an_end():
     assert len(minimal_cut_sets(24, tree, 36)) == 4096
 
 
-def test_ten_thousand_events_in_a_line():
-    """Neither the depth nor the width of a tree meets a limit of Python."""
-    wide = build(10_000, [Gate("OR", tuple(range(10_000)))], 10_000)
-    assert wide.size == 10_000
-    assert probability(wide)([1e-9] * 10_000) == pytest.approx(9.99995e-06, rel=1e-5)
-    deep = [Gate("OR", (0, 1))]
-    deep += [Gate("AND" if i % 2 else "OR", (i + 1, 5000 + i - 1)) for i in range(1, 4999)]
-    assert 0.0 < probability(build(5000, deep, 5000 + 4998))([0.5] * 5000) < 1.0
-
-
 def test_the_limit_names_the_module():
     pairs = [Gate("AND", (i, 10 + i)) for i in range(10)]
     tree = [*pairs, Gate("OR", tuple(range(20, 30)))]

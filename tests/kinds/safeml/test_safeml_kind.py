@@ -61,19 +61,6 @@ def test_the_reference_travels(tmp_path: Path) -> None:
     assert monitor.model.options.plan.spec.single
 
 
-def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
-    chance = np.random.default_rng(7)
-    rows = chance.normal(size=(100, 45)).tolist()
-    keys = {**FIGURE, "n_components": 44, "significance_level": 0.5}
-    monitor, _ = joined(tmp_path, rows, **keys)
-    assert sorted(monitor.compiled.tables) == ["axes.bin", "reference.bin"]
-    one = compiled(monitor)
-    for row in rows[:20]:
-        result = one.execute_step(SimpleNamespace(sample=row), 0)
-    assert not result.omission
-    assert len(one.labels) == 45
-
-
 @pytest.mark.parametrize(
     ("requires", "expression"),
     [
