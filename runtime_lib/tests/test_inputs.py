@@ -71,19 +71,6 @@ def test_a_method_that_raises_makes_it_invalid():
     assert one.go(BOTH) == (True, "ok")
 
 
-def test_an_exception_that_cannot_be_printed():
-    class OddError(Exception):
-        def __str__(self):
-            raise ValueError
-
-    def broken(a, b):
-        raise OddError
-
-    one = Input()
-    assert one.go(BOTH, None, broken) == (None, "invalid")
-    assert one.states["front left"].reason == "OddError: it cannot be printed"
-
-
 def test_another_method_makes_no_input_known():
     """A body that was copied and sets the first input as well: silence must not look good."""
     one = Input()

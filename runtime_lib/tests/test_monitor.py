@@ -46,23 +46,6 @@ def test_interrupts_are_not_swallowed():
         nested().execute_step(Source())
 
 
-def test_ids_that_are_no_identifiers():
-    names = ["front left", "class", "ünï", "a.b", "__import__('os')", "ﬁ", "x\n", "1"]
-    made = monitor(
-        names,
-        guarantees=["G", 'it\'s 100 % "safe"\n\\'],
-        edges=[(name, guarantee) for name in names for guarantee in ("G",)]
-        + [("1", 'it\'s 100 % "safe"\n\\')],
-    )
-    source = give()
-    for name in names:
-        setattr(source, name, True)
-    assert active(made.execute_step(source)) == ["G", 'it\'s 100 % "safe"\n\\']
-    delattr(source, "ﬁ")
-    assert active(made.execute_step(source)) == ['it\'s 100 % "safe"\n\\']
-    assert made.explain("G").missing == (("ﬁ",),)
-
-
 def test_class_ids_are_published_and_model_ids_explained():
     made = monitor(["e"], guarantees=["g_1"], edges=["e>g_1"], guarantee_ids="class")
     assert made.execute_step(give()) == [{"id": "G1", "active": False}]

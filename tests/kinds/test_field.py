@@ -6,7 +6,6 @@ import gzip
 from pathlib import Path
 
 import pytest
-from eddi_runtime.bayesian_network.asking import posteriors
 
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
@@ -14,7 +13,6 @@ from eddi_scaffold.kinds.safeml.reference import read_reference
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_file
-from tests.kinds.bayesian_network.networks import joined, running
 
 SPACES = (
     'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
@@ -27,18 +25,6 @@ SPACES = (
 def told(text: str, name: str) -> list[tuple[str, int | None]]:
     reading = read_models(Source(name, text.encode()))
     return [(one.code, one.place.line) for one in reading.problems if one.level == "error"]
-
-
-@pytest.mark.parametrize(
-    ("file", "wanted"),
-    [
-        ("two_rates.xml", [("X011", 9), ("X011", 14)]),
-        ("two_tables.xdsl", [("B110", 6)]),
-    ],
-)
-def test_the_second_of_two_values_is_named(file: str, wanted: list[tuple[str, int]]) -> None:
-    path = data_file(f"field/repeated-elements/{file}")
-    assert told(path.read_text(), file) == wanted
 
 
 TABLE = "<DEFINITION>\n<FOR>A</FOR>\n<TABLE>0.1 0.9</TABLE>\n</DEFINITION>"
@@ -132,22 +118,6 @@ def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
     end = text.index("/>", text.index(f"<{element}")) + 2
     again = f'\n<{element} name="Other"/>'
     assert [code for code, _ in told(text[:end] + again + text[end:], "m.xml")] == ["X011"]
-
-
-@pytest.mark.parametrize(
-    ("file", "node", "wanted"),
-    [
-        ("bif-interval-states/speed.bif", "Risk", [0.67, 0.33]),
-        ("row-rounding/tank.bif", "Pump", [1.6 / 3, 1.4 / 3]),
-    ],
-)
-def test_networks_with_unusual_states_and_rows(file: str, node: str, wanted: list[float]) -> None:
-    reading = read_models(read_source(data_file(f"field/{file}")))
-    (model,) = reading.models
-    assert {one.level for one in reading.problems} <= {"warning"}
-    monitor, _ = joined(model)
-    assert monitor is not None
-    assert posteriors(running(monitor), {})[node] == pytest.approx(wanted, abs=1e-12)
 
 
 def test_intervals_of_bif() -> None:

@@ -327,32 +327,6 @@ def test_posteriors_of_former_states_are_remembered(monkeypatch):
     assert fresh.execute_step(impossible) == fresh.execute_step(impossible) == []
 
 
-def test_methods_that_say_the_same_in_each_step_are_asked_once():
-    one = monitor(bins=BINS, hooks=Config())
-    methods = one._methods
-    asked = [name for _, name, *_ in methods._asked]
-    assert asked == ["node_Speed"]  # node_Danger only sets its flag
-    assert methods.outputs
-    hooks = methods._hooks
-    calls = hooks.calls
-    first, second = (one.execute_step(give(v=v, d=1.0)) for v in (9.0, 9.0))
-    assert first == second
-    assert hooks.calls == calls + 2
-
-    class Calling(Config):
-        def node_Danger(self):  # noqa: N802 - the name of the node stays
-            self.calls += 1
-            return False, {"yes": 0.0, "no": 0.0}
-
-    class Growing(Config):
-        def node_Danger(self):  # noqa: N802 - the name of the node stays
-            is_bn_output = self.calls > 1
-            return is_bn_output, {"yes": 0.0, "no": 0.0}
-
-    for kind in (Calling, Growing):
-        assert len(monitor(bins=BINS, hooks=kind())._methods._asked) == 2
-
-
 def test_posteriors_by_name():
     one = monitor(direct=DIRECT)
     found = posteriors(one, {"Speed": "slow", "Gap": [1.0, 0.0], "Danger": None})

@@ -1,7 +1,6 @@
 """From the value of an input to the state of a node."""
 
 import math
-from types import SimpleNamespace
 
 import pytest
 from eddi_runtime.bayesian_network.direct import DirectReader
@@ -42,19 +41,6 @@ def test_whole_numbers_and_infinity():
     assert names(inside, [math.inf, 31.0]) == ["high", None]
     turned = reader(bins=[1, 2], allow_inf=True, scale=-1.0)
     assert names(turned, [math.inf]) == ["low"]
-
-
-def test_a_map_is_exact():
-    one = reader(map=[[True, "low"], [1, "mid"], ["far", "high"]])
-    assert names(one, [True, 1, "far", False, 1.0, "near"]) == [
-        "low",
-        "mid",
-        "high",
-        None,
-        None,
-        None,
-    ]
-    assert names(reader(map={"car": "low"}), ["car", "bus"]) == ["low", None]
 
 
 def test_hysteresis():
@@ -118,17 +104,6 @@ def test_direct_inputs():
     assert direct(virtual=False).read([1.0, 2.0, 0.0], 0) == 3
     assert one.absent(0) == 3
     one.reset()
-
-
-def test_faults_of_direct_inputs():
-    one = direct()
-    good = (None, math.nan, [], "low", [0, 0, 0], [0.1, 0.2, 0.3])
-    assert [one.fault(value) for value in good] == [None] * 6
-    assert one.fault("hot") == "there is no state 'hot'"
-    assert one.fault(3) == "expected a state or one number per state, got 3"
-    assert one.fault([1.0]) == "1 values for 3 states"
-    bad = "expected a state or one number per state, got an object of type SimpleNamespace"
-    assert one.fault(SimpleNamespace()) == bad
 
 
 def test_direct_inputs_of_numpy():

@@ -1,13 +1,11 @@
 """How soon, and how tightly, a result that missed observations is bounded again."""
 
 import math
-import random
 
 import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.reliability.observed import hull, independent  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - as above
     chain,
@@ -73,34 +71,6 @@ def test_a_level_that_is_ignored_ends_no_gap():
     empty = told([part], "level", [10.0, None, 90.0])
     assert [one.valid for one in empty] == [True, False, True]
     assert empty[2].p_fail == 1.0
-
-
-def test_a_hull_holds_the_beliefs_that_it_replaces():
-    chance = np.random.default_rng(11)
-    for _ in range(300):
-        states, count = chance.integers(1, 5), chance.integers(1, 9)
-        beliefs = chance.random((count, states)) ** 8 * chance.choice([0.0, 1.0], states)
-        beliefs[:, 0] += 1e-9
-        beliefs /= beliefs.sum(axis=1, keepdims=True)
-        whole = np.array(hull(beliefs.tolist()))
-        assert len(whole) <= max(1, np.count_nonzero(beliefs.any(axis=0)))
-        assert whole.sum(axis=1) == pytest.approx(1.0)
-        value, weight = chance.random((2, states)) ** 4
-        ratios = [(rows @ (value * weight)) / (rows @ weight) for rows in (beliefs, whole)]
-        assert ratios[0].max() <= ratios[1].max() * (1 + 1e-12)
-        assert ratios[1].min() <= ratios[0].min() * (1 + 1e-12)
-
-
-def test_sets_that_are_made_of_others_are_left_out():
-    chance = random.Random(11)
-    for _ in range(100):
-        sets = {frozenset(chance.sample(range(5), chance.randint(0, 4))) for _ in range(6)}
-        found = independent(sets)
-        assert set(found) <= sets
-        for one in sets - set(found):
-            parts = [part for part in found if part < one]
-            assert frozenset().union(*parts) == one
-    assert independent([{0, 1}, {0}, {1}, {1, 2}]) == [{0}, {1}, {1, 2}]
 
 
 def test_a_chain_that_may_have_failed_unseen_says_since_when_and_why():

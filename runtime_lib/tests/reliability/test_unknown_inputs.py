@@ -120,21 +120,6 @@ def test_what_is_above_its_limit_is_unknown_and_as_bad_as_it_says(part, good, na
     assert step(one, **good).p_fail == last([part], list(good), [good]).p_fail
 
 
-def test_nothing_is_minus_zero():
-    parts = [{**CPU, "name": f"c{i}"} for i in range(2)]
-    parts.append({"name": "all", "type": "series", "of": ["c0", "c1"]})
-    for values in ({"t": None, "u": 0.5}, {"t": 51.0, "u": 0.0}, {}):
-        result = last(parts, ["t", "u"], [values])
-        for number in (result.p_fail_low, result.p_fail, *result.contributions.values()):
-            assert math.copysign(1.0, number) == 1.0
-    for part, ranges in KINDS.values():
-        parts = [part, {"name": "all", "type": "series", "of": [part["name"]]}]
-        one = monitor(parts, ranges, horizon=0.0)
-        result = step(one, **{name: values[0] for name, values in ranges.items()})
-        assert math.copysign(1.0, result.p_fail_low) == 1.0
-        assert math.copysign(1.0, result.p_fail_high) == 1.0
-
-
 @pytest.mark.parametrize(
     ("given", "told"),
     [(0.8, None), (80.0, "a number from 0 to 1 is expected, not 80.0"), (1e308, "not 1e+308")],

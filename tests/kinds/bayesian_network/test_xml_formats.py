@@ -34,19 +34,6 @@ def test_rows_with_few_digits_are_normalised(off: str) -> None:
     assert reading.models[0].data.node("A").table == (0.5 / total, float(off) / total)
 
 
-def test_children_may_come_before_their_parents() -> None:
-    noisy = (
-        f'<noisymax id="C">{TWO}<parents>B</parents><parameters>0.9 0.1 0 1 0 1</parameters>'
-        "</noisymax>"
-    )
-    reading = read(xdsl(noisy, cpt("B", "1 0 0.25 0.75", "A"), cpt("A", "0.5 0.5")), "n.xdsl")
-    assert reading.problems == ()
-    network = reading.models[0].data
-    assert network.names() == ["C", "B", "A"]
-    assert [node.id for node in network.in_order()] == ["A", "B", "C"]
-    assert network.node("C").table == pytest.approx([0.9, 0.1, 0.0, 1.0])
-
-
 def test_variables_that_decide_are_one_problem() -> None:
     def variable(name: str, of: str) -> str:
         return f'<VARIABLE TYPE="{of}"><NAME>{name}</NAME></VARIABLE>'

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert import ConSert
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from tests.kinds.consert.oracle import as_source, oracle
 
@@ -47,17 +43,6 @@ def test_every_model_is_read_with_the_listed_errors_only():
         errors = {problem.code for problem in reading.problems if problem.level == "error"}
         assert errors == set(wanted.get(name, ())), name
         assert [model.name for model in reading.models] == [name]
-
-
-def test_export_and_read_again_gives_the_same_model():
-    for name, document in oracle()["models"].items():
-        (model,) = ConSertModel.read_file(as_source(document, f"{name}.yml"), ()).models
-        ((file_name, text),) = model.export().items()
-        (again,) = ConSertModel.read_file(Source(file_name, text.encode()), ()).models
-        assert isinstance(again.data, ConSert)
-        assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
-        assert again.data == model.data
-        assert again.export() == {file_name: text}
 
 
 def test_composition_agrees():

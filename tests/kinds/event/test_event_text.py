@@ -143,11 +143,3 @@ def test_an_expression_is_a_class_of_the_package():
         None,
         None,
     ]
-
-
-def test_a_part_is_imported_only_where_it_is_needed():
-    """An input that is called as a part of the runtime is not that part."""
-    made = conserts.consert(["expressions"], guarantees=["G"], edges=["expressions>G"])
-    assert "import InputSpec, consert\n" in made.text()
-    text = expression().text()
-    assert "import InputSpec, consert, expressions\n" in text

@@ -95,21 +95,6 @@ def answers(folder: Path, topic: str) -> tuple[Any, list[str]]:
     return package.answers, [f"{p.place.line}: {p.code} {p.message}" for p in problems]
 
 
-def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
-    found, problems = answers(tmp_path, "/drone/go")
-    assert problems == []
-    whole, own = found["publications"]
-    assert whole["type_text"] == "eddi_messages/ReliabilityOutput"
-    assert (own["id"], own["topic"], own["type_text"]) == (
-        "'RtE_continue'",
-        "'/drone/go'",
-        "std_msgs/Bool",
-    )
-    assert "('evidence', ('id', 'RtE_continue'), 'active',)" in own["more"]
-    assert own["status_topic"] == "None"
-    assert "std_msgs" in found["message_packages"]
-
-
 def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:
     """Outside of namespaces, ``/drone/reliability`` is the example's ``drone/reliability``."""
     both = "eddi_messages/ReliabilityOutput and std_msgs/Bool"

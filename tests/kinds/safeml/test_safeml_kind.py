@@ -49,18 +49,6 @@ def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Pat
         joined(tmp_path, ROWS, wrong, **FIGURE)
 
 
-def test_the_reference_travels(tmp_path: Path) -> None:
-    monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
-    assert problems == []
-    rows = np.array(ROWS[:150], dtype=np.float32)  # calibration takes the others
-    running = monitor.compiled.monitor(monitor.id)
-    np.testing.assert_array_equal(monitor.model.options.plan.design.sample, np.sort(rows.T, axis=1))
-    assert monitor.compiled.tables == {}
-    assert (monitor.facts.id, monitor.facts.inputs[0].timeout_s) == ("scope", 1.0)
-    assert running.digest == monitor.facts.digest
-    assert monitor.model.options.plan.spec.single
-
-
 @pytest.mark.parametrize(
     ("requires", "expression"),
     [
