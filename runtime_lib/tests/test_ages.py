@@ -147,14 +147,6 @@ def test_a_step_looks_at_ages_again(told):
     assert told.clear is True
 
 
-def test_only_processing_makes_a_value_count_again(told):
-
-    told.processing({"bumper": give(data=True)}, 0)
-    told.begin_step(t_ns=at(0.6))
-    look_again(told, at(0.6))
-    assert told.clear is None
-
-
 def test_an_expression_is_known_by_what_is_fresh(told):
     a = True
     told.processing({"a": a, "b": 0}, 0)

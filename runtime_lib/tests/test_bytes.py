@@ -23,11 +23,6 @@ def test_one_byte_is_its_number(level):
     assert column(read_path(message, ["status", ["*"], "level"]), "level") == [value]
 
 
-@pytest.mark.parametrize("given", [b"", b"ab"])
-def test_other_bytes_are_no_number(given):
-    assert plain(given) is None
-
-
 def test_a_byte_can_mark_what_is_no_measurement():
     messages = {"m": Give(level=b"\x03", x=1.5)}
     check = ("unless", ["level"], 3)

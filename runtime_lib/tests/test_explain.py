@@ -2,47 +2,9 @@
 
 import time
 
-import pytest
 from eddi_runtime import EDDIInputBase
 
 from runtime_lib.tests.conserts import GOOD, give, monitor, nested
-
-
-@pytest.mark.parametrize(
-    ("true", "missing", "losses"),
-    [
-        ("", (("d",), ("a", "c", "n"), ("b", "c", "n")), ()),
-        ("an", (("c",), ("d",)), ()),
-        ("acn", (), ("a", "c", "n")),
-        ("abcn", (), ("c", "n")),
-        ("abcdn", (), ()),
-        ("d", (), ("d",)),
-    ],
-)
-def test_sets_of_a_nested_tree(true, missing, losses):
-    made = nested()
-    made.execute_step(give(**{name: GOOD[name] for name in true}))
-    found = made.explain("G")
-    assert (found.missing, found.single_losses) == (missing, losses)
-    assert found.active is not bool(missing)
-    assert not found.truncated
-
-
-def test_two_inputs_of_one_guarantee():
-    made = monitor(["e"], ["d"], guarantees=["G1", "G0"], edges=["d>G1", "e>G1", "e>G0"])
-    made.execute_step(give())
-    assert made.explain("G1").missing == (("d", "e"),)
-    made.execute_step(give(e=True))
-    assert made.explain("G1").missing == (("d",),)
-    assert [one.guarantee for one in made.explain()] == ["G1", "G0"]
-
-
-def test_loss_sets_on_request():
-    made = nested()
-    made.execute_step(give(**GOOD))
-    assert made.explain("G").loss_sets == ()
-    wanted = (("c", "d"), ("d", "n"), ("a", "b", "d"))
-    assert made.explain("G", loss_sets=True).loss_sets == wanted
 
 
 def test_text():

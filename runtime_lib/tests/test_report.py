@@ -59,44 +59,27 @@ def test_the_worst_finding_comes_first():
     assert said(KNOWN, node=CALM._replace(silent_for=4.0))[:2] == (ERROR, "no step for 4.0 s")
 
 
+LATE, NEVER = "/b is late, 1.25 s old, the limit is 1 s", "never received since start: /c"
+
+
 @pytest.mark.parametrize(
-    ("state", "sources", "limit", "words"),
+    ("state", "sources", "words"),
     [
-        ("waiting", (A, C), 1.0, "waiting for first message of /c"),
-        ("missing", (C, A), 1.0, "never received since start: /c"),
-        ("missing", (C, C._replace(topic="/d")), None, "never received since start: /c, /d"),
-        ("stale", (A, B), 1.0, "/b is late, 1.25 s old, the limit is 1 s"),
-        (
-            "missing",
-            (B, C),
-            1.0,
-            "never received since start: /c, /b is late, 1.25 s old, the limit is 1 s",
-        ),
-        (
-            "stale",
-            (A, SourceFact("/b", UNKNOWN_AGE)),
-            1.0,
-            "/b was latched, its age is not known",
-        ),
-        ("stale", (A,), 1.0, "as it was told"),  # a message has come since the step
-        (
-            "missing",
-            (A, C._replace(reason="no one")),
-            1.0,
-            "never received since start: /c (no one)",
-        ),
-        (
-            "stale",
-            (B._replace(reason="gone"),),
-            1.0,
-            "/b is late, 1.25 s old, the limit is 1 s (gone)",
-        ),
-        ("latched", (A,), None, "age unknown"),
-        ("invalid", (B,), 1.0, "as it was told"),
+        ("waiting", (A, C), "waiting for first message of /c"),
+        ("missing", (C, A), NEVER),
+        ("missing", (C, C._replace(topic="/d")), f"{NEVER}, /d"),
+        ("stale", (A, B), LATE),
+        ("missing", (B, C), f"{NEVER}, {LATE}"),
+        ("stale", (A, A._replace(age=UNKNOWN_AGE)), "/a was latched, its age is not known"),
+        ("stale", (A,), "as it was told"),  # a message has come since the step
+        ("missing", (A, C._replace(reason="no one")), f"{NEVER} (no one)"),
+        ("stale", (B._replace(reason="gone"),), f"{LATE} (gone)"),
+        ("latched", (A,), "age unknown"),
+        ("invalid", (B,), "as it was told"),
     ],
 )
-def test_an_input_names_the_topics_that_are_to_blame(state, sources, limit, words):
-    assert because(InputFact("I", state, "as it was told", limit=limit, sources=sources)) == words
+def test_an_input_names_the_topics_that_are_to_blame(state, sources, words):
+    assert because(InputFact("I", state, "as it was told", limit=1.0, sources=sources)) == words
 
 
 def test_an_input_that_never_came_is_an_error_only_after_the_grace():

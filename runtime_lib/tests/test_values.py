@@ -149,21 +149,6 @@ def test_more_ranges_than_are_written_out():
     assert outcome(monitor, 191.0) == F
 
 
-def test_a_factor_is_exact():
-    """A bound is the double nearest to the exact bound in the unit of the input."""
-    kmh = one_leaf(numeric("[0, 36]", uom="km/h"), factor=[18, 5])  # given in m/s
-    assert outcome(kmh, 10.0) == T
-    assert outcome(kmh, 10) == T
-    assert kmh.step(give(x=10.000000000000002)) == (False,)
-    meters = one_leaf(numeric("[0, 100]"), factor=[1000, 1])  # given in km
-    assert outcome(meters, 0.1) == T
-    third = one_leaf(numeric("[1, 1]"), factor=[3, 1])
-    assert outcome(third, 1 / 3) == T
-    nano = one_leaf(numeric("[0, 1e-6)", uom="s"), factor=[1, 10**9])  # given in ns
-    assert nano.step(give(x=1000)) == (False,)
-    assert nano.step(give(x=999.9999999999999)) == (True,)
-
-
 def test_reasons_name_value_and_range():
     def text(dimension, value, **spec):
         monitor = one_leaf(dimension, **spec)

@@ -166,19 +166,6 @@ def test_json_is_ascii_so_that_every_terminal_can_hold_it(folder: Path) -> None:
     assert json.loads(result.out)["problems"][0]["file"] == "nöthere.xml"
 
 
-def test_export_does_not_write_one_model_over_another(folder: Path) -> None:
-    text = (folder / MODEL).read_text(encoding="utf-8").replace('"ConSertB"', '"conserta"')
-    (folder / "alike.xml").write_text(text, encoding="utf-8")
-    result = run("export", "alike.xml", "-o", "both", cwd=folder)
-    assert result.status == 2
-    assert (
-        "two models would be written to conserta.yml; 'conserta' is the second [G004]" in result.err
-    )
-    assert "--name NAME -o FOLDER" in result.err
-    assert not (folder / "both").exists()
-    assert run("export", "alike.xml", "-o", "one", "--name", "conserta", cwd=folder).status == 0
-
-
 def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
     result = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "a b.yml", cwd=folder)
     assert (result.status, result.out) == (0, "")
@@ -214,24 +201,6 @@ def test_an_active_virtual_environment_is_left_before_ros_is_started(
     assert rest == without
 
 
-def test_generate_says_what_was_written_and_what_to_do(folder: Path) -> None:
-    (folder / "my ws" / "src").mkdir(parents=True)
-    command = ("generate", "-w", "my ws", "-c", CONFIG, "-m", MODEL)
-    first = run(*command, cwd=folder)
-    assert (first.status, first.out) == (0, "")
-    files = first.err.partition("files\n")[2]
-    assert files.startswith("  yours to edit:\n    + conserta/")
-    assert "\n    + conserta/src/conserta/EDDIInput.py\n" in files
-    assert files.count("    + ") == files.count("    + conserta/") > 4
-    assert re.search(r"\n  generated: \d+ new, in conserta, eddi_messages, .*\nnext:\n", files)
-    assert "  cd 'my ws' && catkin_make" in first.err
-    before = files_below(folder)
-    again = run(*command, cwd=folder)
-    assert again.status == 0
-    assert "nothing to change" in again.err
-    assert files_below(folder) == before
-
-
 def test_status_and_regions_of_a_fresh_package(package: Path, folder: Path) -> None:
     status = run("status", package, "--json", cwd=folder)
     assert status.status == 0
@@ -263,14 +232,6 @@ def test_packages_are_found_where_generate_was_told_to_put_them(
     for command in ("status", "trace", "regions", "upgrade"):
         results = {run(command, word, "out", cwd=folder) for word in ("-w", "-o", "--output")}
         assert [(one.status, "[U001]" in one.err) for one in results] == [(0, False)], command
-
-
-def test_drift_is_a_no(package: Path, folder: Path) -> None:
-    with (package / "EDDIMonitor.py").open("a") as file:
-        file.write("# by hand\n")
-    result = run("status", "-w", "out", cwd=folder)
-    assert result.status == 1
-    assert "edited outside regions: EDDIMonitor.py" in result.out
 
 
 def test_hand_edits_that_need_a_look_are_3(package: Path, folder: Path) -> None:

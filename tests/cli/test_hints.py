@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -52,13 +51,6 @@ def test_a_sign_is_not_percent(cart: Path) -> None:
     assert (refused.status, "write the number alone: 80 where" in refused.err) == (2, True)
 
 
-def test_a_configuration_is_not_taken_for_its_own_model(cart: Path) -> None:
-    shutil.move(cart / "cart.yml", cart / "kept_elsewhere.txt")
-    refused = run("check", "cart_config.yml", cwd=cart)
-    assert "[F001]" in refused.err
-    assert "did you mean" not in refused.err
-
-
 def test_a_fraction_that_is_never_accepted_is_told(cart: Path) -> None:
     without = MODEL.replace("percent", '""')
     (cart / "cart.yml").write_text(without)
@@ -93,10 +85,3 @@ def test_a_type_of_another_language_is_named(cart: Path) -> None:
     assert "'double' is no type of ROS messages; write float64[3] [K003]" in refused.err
     (cart / "typed.yml").write_text(f"{CONFIG}MessageTypes: {{my_msgs.W: {{force: float64}}}}\n")
     assert run("check", "typed.yml", cwd=cart).status == 0
-
-
-def test_one_configuration_named_twice_is_one_monitor(cart: Path) -> None:
-    twice = ("-c", "cart_config.yml", "-c", "cart_config.yml")
-    done = run("generate", "--platform", "plain", "-o", "out", *twice, cwd=cart)
-    assert done.status == 0, done.err
-    assert [one.name for one in (cart / "out").iterdir()] == ["cart"]

@@ -56,11 +56,6 @@ def test_a_body_that_was_written_for_another_signature_is_looked_at_once(package
     assert "not RtE_E0.data" in (package / FILE).read_text("utf-8")
 
 
-def test_an_id_without_its_kind_is_meant_for_that_region(package: Path) -> None:
-    refused = run("regions", "--accept", "RtE_A_E0", cwd=package)
-    assert (refused.status, "did you mean 'process_RtE_A_E0'?" in refused.err) == (2, True)
-
-
 def test_a_broken_marker_is_looked_at(package: Path) -> None:
     edit(package, "'''-----Manual edit end-----'''  # region: process_RtE_A_E0\n", "\n")
     shown = run("regions", "--check", cwd=package)

@@ -80,23 +80,6 @@ def test_recorded_values(tmp_path: Path) -> None:
     assert "n.csv:1:3: error: no input has the id 'x'" in wrong.err
 
 
-def test_a_window_is_full_with_the_sample_that_the_documentation_says(tmp_path: Path) -> None:
-    (tmp_path / "v.csv").write_text("t,x\n" + "".join(f"{k / 10},1\n" for k in range(60)))
-    result = run("event", "AVERAGE(x, 5s) > 0", "--rate", "10", "-i", "v.csv", cwd=tmp_path)
-    assert [line.split() for line in result.out.splitlines()] == [
-        ["0.000", "event", "UNKNOWN"],
-        ["4.900", "event", "TRUE"],
-    ]
-
-
-def test_a_timeout_ends_a_sample_that_is_held(tmp_path: Path) -> None:
-    (tmp_path / "v.csv").write_text("t,x\n0,9\n0.1,\n0.2,\n0.3,\n0.4,1\n")
-    text = "VAR x : NUMBER TIMEOUT 200ms x > 5"
-    result = run("event", text, "-i", "v.csv", "--json", cwd=tmp_path)
-    verdicts = [json.loads(line)["verdict"] for line in result.out.splitlines()]
-    assert verdicts == [True, True, True, None, False]
-
-
 def test_python_goes_to_stdout_and_runs(tmp_path: Path) -> None:
     result = run("event", "x > 5", "--name", "demo_one", cwd=tmp_path)
     assert (result.status, result.err) == (0, "")

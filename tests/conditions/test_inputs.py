@@ -54,26 +54,6 @@ def test_evidence_over_a_message() -> None:
     assert one.value(3, {**battery(0.5), **motor}, {"battery": 1.5, "motor": 0.0}) is None
 
 
-def test_windows_stand_in_the_expression_not_in_the_region() -> None:
-    one = made("bool", text("TIME(battery.percentage > 0.3, 300ms)"))
-    found = [one.value(k * 10**8, battery(0.5)) for k in range(4)]
-    assert found == [None, None, True, True]
-    one.reset()
-    assert one.value(10**9, battery(0.5)) is None
-
-
-def test_hazard_numbers_and_states() -> None:
-    assert made("bool", text("NOT link.up"), polarity="HAZARD").value(0, {}) is True
-    assert made("float", text("load * 2")).value(0, {"load": 1.25}) == 2.5
-    assert made("int", text("load * 2")).value(0, {"load": 1.25}) == 2
-    state = made("state", text("load > 60", "High"), text("load <= 60", "Normal"))
-    assert [state.value(k, {"load": x}) for k, x in enumerate((70, 50, None))] == [
-        "High",
-        "Normal",
-        None,
-    ]
-
-
 @pytest.mark.parametrize(
     ("kind", "expression", "code", "column"),
     [

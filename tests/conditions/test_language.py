@@ -5,7 +5,8 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import settings
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.conditions import Variable, analyse
@@ -200,13 +201,6 @@ def test_words_are_names_where_they_can_be() -> None:
     assert problems("a.and.or > 5 AND x.NOT == TRUE", known=False) == []
 
 
-def test_canonical_form_of_literals() -> None:
-    found = analyse("x > 1e-7 AND d > 5.0 m AND NOT a and ABS(x) >= 1.5e300", variables=KNOWN)
-    assert found.events[0].canonical == (
-        "((((x > 1e-07) AND (d > 5 m)) AND (NOT a)) AND (ABS(x) >= 1.5e+300))"
-    )
-
-
 @pytest.mark.parametrize("rate", [0, -1, float("nan"), float("inf"), 1e10])
 def test_a_rate_that_is_none(rate: float) -> None:
     with pytest.raises(EddiError) as caught:
@@ -222,21 +216,6 @@ def test_nesting_is_limited() -> None:
     assert problems(good) == []
     deep = "(" * 5000 + "a" + ")" * 5000
     assert problems(deep) == ["1:101 E013.depth"]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        " AND ".join(["a"] * 4000),
-        "NOT " * 8000 + "a",
-        "x > " + "-" * 8000 + "x",
-        " IMPLIES ".join(["a"] * 4000),
-        " + ".join(["x"] * 4000) + " > 1",
-    ],
-)
-def test_long_chains_are_no_nesting(text: str) -> None:
-    found = analyse(text, rate=10, variables=KNOWN)
-    assert found.program is not None, found.problems
 
 
 def test_length_and_number_of_operations_are_limited() -> None:
@@ -265,23 +244,24 @@ SEEDS = (
     "MAX(temp1,10s) + MAX(temp2,10s) / 2 > AVERAGE(core,10s) // a comment",
     "ENUM M { P, Q } VAR m.n[3] : M TIMEOUT 1s CONST k = -5 m m.n[3] == P",
 )
-PIECES = (
-    *"(),.[]{};>é😀\x00\n",
-    *("AND", "NOT ", "==", "1e5", "5s", "UNKNOWN", "MAX(", "EVENT ", "VAR ", ":=", "..", "//"),
-    *("9" * 50, "COVERAGE"),
+PIECES = st.sampled_from(
+    ["é", "😀", "\0", "1e5", "5s", "UNKNOWN", "MAX(", "EVENT ", "9" * 50, ".."]
 )
 
 
-def test_ten_thousand_mutations() -> None:
-    rounds = 10_000 if settings.default.max_examples > 1000 else 600
-    rng = random.Random(11)
-    for _ in range(rounds):
-        text = rng.choice(SEEDS)
-        for _ in range(rng.randint(1, 5)):
-            at = rng.randint(0, len(text))
-            piece = rng.choice((*PIECES, chr(rng.randrange(0x500))))
-            text = text[:at] + piece + text[at + rng.randint(0, 6) :]
-        check_places(text)
+@settings(max_examples=max(300, settings.default.max_examples))
+@given(
+    st.sampled_from(SEEDS),
+    st.lists(
+        st.tuples(st.integers(0, 200), st.integers(0, 6), PIECES | st.text(max_size=2)), max_size=5
+    ),
+)
+def test_mutated_texts_have_problems_with_places(
+    text: str, edits: list[tuple[int, int, str]]
+) -> None:
+    for at, cut, piece in edits:
+        text = text[:at] + piece + text[at + cut :]
+    check_places(text)
 
 
 def check_places(text: str) -> None:

@@ -216,12 +216,6 @@ def test_it_listens_on_the_loopback_interface_only(port: int) -> None:
     assert_reported("E024", [problem])
 
 
-def test_two_tabs_at_once(port: int) -> None:
-    waiting = socket.create_connection(("127.0.0.1", port))  # a tab that says nothing
-    assert send(port, "/check", text="x > 5")[0] == 200
-    waiting.close()
-
-
 def test_the_page_begins_with_the_file_that_was_given(tmp_path: Path) -> None:
     (tmp_path / "hot.events").write_text("EVENT Hot := temp > 81.5\n")
     words = ["event", "hot.events", "--rate", "4", "--serve", "--port", "0"]

@@ -17,7 +17,6 @@ from eddi_scaffold.config.topic_block import (
 from eddi_scaffold.mros.topics import TopicEntry
 
 SCAN = TopicEntry("scan", "sensor_msgs.LaserScan", "/scan")
-ON = TopicEntry("on", "std_msgs.Bool", "/lamp/on")
 NEW = """SimulatorOutputs:
   - id: scan
     type: sensor_msgs.LaserScan
@@ -32,11 +31,6 @@ def document(text: str) -> ConfigText:
 def written(text: str, *entries: TopicEntry) -> tuple[str, list[tuple[str, int | None]]]:
     new, problems = rewritten(document(text), entries)
     return new, [(problem.code, problem.place.line) for problem in problems]
-
-
-def test_a_new_file_holds_the_block_alone() -> None:
-    assert rewritten(ConfigText("c.yml", ""), [SCAN]) == (NEW, [])
-    assert rewritten(ConfigText("c.yml", ""), []) == ("SimulatorOutputs: []\n", [])
 
 
 @pytest.mark.parametrize(
@@ -120,21 +114,6 @@ def test_comments_of_an_entry_that_changes_stand_above_it() -> None:
     head, _, entry = NEW.partition("\n")
     assert text == f"{head}\n  # one\n  # two\n  # three\n{entry}# four\n"
     assert problems == []
-
-
-def test_comments_of_an_entry_that_is_dropped_are_said() -> None:
-    old = "SimulatorOutputs: # one\n  # two\n  - {id: gone, topic: /gone} # three\n"
-    text, problems = written(old, SCAN)
-    assert text == NEW.replace(":", ": # one", 1)
-    assert problems == [("M026", 3), ("M026", 2)]
-
-
-def test_an_entry_that_an_expression_names_stays() -> None:
-    inputs = "EDDIInputs:\n  - id: gone\n    expression: 2 * mine.data > 1\n"
-    old = "SimulatorOutputs:\n  - {id: mine, topic: /mine}\n  - {id: gone, topic: /gone}\n"
-    text, problems = written(old + inputs, SCAN)
-    assert text == f"{NEW}  - {{id: mine, topic: /mine}}\n{inputs}"
-    assert problems == [("M026", 2), ("M026", 3)]
 
 
 @pytest.mark.parametrize(

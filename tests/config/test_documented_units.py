@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 
-import pytest
-
 from eddi_scaffold.common import units
 from eddi_scaffold.config.field_types import Fields, element
 from eddi_scaffold.monitors.message_types import common_messages
@@ -50,22 +48,3 @@ def test_every_unit_is_one_of_the_table_and_every_path_is_a_field() -> None:
                 for name in path.removesuffix(".*").split("."):
                     inner = KNOWN[of][name.partition("[")[0]]
                     of = element(inner) or inner
-
-
-@pytest.mark.parametrize(
-    ("message", "path", "limits", "unless"),
-    [
-        ("sensor_msgs/LaserScan", "ranges[]", ("range_min", "range_max"), None),
-        ("sensor_msgs/Imu", "angular_velocity.x", None, ("angular_velocity_covariance[0]", -1.0)),
-        ("sensor_msgs/NavSatFix", "latitude", None, ("status.status", -1.0)),
-    ],
-)
-def test_what_is_no_measurement(
-    message: str,
-    path: str,
-    limits: tuple[str, str] | None,
-    unless: tuple[str, float] | None,
-) -> None:
-    found = documented(message, path.split("."), fields_of)
-    assert found is not None
-    assert (found.limits, found.unless) == (limits, unless)

@@ -67,23 +67,8 @@ def soc(folder: Path, unit: str, *, field: str = "percentage", declared: str = "
     return run("check", "soc.events", "soc.yml", cwd=folder)
 
 
-@pytest.mark.parametrize("unit", ["fraction", "ratio", '""'])
-def test_a_number_without_a_unit_is_a_ratio(unit: str, tmp_path: Path) -> None:
-    found = soc(tmp_path, unit)
-    assert found.status == 0, found.err
-
-
-def test_percent_of_a_number_without_a_unit_is_not(tmp_path: Path) -> None:
-    assert "[K022]" in soc(tmp_path, "percent").err
-
-
 @pytest.mark.parametrize(("unit", "declared", "sign"), [("K", "degC", "-"), ("degC", "K", "+")])
 def test_temperatures_are_shifted(unit: str, declared: str, sign: str, tmp_path: Path) -> None:
     found = soc(tmp_path, unit, field="temperature", declared=f"UNIT {declared}")
     assert f"hint: write `expression: value {sign} 273.15` instead" in found.err
     assert "dimension" not in found.err
-
-
-def test_a_temperature_in_degrees_is_not_one_in_kelvin(tmp_path: Path) -> None:
-    found = soc(tmp_path, "K", field="temperature", declared="UNIT K")
-    assert "degC and K are 273.15 apart, and a unit is only a factor [K022]" in found.err

@@ -7,14 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError, Place
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import Options
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.options import options_of
 from eddi_scaffold.yaml_text.writer import dump_plain
-from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_reported
 
 
@@ -34,11 +33,6 @@ def test_the_least_configuration_and_its_defaults() -> None:
     assert (section.frequency, section.mode) == (10.0, "rate")
     assert (config.SimulatorOutputs, config.EDDIInputs, config.EDDIOutputs) == ([], [], [])
     assert (config.Package.version, config.Package.license) == ("0.1.0", "Apache-2.0")
-
-
-def test_an_empty_section_is_an_empty_list() -> None:
-    config = read("Model: {id: A, type: ConSert}\nEDDIInputs:\nSimulatorOutputs: ~\n").config
-    assert (config.EDDIInputs, config.SimulatorOutputs) == ([], [])
 
 
 def test_no_lease_is_longer_than_words_are_remembered() -> None:
@@ -97,23 +91,6 @@ def test_all_problems_come_at_once_in_the_order_of_the_file() -> None:
     assert [p.code for p in found] == ["K003", "K003", "K003", "K003", "K003", "K003"]
     places = [(p.place.line or 0, p.place.col or 0) for p in found]
     assert places == sorted(places)
-
-
-def test_parts_know_their_places() -> None:
-    config = read("Model: {id: A, type: C}\nEDDIInputs:\n  - id: a\n    default: 1\n")
-    assert config.place("EDDIInputs", 0, "default") == Place("c.yml", 4, 14)
-    assert config.place("EDDIInputs", 0, "unit") == config.place("EDDIInputs", 0)
-    assert config.place("EDDIOutputs") == Place("c.yml", 1, 1)
-
-
-def test_line_ends_of_windows_and_a_byte_order_mark_change_nothing() -> None:
-    data = (EXAMPLE / "consert_a_config.yml").read_bytes()
-    plain = read_config(Source("c.yml", data))
-    other = read_config(Source("c.yml", b"\xef\xbb\xbf" + data.replace(b"\n", b"\r\n")))
-    assert plain[0] is not None
-    assert other[0] is not None
-    assert plain[0].config == other[0].config
-    assert plain[0].places == other[0].places
 
 
 IDS = st.text(min_size=1, max_size=6).filter(lambda text: text.isprintable())

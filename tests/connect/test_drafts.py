@@ -13,7 +13,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.topic_block import ConfigText, read_block
 from eddi_scaffold.config.values import undecided
-from eddi_scaffold.connect.draft import Age, age_of, entry, recorded_age
+from eddi_scaffold.connect.draft import Age, entry, recorded_age
 from eddi_scaffold.connect.keeping import Draft, text_of, with_draft
 from eddi_scaffold.connect.matching import decide
 from eddi_scaffold.connect.needs import InputNeed
@@ -128,34 +128,6 @@ def test_comments_of_a_person_behind_what_is_open_stay() -> None:
     assert "  expression: TODO  # seven\n" in after
 
 
-def test_a_comment_behind_no_inputs_stays() -> None:
-    mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs: []  # none yet\n"
-    assert "# none yet\nEDDIInputs:\n  - id: Way" in written(mine, draft([WAY], [CLEAR]))
-
-
-def test_an_entry_that_says_nothing_is_filled() -> None:
-    mine = "Model: {id: Rover, type: ConSert}\nEDDIInputs:\n- id: WayIsClear\n- id: Charge\n"
-    after = written(mine, draft([WAY, POWER], [CLEAR, CHARGE]))
-    assert "- id: WayIsClear\n  # connect: taken" in after
-    assert "  requires: [clear]\n  field: data\n- id: Charge\n" in after
-
-
-def test_an_age_that_becomes_known_is_written() -> None:
-    before = written("", draft([WAY], [CLEAR]))
-    after = written(before, draft([WAY], [CLEAR], {"/front/clear": age_of(0.1, 0.3, "a bag")}))
-    assert "    max_age: 0.36  # a bag\n" in after
-    assert before.replace(
-        "max_age: TODO  # TODO seconds: no rate of /front/clear is known", ""
-    ) == (after.replace("max_age: 0.36  # a bag", ""))
-
-
-@pytest.mark.parametrize(
-    ("median", "longest", "seconds"), [(0.1, 0.1, 0.25), (0.02, 0.2, 0.24), (0.0333, 0.04, 0.084)]
-)
-def test_an_age_is_rounded_up_to_two_digits(median: float, longest: float, seconds: float) -> None:
-    assert age_of(median, longest, "").seconds == seconds
-
-
 def test_a_pause_of_a_recording_is_none_of_the_rate() -> None:
     second = 1_000_000_000
     steady = [k * second // 10 for k in range(50)]
@@ -207,27 +179,10 @@ def test_options_are_added_where_they_are_missing() -> None:
     ]  # fmt: skip
 
 
-def test_where_topics_come_from_is_said_where_there_is_none(tmp_path: Path) -> None:
-    (tmp_path / "low.events").write_text("VAR level : NUMBER\nEVENT Low (HAZARD) := level < 0.2\n")
-    none = run("connect", "low.events", "-o", "c.yml", cwd=tmp_path)
-    assert "topics come from --system, --bag, or SimulatorOutputs" in none.err
-    output = "SimulatorOutputs: [{id: level, type: std_msgs.Float32, topic: /level}]\n"
-    (tmp_path / "d.yml").write_text(output)
-    some = run("connect", "low.events", "-o", "d.yml", cwd=tmp_path)
-    assert "topics come from" not in some.err
-
-
 def test_messages_inside_of_themselves_end() -> None:
     found = leaves("rover_msgs/Loop", TYPES.get)
     assert [one.text for one in found] == ["end"]
     assert leaves("gone_msgs/Gone", TYPES.get) == [TopicField((), "", None)]
-
-
-def test_messages_that_grow_without_end_are_read_in_part() -> None:
-    def fields_of(name: str) -> dict[str, str]:
-        return {f"f{k}": f"{name}x" for k in range(100)}
-
-    assert leaves("big_msgs/Big", fields_of) == []
 
 
 EXAMPLES = [
@@ -301,19 +256,6 @@ def test_a_demand_takes_the_guarantee_that_fulfils_it(tmp_path: Path) -> None:
     assert "    type: eddi_messages.ConSertOutput\n    topic: consertb/guarantees\n" in both.out
 
 
-def test_evidence_takes_the_event_of_its_id(tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "examples" / "motor-watch", tmp_path, dirs_exist_ok=True)
-    done = run("connect", "drive.yml", "--with", "motor_config.yml", cwd=tmp_path)
-    assert done.status == 0
-    taken = "    requires: [motor_watch]\n    field: active\n"
-    assert f"{taken}EDDIOutputs" in done.out
-    path = tmp_path / "open.yml"
-    path.write_text(done.out.replace(taken, f"{taken}    max_age: TODO\n"), "utf-8")
-    again = run("connect", "drive.yml", "--with", "motor_config.yml", "-o", str(path), cwd=tmp_path)
-    assert again.status == 0
-    assert path.read_text("utf-8") == done.out
-
-
 def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "examples" / "warehouse-robot", tmp_path, dirs_exist_ok=True)
     others = (f"{one}_config.yml" for one in ("lidar", "power", "localisation", "people"))
@@ -329,31 +271,6 @@ def test_evidence_of_another_name_is_left_to_a_person(tmp_path: Path) -> None:
     for name, text in first.items():
         assert f"# connect: expression: {text}" in entries[name].splitlines()[1]
         assert "expression: TODO  # TODO one of the above" in entries[name]
-
-
-def test_evidence_takes_the_event_that_the_eddi_names(tmp_path: Path) -> None:
-    text = next(
-        match["content"]
-        for match in re.finditer(
-            r"<!-- file: landing.xml -->\n```xml\n(?P<content>.*?)```",
-            (ROOT / "docs" / "reference" / "eddi.md").read_text("utf-8"),
-            re.DOTALL,
-        )
-    )
-    text = text.replace('<runtimeEvidence name="MotorFit"', '<runtimeEvidence name="MayFly"')
-    (tmp_path / "landing.xml").write_text(text, "utf-8")
-    motor = (
-        "Model: {id: motor_watch, type: Event, frequency: 10}\n"
-        "SimulatorOutputs: [{id: temp, type: std_msgs.Float64, topic: /temp}]\n"
-        "EDDIInputs: [{id: temp, requires: [temp], max_age: 1}]\n"
-        "EDDIOutputs: [{id: fit, topic: motor_watch/fit, event: MotorFit},"
-        " {id: hot, topic: motor_watch/hot, event: hot}]\n"
-    )
-    (tmp_path / "motor.yml").write_text(motor, "utf-8")
-    words = ("connect", "landing.xml", "--name", "Landing", "--with", "motor.yml")
-    done = run(*words, cwd=tmp_path)
-    assert "  - id: MayFly\n    # connect: taken, 100 points" in done.out
-    assert "    requires: [fit]\n    field: active\n" in done.out
 
 
 def test_a_topic_of_another_monitor_is_added_once(tmp_path: Path) -> None:

@@ -97,12 +97,6 @@ def test_the_nearest_miss_is_named(need: InputNeed, topic: str, why: str) -> Non
     assert (missed.topic.id, missed.why) == (topic, why)
 
 
-def test_the_size_of_the_cells_of_a_map_is_no_distance() -> None:
-    grid = RobotTopic("map", "nav_msgs/OccupancyGrid", "/map")
-    (decision,) = decide([InputNeed("MapDistance", "float", "m")], [grid], known_messages().get)
-    assert "info.resolution" not in [one.leaf.text for one in decision.candidates]
-
-
 def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
     topics = [one for one in TOPICS if one.id != "scan_rear"]
     (decision,) = decide([InputNeed("nearest", "float", "m")], topics, known_messages().get)

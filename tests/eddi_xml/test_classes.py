@@ -73,12 +73,6 @@ def test_a_model_of_an_unknown_class_is_named(model: str, hint: str) -> None:
     assert said("f:FailureLogicPackage", model) == [f"5: warning X006 {what} | {hint}"]
 
 
-def test_a_package_of_an_unknown_class_whose_models_are_read_is_named() -> None:
-    (one,) = said("f:BayesianNetworkList", "b:BayesianNetwork")
-    assert one.startswith('4: warning X006 odeProductPackages "P" is of the unknown class')
-    assert "nothing is read" not in one
-
-
 def test_a_package_of_an_unknown_class_is_named() -> None:
     (one,) = said("f:FailureLogicPakage", "f:FaultTree")
     assert one.startswith('4: warning X006 odeProductPackages "P" is of the unknown class')

@@ -7,15 +7,11 @@ import re
 
 import pytest
 
-from eddi_scaffold.common.files import Source, read_source
-from eddi_scaffold.eddi_xml import vocabulary
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import Limits
-from eddi_scaffold.eddi_xml.reading import read_document, read_stream, recognises
+from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.survey import survey
 from eddi_scaffold.eddi_xml.vocabulary import ClassName, Spelling, fold, package_key
-from tests.cli.command import ROOT
-from tests.data_files import ORACLES
 from tests.eddi_xml.eddi_texts import OLDER, ROVER, SAFETY_CASE, texts
 
 
@@ -91,47 +87,9 @@ def test_surveys(
     assert tuple(found["references"].values()) == references
 
 
-def test_survey_of_oracle_networks_and_failure_models() -> None:
-    kinds = set()
-    for path in [*ORACLES.glob("bn/*.xml"), *ORACLES.glob("monitors/*.xml")]:
-        doc, problems = read_document(read_source(path))
-        assert doc is not None
-        assert problems == []
-        found = survey(doc)
-        assert found["references"]["total"] > found["references"]["unresolved"] == 0
-        kinds |= {model["kind"] for model in found["models"]}
-    assert kinds == {"bayesian_network", "fault_tree", "markov_chain"}
-
-
-def test_references_by_href_by_id_and_into_other_files() -> None:
-    doc = document(
-        '<r xmlns:xmi="http://www.omg.org/XMI"><a xmi:id="_1"/>\n'
-        '<b to="_1 #_1 //@a.0"><to href="#//@a.0"/></b>\n'
-        '<b to="x.xml#//@a.0 _2 //@a[k]"/>\n<b to=" "/></r>'
-    )
-    to = Spelling("to")
-    _, good, bad, empty = doc.roots[0]
-    found, problems, present = doc.targets(good, to)
-    assert (found, problems, present) == ([doc.roots[0][0]] * 4, [], True)
-    found, problems, present = doc.targets(bad, to)
-    assert (found, present) == ([], True)
-    assert texts(problems) == [
-        'm.xml:3: error X007: to "//@a[k]" is not a reference',
-        'm.xml:3: error X007: to "_2" points at nothing: no element has xmi:id "_2"',
-        'm.xml:3: error X007: to "x.xml#//@a.0" points into another file, x.xml',
-    ]
-    assert doc.targets(empty, to) == ([], [], False)
-
-
 def test_too_many_references() -> None:
     data = b'<r><a/><b to="//@a //@a //@a"/></r>'
     doc, _ = read_stream(io.BytesIO(data), "m.xml", Limits(reference_tokens=2))
     assert doc is not None
     _, problems, _ = doc.targets(doc.roots[0][1], Spelling("to"))
     assert texts(problems) == ["m.xml:1: error X003: to has 3 references, more than the limit of 2"]
-
-
-def test_sniffing_looks_at_the_content() -> None:
-    assert recognises(Source("a.model", b"\xef\xbb\xbf \n<r/>"))
-    assert recognises(Source("a.model", "<r/>".encode("utf-16")))
-    assert not recognises(Source("a.xml", b"guarantees: []"))

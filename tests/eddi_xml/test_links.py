@@ -6,19 +6,15 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.eddi_xml.survey import unread
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.tracing import trace_of
 from eddi_scaffold.platforms import platforms
-from tests.cli.command import ROOT
 
 MODELS = Path(__file__).parent / "models"
 ROVER = (MODELS / "rover_hazards.xml").read_text("utf-8")
@@ -122,10 +118,3 @@ def test_many_references_are_cut_off() -> None:
     assert max(map(len, found.values())) == 100
     text = ROVER.replace("<hazards ", f"{hazards}<hazards ", 1)
     assert {len(one.links) for one in links_of(parsed(text)).values() if one.is_cut} == {100}
-
-
-@pytest.mark.parametrize("name", ["drone/drone.xml", "two-conserts/two_conserts.xml"])
-def test_examples_without_other_packages_have_no_links(name: str) -> None:
-    document = parsed((ROOT / "examples" / name).read_text("utf-8"))
-    assert links_of(document) == {}
-    assert unread(document) == []

@@ -122,13 +122,3 @@ def test_the_path_of_an_element_resolves_to_it(tree: Tree) -> None:
         fragment = parse_fragment(path)
         assert fragment is not None
         assert doc.references.resolve(fragment) is element
-
-
-@given(TREES)
-def test_prefixes_and_comments_do_not_count(tree: Tree) -> None:
-    plain = document(_text(tree, "", ""))
-    noisy = document(_text(tree, "p:", "<!-- x --><?pi?>\n"))
-    paths = [
-        [doc.references.path(element) for element in doc.roots[0].iter()] for doc in (plain, noisy)
-    ]
-    assert paths[0] == paths[1]

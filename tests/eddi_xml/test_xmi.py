@@ -103,10 +103,6 @@ def test_a_doctype_far_behind_is_refused_after_parsing() -> None:
     assert [p.code for p in read(data)[1]] == ["X001"]
 
 
-def test_many_comments_before_the_root_take_no_time() -> None:
-    assert read(b"<!---->" * 9000 + b"<r/>")[1] == []
-
-
 def test_xinclude_is_not_followed() -> None:
     data = (
         b'<a xmlns:xi="http://www.w3.org/2001/XInclude"><xi:include href="/etc/passwd" '

@@ -64,6 +64,7 @@ from tests.adopting.old_packages import write_old_ros_package
 from tests.cli.command import ROOT, files_below
 from tests.data_files import FOREIGN, ORACLES
 from tests.fuzz.damage import Reader, Sample
+from tests.mros.test_reading import INDENT_MODEL, MODEL, SYSTEM
 from tests.package_texts import INPUT, eddi_input
 
 EXAMPLES = ROOT / "examples"
@@ -403,6 +404,8 @@ def _robots(folder: Path) -> Made:
     samples = _samples(paths)
     few = sorted(FOREIGN.glob("mros/corpus/**/*.ros*"))[::5]
     samples += [Sample(p.name, p.read_bytes()) for p in few if p.stat().st_size <= SMALL]
+    texts = {"x.rossystem": SYSTEM, "x.ros": MODEL, "x.ros1": INDENT_MODEL}
+    samples += [Sample(name, text.encode()) for name, text in texts.items()]
 
     def attempt(sample: Sample) -> Steps:
         with contextlib.suppress(MrosSyntaxError):

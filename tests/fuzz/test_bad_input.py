@@ -6,9 +6,6 @@
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -18,14 +15,14 @@ from hypothesis import strategies as st
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.platforms import platforms
-from tests.cli.command import EXAMPLE, ROOT, Result, files_below, run
+from tests.cli.command import EXAMPLE, Result, files_below, run
 from tests.fuzz.mutations import mutations
+from tests.kinds.consert.example import ROVER
 
 pytestmark = pytest.mark.slow
 
 XML = (EXAMPLE / "two_conserts.xml").read_bytes()
 CONFIG = (EXAMPLE / "consert_a_config.yml").read_bytes()
-RECORDING = (EXAMPLE / "recording.csv").read_bytes()
 FEW = max(10, settings.default.max_examples // 50)
 """Examples of the tests that render packages or start processes."""
 
@@ -42,46 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 GENERATE = ("generate", "--platform", "plain", "-o", "packages", "-m")
-YAML = b"""---
-guarantees:
-  - id: Near
-    description: closer than 50 m
-    dimensions:
-      - Numeric:
-          type: Distance
-          covered:
-            - Inclusive: {start: 0, end: 50}
-          subset: Demand
-          uom: m
-    ranking: 1
-  - id: Always
-    dimensions:
-      - Binary: {type: Safe}
-    default: true
-demands:
-  - id: Map
-    dimensions:
-      - Categorical: {type: MapAge, covered: [new, "1e3"], subset: Guarantee}
-evidence:
-  - id: Clearance
-    dimension:
-      Numeric:
-        type: Distance
-        covered:
-          - Exclusive: {start: -1e3, end: .inf}
-        subset: Demand
-        uom: km
-gates:
-  - {id: Both, function: And}
-tree_propagations:
-  - {from: Clearance, to: Both}
-  - {from: Map, to: Both}
-  - {from: Both, to: Near}
-required_services:
-  - {id: Maps, functional_service_type: MapService, demands: [Map]}
-provided_services:
-  - {id: Drive, functional_service_type: Motion, guarantees: [Near, Always]}
-"""
+YAML = ROVER.encode()
 
 
 def answered(result: Result, *statuses: int) -> None:
@@ -101,39 +59,18 @@ def refused(folder: Path, model: str, config: str | None, platform: str) -> bool
     return False
 
 
-@given(data=mutations(XML))
-def test_damaged_xml(folder: Path, data: bytes) -> None:
-    (folder / "damaged.xml").write_bytes(data)
-    answered(run("check", "damaged.xml", "consert_a_config.yml", "-v", cwd=folder), 0, 1)
-    answered(run("show", "damaged.xml", cwd=folder), 0, 1, 2)
-    if refused(folder, "damaged.xml", None, "plain"):
-        answered(run("check", "damaged.xml", "--platform", "plain", cwd=folder), 1)
+SOUND = {"two_conserts.xml": XML, "ConSertA.yml": YAML, "consert_a_config.yml": CONFIG}
 
 
-@given(data=st.one_of(mutations(YAML), mutations(YAML[: YAML.index(b"evidence")])))
-def test_damaged_consert_yaml(folder: Path, data: bytes) -> None:
-    (folder / "damaged.yml").write_bytes(data)
-    answered(run("check", "damaged.yml", "-v", cwd=folder), 0, 1)
-    answered(run("show", "damaged.yml", cwd=folder), 0, 1, 2)
-    answered(run("compose", "a=damaged.yml", "ConSertB.yml", cwd=folder), 0, 1, 2)
-    if refused(folder, "damaged.yml", None, "plain"):
-        answered(run("check", "damaged.yml", "--platform", "plain", cwd=folder), 1)
-
-
-@given(data=mutations(CONFIG))
-def test_damaged_config(folder: Path, data: bytes) -> None:
-    (folder / "damaged_config.yml").write_bytes(data)
-    is_refused = refused(folder, "two_conserts.xml", "damaged_config.yml", "ros1")
-    statuses = [1] if is_refused else [0, 1]
-    command = ("check", "damaged_config.yml", "two_conserts.xml", "-v")
-    answered(run(*command, cwd=folder), *statuses)
-
-
-@given(data=mutations(RECORDING))
-def test_damaged_recording(folder: Path, data: bytes) -> None:
-    (folder / "damaged.csv").write_bytes(data)
-    command = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--inputs", "damaged.csv")
-    answered(run(*command, cwd=folder), 0, 2)
+@given(st.sampled_from(list(SOUND)).flatmap(lambda n: st.tuples(st.just(n), mutations(SOUND[n]))))
+def test_check_refuses_what_generate_refuses(folder: Path, one: tuple[str, bytes]) -> None:
+    name = f"damaged-{one[0]}"
+    (folder / name).write_bytes(one[1])
+    is_config = "config" in name
+    model, config = ("two_conserts.xml", name) if is_config else (name, None)
+    is_refused = refused(folder, model, config, "ros1" if is_config else "plain")
+    words = (model, config) if is_config else (model, "--platform", "plain")
+    answered(run("check", *words, cwd=folder), *([1] if is_refused else [0, 1]))
 
 
 @given(data=mutations(XML), config=st.one_of(st.just(CONFIG), mutations(CONFIG)))
@@ -188,18 +125,3 @@ def test_damaged_packages_change_no_file(folder: Path, data: st.DataObject) -> N
             assert files_below(package) == before
     finally:
         path.write_bytes(sound)
-
-
-@settings(max_examples=min(FEW, 30))
-@given(data=st.one_of(mutations(XML), mutations(YAML), mutations(CONFIG)))
-def test_the_real_command(folder: Path, data: bytes) -> None:
-    (folder / "damaged").write_bytes(data)
-    done = subprocess.run(
-        [sys.executable, "-m", "eddi_scaffold", "check", "damaged", "two_conserts.xml"],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'runtime_lib' / 'src'}"},
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode in {0, 1}, done.stderr
-    assert b"Traceback" not in done.stderr

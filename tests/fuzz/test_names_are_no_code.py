@@ -51,47 +51,21 @@ def some(size: int) -> st.SearchStrategy[list[str]]:
 
 def model_yaml(texts: list[str]) -> str:
     _, first, second, text, unit, category, *_ = texts
+    spans = [{"Inclusive": {"start": 0, "end": 1}}]
+    length = {"type": "Length", "covered": spans, "subset": "Demand", "uom": unit}
+    kind = {"type": "Kind", "covered": [category, "b"], "subset": "Demand"}
+    safe = [{"Binary": {"type": category or "Safe"}}]
+    edges = [(first, "Both"), (second, "Both"), ("Both", "G")]
     return dump_plain(
         {
-            "guarantees": [
-                {
-                    "id": "G",
-                    "description": text,
-                    "dimensions": [{"Binary": {"type": category or "Safe"}}],
-                }
-            ],
+            "guarantees": [{"id": "G", "description": text, "dimensions": safe}],
             "demands": [],
             "evidence": [
-                {
-                    "id": first,
-                    "description": text,
-                    "dimension": {
-                        "Numeric": {
-                            "type": "Length",
-                            "covered": [{"Inclusive": {"start": 0, "end": 1}}],
-                            "subset": "Demand",
-                            "uom": unit,
-                        }
-                    },
-                },
-                {
-                    "id": second,
-                    "description": text,
-                    "dimension": {
-                        "Categorical": {
-                            "type": "Kind",
-                            "covered": [category, "b"],
-                            "subset": "Demand",
-                        }
-                    },
-                },
+                {"id": first, "description": text, "dimension": {"Numeric": length}},
+                {"id": second, "description": text, "dimension": {"Categorical": kind}},
             ],
             "gates": [{"id": "Both", "function": "And"}],
-            "tree_propagations": [
-                {"from": first, "to": "Both"},
-                {"from": second, "to": "Both"},
-                {"from": "Both", "to": "G"},
-            ],
+            "tree_propagations": [{"from": source, "to": target} for source, target in edges],
             "required_services": [],
             "provided_services": [],
         }

@@ -26,7 +26,6 @@ from eddi_scaffold.platforms import platforms
 from eddi_scaffold.recordings.messages import Publications
 from eddi_scaffold.recordings.playing import compiled
 from tests.checkouts import HERE
-from tests.cli.command import run
 from tests.kinds.examples import EXAMPLES
 
 each_kind = pytest.mark.parametrize("kind", kinds().values(), ids=list(kinds()))
@@ -75,16 +74,6 @@ def test_it_recognises_its_own_files(kind: Kind) -> None:
 
 
 @each_kind
-def test_it_checks_and_shows_its_example(kind: Kind) -> None:
-    (model, *_) = (
-        m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
-    )
-    assert not has_errors(model.check())
-    assert model.outline()
-    assert all(isinstance(number, int) for number in model.counts().values())
-
-
-@each_kind
 def test_what_it_exports_it_reads_back(kind: Kind, tmp_path: Path) -> None:
     (model, *_) = (
         m for m in read_models(read_source(files_of(kind)[0])).models if m.kind == kind.name
@@ -109,19 +98,6 @@ def test_every_platform_has_a_package_for_it(kind: Kind, platform: Any) -> None:
     assert not has_errors(problems)
     assert package.folder == monitor.package
     json.dumps(package.answers)  # answers are plain data
-
-
-@each_kind
-def test_its_package_is_python(kind: Kind, tmp_path: Path) -> None:
-    model, config = files_of(kind)
-    words = ("-m", model, "-c", config)
-    done = run("generate", "--platform", "plain", *words, "-o", "out", cwd=tmp_path)
-    assert done.status == 0, done.err
-    (package,) = (tmp_path / "out").iterdir()
-    compiled_package = [sys.executable, "-m", "compileall", "-q", str(package)]
-    assert subprocess.run(compiled_package, check=False).returncode == 0
-    readme = (package / "README.md").read_text("utf-8")
-    assert kind.title in readme
 
 
 @each_kind

@@ -10,11 +10,9 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml.reference import read_reference
-from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.cli.command import run
 from tests.data_files import data_file
-from tests.kinds.bayesian_network.networks import brute_force
 
 SPACES = (
     'xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
@@ -27,18 +25,6 @@ SPACES = (
 def told(text: str, name: str) -> list[tuple[str, int | None]]:
     reading = read_models(Source(name, text.encode()))
     return [(one.code, one.place.line) for one in reading.problems if one.level == "error"]
-
-
-@pytest.mark.parametrize(
-    ("file", "wanted"),
-    [
-        ("two_rates.xml", [("X011", 9), ("X011", 14)]),
-        ("two_tables.xdsl", [("B110", 6)]),
-    ],
-)
-def test_the_second_of_two_values_is_named(file: str, wanted: list[tuple[str, int]]) -> None:
-    path = data_file(f"field/repeated-elements/{file}")
-    assert told(path.read_text(), file) == wanted
 
 
 TABLE = "<DEFINITION>\n<FOR>A</FOR>\n<TABLE>0.1 0.9</TABLE>\n</DEFINITION>"
@@ -63,6 +49,9 @@ MEF = (
 )
 
 
+ONE, YES = '<float value="1"/>', '<constant value="true"/>'
+
+
 @pytest.mark.parametrize(
     ("text", "name", "old", "new", "wanted"),
     [
@@ -75,27 +64,9 @@ MEF = (
         (BIF, "n.bif", "table", "default 0.5, 0.5;\ntable", ("B201", 5)),
         (BIF, "n.bif", "0.9;", "0.9;\ndefault 0.5, 0.5;", ("B201", 5)),
         (BIF, "n.bif", "}; }", "};\ntype discrete [2] { a, b }; }", ("B201", 3)),
-        (
-            MEF,
-            "t.opsa",
-            "<float",
-            '<neg><float value="1"/><float value="2"/></neg><float',
-            ("R017", 2),
-        ),
-        (
-            MEF,
-            "t.opsa",
-            '<float value="0.1"/>',
-            '<neg><int value="1"/><int value="2"/></neg>',
-            ("R002", 2),
-        ),
-        (
-            MEF.replace("basic", "house"),
-            "t.opsa",
-            '<float value="0.1"/>',
-            '<constant value="true"/><constant value="true"/>',
-            ("R017", 2),
-        ),
+        (MEF, "t.opsa", "<float", f"<neg>{ONE * 2}</neg><float", ("R017", 2)),
+        (MEF, "t.opsa", '<float value="0.1"/>', f"<neg>{ONE * 2}</neg>", ("R002", 2)),
+        (MEF.replace("basic", "house"), "t.opsa", '<float value="0.1"/>', YES * 2, ("R017", 2)),
     ],
 )
 def test_no_second_value_is_dropped(
@@ -147,22 +118,6 @@ def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
     end = text.index("/>", text.index(f"<{element}")) + 2
     again = f'\n<{element} name="Other"/>'
     assert [code for code, _ in told(text[:end] + again + text[end:], "m.xml")] == ["X011"]
-
-
-@pytest.mark.parametrize(
-    ("file", "node", "wanted"),
-    [
-        ("bif-interval-states/speed.bif", "Risk", [0.67, 0.33]),
-        ("row-rounding/tank.bif", "Pump", [1.6 / 3, 1.4 / 3]),
-    ],
-)
-def test_networks_with_unusual_states_and_rows(file: str, node: str, wanted: list[float]) -> None:
-    reading = read_models(read_source(data_file(f"field/{file}")))
-    (model,) = reading.models
-    assert {one.level for one in reading.problems} <= {"warning"}
-    assert brute_force(model.data, {}, node) == pytest.approx(wanted, abs=1e-12)
-    monitor, _ = monitor_of(model, None)
-    assert monitor is not None
 
 
 def test_intervals_of_bif() -> None:

@@ -8,7 +8,6 @@ import pytest
 from eddi_runtime.bayesian_network.asking import posteriors
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.kinds import Options
 from eddi_scaffold.monitors.loading import read_models
 from tests.kinds.bayesian_network.networks import joined, running
 from tests.metamodel.expected import FOLDER, cases, models
@@ -42,12 +41,6 @@ def test_what_states_mean_is_said_to_be_unused() -> None:
         if "dimension" in one.message
     )
     assert (said.code, said.level) == ("X014", "info")
-
-
-def test_what_is_known_is_proposed_as_inputs() -> None:
-    (model,) = models("07_bayesian_network.xml")
-    drafted = model.draft(Options())
-    assert list(drafted.options["discretisation"]) == ["Weather", "Pedestrian"]
 
 
 @pytest.mark.parametrize(

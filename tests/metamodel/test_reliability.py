@@ -119,6 +119,7 @@ TOP = 'topEvent="//@odeProductPackages.0/@failureModels.0/@causes.9"'
 EXIT = 'onExit="//@odeProductPackages.2/@actions.1"'
 TRIGGERS = 'triggers="//@odeProductPackages.1/@events.3"'
 FIVE = '<states name="Five"/>'
+ODD = ("X014", "warning", 6)
 ROWS = [
     # no other top is taken
     ("08_fault_tree", TOP, TOP.replace(".9", ".99"), ("X007", "error", 4), ""),
@@ -129,20 +130,8 @@ ROWS = [
     # a common cause is named with its members
     ("09_common_cause", "", "", ("R013", "warning", 15), "Front, Rear"),
     # what would change a chain
-    (
-        "12_markov_chain",
-        FIVE,
-        '<states name="Five"><initialProb/></states>',
-        ("X014", "warning", 6),
-        "initialProb",
-    ),
-    (
-        "12_markov_chain",
-        FIVE,
-        f"{FIVE}<transitionMatrices/>",
-        ("X014", "warning", 6),
-        "transitionMatrices",
-    ),
+    ("12_markov_chain", FIVE, f"{FIVE[:-2]}><initialProb/></states>", ODD, "initialProb"),
+    ("12_markov_chain", FIVE, f"{FIVE}<transitionMatrices/>", ODD, "transitionMatrices"),
 ]
 
 

@@ -107,12 +107,6 @@ def test_a_slip_is_an_error_at_its_line(
     assert errors(file, (old, new)) == [said]
 
 
-def test_two_elements_with_one_id_are_no_target() -> None:
-    found = reading("pump.xml", ('xmi:id="_s" name="S"', 'xmi:id="_a" name="S"'))
-    texts = [one.message for one in found.problems if one.level == "error"]
-    assert 'causes "_a" points at nothing: 2 elements have xmi:id "_a"' in texts
-
-
 def test_a_range_is_read_as_it_is_written_whatever_its_class_is_called() -> None:
     covered = '<covered start="2" end="3" inclusive="true"/>'
     lift = reading("lift.xml", (LOAD, covered)).models[0].data
@@ -141,22 +135,3 @@ def test_an_attribute_of_many_values_is_no_stray_text() -> None:
     ]
     stray = reading("lift.xml", (system, f"{system} lost {lines}"))
     assert [one.place.line for one in stray.problems if one.case == "X006.text"] == [6]
-
-
-def test_what_the_design_holds_for_no_monitor_is_said_with_counts() -> None:
-    (said,) = (one for one in reading("lift.xml").unread if "design" in one.message)
-    assert (said.level, said.code, said.place.line) == ("info", "X021", 7)
-    assert "1 functions, 1 systemBoundaries, 1 ports" in said.message
-
-
-def test_a_package_alone_is_the_root_of_its_paths() -> None:
-    text = """<c:ConSertPackage xmlns:c="http://www.sesame-project.eu/ode/conserts">
-      <conSerts name="Alone"><runtimeEvidences name="A"/><guarantees name="B"/>
-        <guaranteePropagations source="//@conSerts.0/@runtimeEvidences.0"
-          target="//@conSerts.0/@guarantees.0"/></conSerts></c:ConSertPackage>"""
-    read = read_models(Source("alone.xml", text.encode()))
-    (alone,) = read.models
-    assert [one.code for one in read.problems] == ["X014"]
-    assert isinstance(alone.data, ConSert)
-    (edge,) = alone.data.tree_propagations
-    assert (edge.source, edge.target) == ("A", "B")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
@@ -29,12 +28,6 @@ def wheel_speed(unit: str) -> dict[str, object]:
     assert monitor is not None, problems
     (found,) = [i for i in shared_answers(monitor, "x")["inputs"] if i["attribute"] == "WheelSpeed"]
     return found
-
-
-def test_the_model_of_the_page_is_read_without_a_word(tmp_path: Path) -> None:
-    path = tmp_path / "Rover.yml"
-    path.write_text(MODEL)
-    assert [p for p in check_files([path]) if p.level != "info"] == []
 
 
 def test_another_unit_asks_for_a_look_and_stands_in_the_comment() -> None:

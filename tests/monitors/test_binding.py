@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import ModelInput, kinds
+from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
-from tests.cli.command import EXAMPLE
 from tests.diagnosed import assert_reported
 
-KIND = kinds()["consert"]
 SPEED = """---
 guarantees:
   - {id: Drives, dimensions: [{Binary: {type: Driving}}]}
@@ -75,12 +71,6 @@ def test_the_only_field_of_a_message_is_taken_where_its_type_fits() -> None:
     whole = "  - {id: whole, type: std_msgs.Int32, topic: /whole}\n"
     (binding,) = sound("requires: [whole], max_age: none", sources=whole).inputs
     assert binding.expression == "whole.data"
-
-
-def test_an_unknown_message_is_left_to_a_person_unless_a_field_is_named() -> None:
-    assert sound("requires: [other]").inputs[0].expression is None
-    assert sound("requires: [other], field: range").inputs[0].expression == "other.range"
-    assert sound("requires: [lidar, other]").inputs[0].expression is None
 
 
 def test_the_shortest_age_of_what_is_required_counts_unless_the_input_says_one() -> None:
@@ -152,20 +142,6 @@ def test_two_inputs_with_one_attribute_are_e025() -> None:
     assert_reported("K015", problems)
 
 
-def test_the_example_needs_no_hand_written_line() -> None:
-    for letter in ("a", "b"):
-        path = EXAMPLE / f"consert_{letter}_config.yml"
-        config, problems = read_config(Source(str(path), Path(path).read_bytes()))
-        assert problems == []
-        assert config is not None
-        models = read_models(Source("m.xml", (EXAMPLE / "two_conserts.xml").read_bytes())).models
-        model = models["ab".index(letter)]
-        monitor, found = monitor_of(model, config)
-        assert found == []
-        assert monitor is not None
-        assert all(binding.expression for binding in monitor.inputs)
-
-
 OTHER = "they are not of one dimension"
 UNITS = """\
   - {id: scan, type: sensor_msgs.LaserScan, topic: /scan, max_age: 1}
@@ -206,69 +182,26 @@ def test_units_that_agree(entry: str, uom: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "uom", "message", "hint"),
+    ("source", "path", "uom", "told", "hint"),
     [
-        (
-            "requires: [battery], field: percentage",
-            "percent",
-            "percentage of sensor_msgs/BatteryState is in fraction, 'Clearance' in percent",
-            "write `unit: fraction`, which is converted: 1 fraction is 100 percent",
-        ),
-        (
-            "requires: [scan], field: 'ranges[0]'",
-            "mm",
-            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in mm",
-            "write `unit: m`, which is converted: 1 m is 1000 mm",
-        ),
-        (
-            "requires: [scan], field: 'ranges[0]', unit: km",
-            "m",
-            "ranges[0] of sensor_msgs/LaserScan is in m, 'Clearance' in km",
-            "write `unit: m`, which is converted: 1 m is 0.001 km",
-        ),
-        (
-            "expression: 'MIN(scan.ranges[*])'",
-            "km",
-            "MIN(scan.ranges[*]) is in m, 'Clearance' in km",
-            "write `unit: m`, which is converted: 1 m is 0.001 km",
-        ),
-        (
-            "requires: [imu], field: angular_velocity.z",
-            "deg/s",
-            "angular_velocity.z of sensor_msgs/Imu is in rad/s, 'Clearance' in deg/s",
-            "write `unit: rad/s`, which is converted: 1 rad/s is 57.2958 deg/s",
-        ),
-        (
-            "requires: [battery], field: voltage",
-            "m",
-            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in m: {OTHER}",
-            None,
-        ),
-        (
-            "requires: [battery], field: voltage",
-            '""',
-            f"voltage of sensor_msgs/BatteryState is in V, 'Clearance' in a ratio: {OTHER}",
-            None,
-        ),
-        (
-            "requires: [joints], field: 'position[arm]'",
-            "V",
-            f"position[arm] of sensor_msgs/JointState is in rad or m, 'Clearance' in V: {OTHER}",
-            None,
-        ),
+        ("battery", "percentage", "percent", "fraction, 'Clearance' in percent", "100 percent"),
+        ("scan", "'ranges[0]'", "mm", "m, 'Clearance' in mm", "1000 mm"),
+        ("scan", "'ranges[0]', unit: km", "m", "m, 'Clearance' in km", "0.001 km"),
+        ("imu", "angular_velocity.z", "deg/s", "rad/s, 'Clearance' in deg/s", "57.2958 deg/s"),
+        ("battery", "voltage", "m", f"V, 'Clearance' in m: {OTHER}", None),
+        ("battery", "voltage", '""', f"V, 'Clearance' in a ratio: {OTHER}", None),
+        ("joints", "'position[arm]'", "V", f"rad or m, 'Clearance' in V: {OTHER}", None),
     ],
 )
 def test_a_unit_that_contradicts_the_message_is_an_error(
-    entry: str, uom: str, message: str, hint: str | None
+    source: str, path: str, uom: str, told: str, hint: str | None
 ) -> None:
-    assert said(entry, uom) == [("K022", message, hint)]
+    ((code, message, way),) = said(f"requires: [{source}], field: {path}", uom)
+    assert (code, message.partition(" is in ")[2]) == ("K022", told)
+    unit = told.partition(",")[0]
+    assert way == (hint and f"write `unit: {unit}`, which is converted: 1 {unit} is {hint}")
 
 
-def test_the_unit_to_write_converts_the_value() -> None:
-    text = SPEED.replace("uom: m", "uom: percent")
-    (model,) = read_models(Source("speed.yml", text.encode())).models
-    entry = "requires: [battery], field: percentage, unit: fraction"
-    config, _ = read_config(Source("c.yml", config_text(entry, UNITS).encode()))
-    monitor, problems = monitor_of(model, config)
-    assert monitor is not None, problems
-    assert monitor.inputs[0].factor == (100, 1)
+def test_an_expression_has_a_unit_as_well() -> None:
+    ((_, message, _),) = said("expression: 'MIN(scan.ranges[*])'", "km")
+    assert message == "MIN(scan.ranges[*]) is in m, 'Clearance' in km"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import sys
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, make_dataclass
 from fractions import Fraction
@@ -17,7 +16,6 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 from eddi_scaffold.monitors.digest import digest_of
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.instructions import Operation
@@ -26,7 +24,7 @@ from tests.frozen import corpus
 from tests.frozen.random_models import MAKERS
 from tests.frozen.texts import REFUSED, compiled_text, computed_by, parts_of, write
 
-EDITS = 12
+EDITS = 8
 """Of one model in a run."""
 _TOKEN = re.compile(r"[A-Za-z_]\w*|\d+(?:\.\d+)?")
 
@@ -164,11 +162,3 @@ def test_an_element_called_at_counts() -> None:
 def test_what_has_no_text_is_refused() -> None:
     with pytest.raises(TypeError, match="of the type object"):
         digest_of(object())
-
-
-def test_a_large_network_is_quick() -> None:
-    table = tuple(Random(1).random() for _ in range(262_144))
-    network = Network("n", (Node("a", "a", ("x", "y"), (), table),))
-    start = time.process_time()
-    digest_of(network)
-    assert time.process_time() - start < 0.5  # 0.1 s where nothing else runs

@@ -15,8 +15,6 @@ from eddi_scaffold.config.file import from_json
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
-from eddi_scaffold.yaml_text.nodes import Map, Scalar, read_document
-from eddi_scaffold.yaml_text.spans import inside_scalar
 from tests.checkouts import HERE
 
 EXAMPLE = HERE / "examples" / "rover-events"
@@ -94,23 +92,6 @@ def test_missing_stale_and_nan_are_unknown() -> None:
     assert step(eddi_input, name, 5 * SECOND, {}, battery=SimpleNamespace(percentage=0.1)) is False
 
 
-def test_what_is_known_decides_where_it_can() -> None:
-    monitor, problems = joined(config('expression: "battery.present AND motor.data < 80"'))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    absent = SimpleNamespace(present=False)
-    assert step(eddi_input, "BatteryIsFine", 0, {}, battery=absent) is False
-    assert step(eddi_input, "BatteryIsFine", 1, {}, battery=SimpleNamespace(present=True)) is None
-
-
-def test_a_hazard_is_true_when_unknown() -> None:
-    monitor, problems = joined(
-        config('expression: "battery.percentage < 0.2"\n    polarity: HAZARD')
-    )
-    assert monitor is not None, problems
-    assert step(bound(monitor), "BatteryIsFine", 0, {}) is True
-
-
 def test_another_input_may_be_named() -> None:
     text = config(
         'expression: "battery.present"', 'expression: "BatteryIsFine AND motor.data < 80"'
@@ -149,14 +130,6 @@ def test_what_is_wrong_and_where(battery: str, code: str, line: int, col: int, w
     assert words in " ".join(problem.message for problem in problems)
 
 
-def test_declarations_beside_the_inputs() -> None:
-    text = config(
-        "expression: battery.percentage > LEAST", more='declarations: ["CONST LEAST = 0.2"]\n'
-    )
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-
-
 SAFETY = """\
 ENUM Mode { AUTO, HAND }
 CONST limit = 80
@@ -190,12 +163,6 @@ def test_the_event_of_a_file_is_the_expression(tmp_path: Path) -> None:
     assert step(eddi_input, name, 2 * SECOND, {}, motor=SimpleNamespace(data=70.0)) is False
 
 
-def test_the_only_event_of_a_file_needs_no_name(tmp_path: Path) -> None:
-    monitor, problems = from_file(tmp_path, "", "motor.data < 80")
-    assert monitor is not None, problems
-    assert step(bound(monitor), "MotorIsCool", 0, {}, motor=SimpleNamespace(data=9.0)) is True
-
-
 def test_the_configuration_says_what_the_event_does_not(tmp_path: Path) -> None:
     monitor, problems = from_file(tmp_path, "\n    event: weak")
     assert monitor is not None, problems
@@ -219,96 +186,34 @@ def test_a_remembered_configuration_needs_no_file(tmp_path: Path) -> None:
     assert again.as_json() == monitor.config.as_json()
 
 
+HOT = "EVENT hot (HAZARD) := "
+
+
 @pytest.mark.parametrize(
-    ("keys", "text", "expected"),
+    ("keys", "text", "where", "words"),
     [
-        (
-            "\n    event: coll",
-            SAFETY,
-            (
-                "c.yml:10:12 K020 input 'MotorIsCool': safety.events has no event 'coll' "
-                "(did you mean 'cool'?)"
-            ),
-        ),
-        (
-            "\n    event: tepid",
-            "EVENT a (HAZARD) := motor.data > 1\nEVENT b (HAZARD) := a",
-            (
-                "c.yml:10:12 K020 input 'MotorIsCool': safety.events has no event 'tepid' "
-                "(events: a, b)"
-            ),
-        ),
-        (
-            "",
-            SAFETY,
-            (
-                "c.yml:9:22 K020 input 'MotorIsCool': `event:` must name an event of "
-                "safety.events (events: hot, weak, cool, elsewhere)"
-            ),
-        ),
-        (
-            "\n    event: elsewhere",
-            SAFETY,
-            (
-                "safety.events:7:31 E008 there is no simulator output 'no' "
-                "(there are: battery, motor, BatteryIsFine)"
-            ),
-        ),
-        (
-            "\n    event: hot",
-            "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) := temp > 5",
-            (
-                "safety.events:2:23 E008 there is no simulator output 'temp' "
-                "(there are: battery, motor, BatteryIsFine)"
-            ),
-        ),
-        (
-            "\n    event: hot",
-            "// two lines\nEVENT hot (HAZARD) := motor.dta > 5",
-            (
-                "safety.events:2:23 K020 std_msgs/Float32 has no field 'dta' "
-                "(did you mean 'data'? its fields: data)"
-            ),
-        ),
-        (
-            "\n    event: hot",
-            "EVENT cold (HAZARD) := TRUE\nEVENT hot (HAZARD) := motor.data >",
-            "safety.events:2:35 E001 an operand is expected, found the end of the text",
-        ),
-        ("", "// a number\nmotor.data", "safety.events:2:1 E007 the input needs a boolean"),
-        (
-            "\n    event: cool\n    polarity: EVIDENCE",
-            SAFETY,
-            (
-                "c.yml:11:15 K003 input 'MotorIsCool': safety.events declares HAZARD, "
-                "`polarity:` EVIDENCE (leave `polarity:` out)"
-            ),
-        ),
-        (
-            "\n    event: hot\n    expression: motor.data > 80",
-            SAFETY,
-            "c.yml:9:22 K003 input 'MotorIsCool': give `expression:` or `expression_file:`",
-        ),
-        (
-            "\n    event: hot\n    field: data",
-            SAFETY,
-            "c.yml:11:12 K003 'MotorIsCool' has `field:` and `expression_file:`",
-        ),
+        (["event: coll"], SAFETY, "c.yml:10:12 K020", "has no event 'coll'; did you mean 'cool'?"),
+        (["event: c"], f"{HOT}a.b > 1", "c.yml:10:12 K020", "has no event 'c'; events: hot"),
+        ([], SAFETY, "c.yml:9:22 K020", "`event:` must name an event of safety.events"),
+        (["event: elsewhere"], SAFETY, "safety.events:7:31 E008", "no simulator output 'no'"),
+        (["event: hot"], f"\n{HOT}temp > 5", "safety.events:2:23 E008", "output 'temp'"),
+        (["event: hot"], f"\n{HOT}motor.dta > 5", "safety.events:2:23 K020", "no field 'dta'"),
+        (["event: hot"], f"\n{HOT}motor.data >", "safety.events:2:35 E001", "end of the text"),
+        ([], "// a number\nmotor.data", "safety.events:2:1 E007", "the input needs a boolean"),
+        (["event: cool", "polarity: EVIDENCE"], SAFETY, "c.yml:11:15 K003", "declares HAZARD"),
+        (["event: hot", "expression: motor.data > 80"], SAFETY, "c.yml:9:22 K003", "`expression:`"),
+        (["event: hot", "field: data"], SAFETY, "c.yml:11:12 K003", "`field:` and `expression_f"),
     ],
 )
 def test_what_is_wrong_with_a_file_and_where(
-    keys: str, text: str, expected: str, tmp_path: Path
+    keys: list[str], text: str, where: str, words: str, tmp_path: Path
 ) -> None:
-    monitor, problems = from_file(tmp_path, keys, text)
+    monitor, problems = from_file(tmp_path, "".join(f"\n    {key}" for key in keys), text)
     assert monitor is None
-    errors = [
-        f"{Path(p.place.file or '').name}:{p.place.line}:{p.place.col} {p.code} {p.message}"
-        + (f" ({p.hint})" if p.hint else "")
-        for p in problems
-        if p.level == "error"
-    ]
-    assert len(errors) == 1, errors
-    assert errors[0].startswith(expected), errors
+    (found,) = [one for one in problems if one.level == "error"]
+    place = found.place
+    assert f"{Path(place.file or '').name}:{place.line}:{place.col} {found.code}" == where
+    assert words in f"{found.message}; {found.hint}"
 
 
 def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
@@ -323,39 +228,6 @@ def test_a_file_that_cannot_be_read_is_said_at_its_name(tmp_path: Path) -> None:
     monitor, (problem,) = joined(config("expression: battery.present", entry), tmp_path)
     assert (problem.code, problem.place.file) == ("E001", str(tmp_path / "safty.events"))
     assert problem.place.line == 2
-
-
-def test_an_enum_inside_of_an_expression() -> None:
-    text = "ENUM M { ON, OFF } VAR motor.data : M TIMEOUT 1s motor.data == ON"
-    monitor, problems = joined(config(f'expression: "{text}"'))
-    assert monitor is not None, problems
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "key: plain text here",
-        'key: "quoted \\n \\u00e4 text"',
-        "key: 'it''s quoted'",
-        "key: folded\n  over lines",
-        "key: >\n  block of\n  text",
-        "key: |\n  two\n  lines",
-    ],
-)
-def test_places_inside_of_scalars(text: str) -> None:
-    node, problems = read_document(Source("x.yml", text.encode()), "K001")
-    assert not problems
-    assert isinstance(node, Map)
-    value = node.entries[0][1]
-    assert isinstance(value, Scalar)
-    of = inside_scalar(text, value.place)
-    lines = text.split("\n")
-    for offset, char in enumerate(value.text.rstrip("\n")):
-        place = of(offset)
-        assert place.line is not None
-        assert place.col is not None
-        there = lines[place.line - 1][place.col - 1 :]
-        assert there.startswith(char) or there[:1] in ("", "\\") or char in " \n"
 
 
 KEYED = """  - {id: seen, type: eddi_messages.BayesianNetworkOutput, topic: /seen, max_age: 1}
@@ -480,29 +352,6 @@ def test_the_status_says_why_a_list_gives_nothing() -> None:
     assert step(eddi_input, "BatteryIsFine", 4, {}, scan=scan_of(5.0, 5.0, 5.0)) is True
 
 
-class Counted(list[float]):
-    """A list that counts how often it is looked through."""
-
-    looks = 0
-
-    def __iter__(self) -> Any:
-        self.looks += 1
-        return super().__iter__()
-
-
-def test_a_message_is_reduced_once_however_many_steps_hold_it() -> None:
-    text = config('expression: "MIN(MIN(scan.ranges[*]), 2s) > 1"', more=SCAN)
-    monitor, problems = joined(text)
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    scan = scan_of()
-    scan.ranges = Counted([5.0, 6.0])
-    for k in range(25):
-        found = step(eddi_input, "BatteryIsFine", k * SECOND // 10, {}, scan=scan)
-    assert found is True
-    assert scan.ranges.looks == 1
-
-
 @pytest.mark.parametrize(
     ("source", "expression", "fields", "wanted"),
     [
@@ -560,18 +409,3 @@ def test_a_var_that_contradicts_the_message_is_an_error() -> None:
         declared = f'declarations: ["VAR battery.percentage : NUMBER {said} TIMEOUT 1s"]\n'
         _, problems = joined(config("expression: battery.percentage > 0.2", more=declared))
         assert [one.code for one in problems if one.level == "error"] == codes
-
-
-def test_numbers_in_texts() -> None:
-    more = "  - {id: diag, type: diagnostic_msgs.DiagnosticArray, topic: /d, max_age: 1}\n"
-    path = 'diag.status["/Power: b"].values[Voltage].value'
-    monitor, problems = joined(config(f"expression: 'NUMBER({path}) > 22'", more=more))
-    assert monitor is not None, problems
-    eddi_input = bound(monitor)
-    for t, (text, wanted) in enumerate(
-        [("24.5", True), (" 2e1 ", False), ("24 V", None), ("nan", None), ("", None), ("1_0", None)]
-    ):
-        values = [SimpleNamespace(key="Voltage", value=text)]
-        status = [SimpleNamespace(name="/Power: b", values=values)]
-        diag = SimpleNamespace(status=status)
-        assert step(eddi_input, "BatteryIsFine", t, {}, diag=diag) is wanted

@@ -31,24 +31,9 @@ def test_a_file_without_a_model(tmp_path: Path, name: str, data: bytes, said: st
 @pytest.mark.parametrize(
     ("text", "line", "said", "hint"),
     [
-        (
-            "robots:\n  - {name: a}\nbindings: []\n",
-            1,
-            "there is no section 'robots', and no other key",
-            "did you mean 'Robots', of a deployment file?",
-        ),
-        (
-            "title: x\nmodel: {id: a}\n",
-            2,
-            "there is no section 'model', and no other key",
-            "did you mean 'Model', of a configuration?",
-        ),
-        (
-            "version: 3\nnetworks: {}\n",
-            1,
-            "this is no file of ours: it has the keys version, networks",
-            "a ConSert has `guarantees`, a configuration has `Model`",
-        ),
+        ("robots:\n  - {name: a}\nbindings: []\n", 1, "no section 'robots'", "mean 'Robots', of"),
+        ("title: x\nmodel: {id: a}\n", 2, "no section 'model'", "mean 'Model', of a confi"),
+        ("version: 3\nnetworks: {}\n", 1, "no file of ours: it has the keys", "`guarantees`, a "),
     ],
 )
 def test_yaml_that_is_no_consert_gets_one_error(
@@ -57,12 +42,9 @@ def test_yaml_that_is_no_consert_gets_one_error(
     file = tmp_path / "deployment.yml"
     file.write_text(text, "utf-8")
     (problem,) = check_files([file])
-    assert (problem.code, problem.place.line, problem.message.startswith(said)) == (
-        "F003",
-        line,
-        True,
-    )
-    assert (problem.hint or "").startswith(hint)
+    assert (problem.code, problem.place.line) == ("F003", line)
+    assert said in problem.message
+    assert hint in (problem.hint or "")
 
 
 def test_yaml_with_a_misspelt_key_of_a_consert_is_one(tmp_path: Path) -> None:

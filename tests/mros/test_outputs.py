@@ -188,30 +188,6 @@ def test_a_system_inside_of_itself(tmp_path: Path) -> None:
     assert "a -> b -> a" in problems[0].message
 
 
-def test_ambiguity_is_said_and_the_first_counts(tmp_path: Path) -> None:
-    laid(
-        tmp_path,
-        robot__rossystem="robot:\n  nodes:\n    a:\n      from: 'arm.driver'\n"
-        "    b:\n      from: 'other.node'\n      interfaces:\n        - x: pub-> 'driver::x'\n"
-        "        - x: pub-> 'driver::x'\n    c:\n      from: 'other.node'\n      interfaces:\n"
-        "        - y: sub-> 'driver::x'\n  connections:\n    - [x, y]\n",
-        one__ros1="arm:\n  artifacts:\n    driver:\n      node: driver\n      publishers:\n"
-        "        x:\n          type: a.B\n",
-        two__ros1="arm:\n  artifacts:\n    driver:\n      node: driver\n      publishers:\n"
-        "        x:\n          type: a.C\n",
-    )
-    outputs, problems = outputs_of(tmp_path / "robot.rossystem", tmp_path)
-    assert [(p.code, p.place.line) for p in problems] == [
-        ("M007", 3),
-        ("M007", 5),
-        ("M012", 8),
-        ("M012", 9),
-        ("M007", 10),
-        ("M018", 15),
-    ]
-    assert [(topic.topic, topic.type) for topic in outputs.topics] == [("/x", "a.B")]
-
-
 @pytest.mark.parametrize(
     ("named", "hint"),
     [

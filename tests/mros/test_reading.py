@@ -220,13 +220,6 @@ def test_models(text: str, tree: str) -> None:
     assert problems == ([("M004.brace", 11, 27)] if model.dialect == "brace" else [])
 
 
-def test_places() -> None:
-    value, *_ = read_rossystem(SYSTEM).components[0].interfaces
-    assert (value.place.line, value.place.col, value.ns) == (5, 23, "x")
-    _, label, *_ = read_rossystem(INDENT_SYSTEM).components[0].interfaces
-    assert (label.place.line, label.place.col) == (14, 9)
-
-
 @pytest.mark.parametrize(
     ("text", "old", "new", "message"),
     [
@@ -264,24 +257,6 @@ def test_what_is_refused(text: str, old: str, new: str, message: str) -> None:
     with pytest.raises(MrosSyntaxError) as refused:
         reader(text.replace(old, new, 1))
     assert message in refused.value.message
-
-
-@pytest.mark.parametrize(
-    ("end", "message"),
-    [
-        (" c ]", "expected ']' (it closes the '[' of line 16, column 33), found end of file"),
-        (" [ c ]", "expected '}' (it closes the '{' of line 16, column 29), found end of file"),
-    ],
-)
-def test_a_system_that_ends_inside_of_something_skipped(end: str, message: str) -> None:
-    with pytest.raises(MrosSyntaxError) as refused:
-        read_rossystem(SYSTEM[: SYSTEM.index(end)])
-    assert message in refused.value.message
-
-
-def test_byte_order_mark_and_windows_line_ends_change_nothing() -> None:
-    data = b"\xef\xbb\xbf" + SYSTEM.replace("\n", "\r\n").encode()
-    assert system_json(read_rossystem(data)) == system_json(read_rossystem(SYSTEM))
 
 
 def test_a_tab_counts_eight_columns() -> None:

@@ -19,7 +19,6 @@ from eddi_scaffold.program.c_files import c_files
 from eddi_scaffold.program.kept_bodies import keep_in_folder
 from eddi_scaffold.program.standalone import named
 from runtime_lib.tests.conserts import binary, categorical, consert, give, numeric
-from tests.cli.command import ROOT, run
 from tests.conditions.c_program import SANITIZE, compile_c
 
 TEXTS = ["low", "mid", 'é ??/ "\\', "a\0b"]
@@ -196,12 +195,3 @@ def test_no_text_of_a_model_is_code_or_a_marker(tmp_path: Path) -> None:
     assert keep_in_folder(files, tmp_path) == (files, [])
     sources = [str(tmp_path / name) for name in files if name.endswith(".c")]
     compile_c([*sources, "-o", str(tmp_path / "odd"), "-lm"])
-
-
-def test_a_kind_that_calls_the_runtime_is_refused(tmp_path: Path) -> None:
-    network = ROOT / "examples" / "pedestrian"
-    model, config = (next(network.glob(name)) for name in ("*.xml", "*config.yml"))
-    done = run("event", model, "-c", config, "--target", "c", "-o", "out", cwd=tmp_path)
-    assert done.status == 2
-    assert "there is no standalone monitor in c of the Bayesian network" in done.err
-    assert list(tmp_path.iterdir()) == []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
+import re
 import sqlite3
 import sys
 from collections.abc import Mapping, Sequence
@@ -130,14 +130,6 @@ def test_a_bag_of_ros2_gives_the_same_verdicts(
     assert verdicts(folder, "--bag", "ros2") == expected
 
 
-def test_a_folder_with_a_pipe_is_no_bag(folder: Path) -> None:
-    (folder / "ros2").mkdir()
-    os.mkfifo(folder / "ros2" / "metadata.yaml")
-    words = ("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "ros2")
-    result = run(*words, cwd=folder)
-    assert (result.status, "I011" in result.err) == (2, True)
-
-
 def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     written(folder / "a.bag", [healthy(0, True), demand(0, True)])
     config = folder / "consert_a_config.yml"
@@ -147,18 +139,6 @@ def test_the_near_topic_of_a_bag_is_named(folder: Path) -> None:
     result = run(*words, cwd=folder)
     near = f"{DEMAND} (eddi_messages/ConSertOutput), the bag has {EVIDENCE} (std_msgs/Bool)"
     assert f"  hint: the bag has {near}\n" in result.err
-
-
-def test_a_topic_of_another_type(folder: Path) -> None:
-    written(folder / "a.bag", [healthy(0, True)])
-    config = folder / "consert_a_config.yml"
-    text = config.read_text().replace("type: std_msgs.Bool", "type: std_msgs.Int8")
-    config.write_text(text)
-    result = run(
-        *("run", "two_conserts.xml", "-c", "consert_a_config.yml", "--bag", "a.bag"), cwd=folder
-    )
-    assert result.status == 2
-    assert_reported("I012", result.err)
 
 
 def test_inputs_of_hand_written_code_stay_unknown(folder: Path) -> None:
@@ -214,42 +194,30 @@ def battery(folder: Path, declared: str, text: str) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("declared", "text", "place", "words"),
+    ("declared", "text", "words"),
     [
-        (
-            "voltage: float32, charged: bool",
-            "requires: [battery], field: charged",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
-        ),
+        ("charged: bool, x: int8", "requires: [battery], field: charged", "has no field 'charged'"),
         (
             "voltage: float32, charging: bool",
             'expression: "battery.voltage < 12 AND battery.charging"',
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'voltage'",
+            "has no field 'voltage'",
         ),
-        (
-            "charged: bool",  # the only field needs no `field:`
-            "requires: [battery]",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: robot_msgs/Battery has no field 'charged'",
-        ),
+        # the only field needs no `field:`
+        ("charged: bool", "requires: [battery]", "has no field 'charged'"),
         (
             "volts: bool",
             "requires: [battery], field: volts",
-            "c.yml:8:",
-            "robot_msgs/Battery in the bag: 'volts' is a float, the input a bool",
+            "'volts' is a float, the input a bool",
         ),
     ],
 )
 def test_the_definitions_of_the_bag_are_the_ones_that_count(
-    tmp_path: Path, declared: str, text: str, place: str, words: str
+    tmp_path: Path, declared: str, text: str, words: str
 ) -> None:
     result = battery(tmp_path, declared, text)
     assert (result.status, result.out) == (2, "")
-    assert words in result.err
-    assert "[I012]" in result.err
-    assert place in result.err
+    assert "c.yml:8:" in result.err
+    assert re.search(f"robot_msgs/Battery in the bag: .*{words}.*\\[I012\\]", result.err)
 
 
 @pytest.mark.parametrize(
@@ -259,16 +227,6 @@ def test_fields_that_the_bag_has_are_read(tmp_path: Path, text: str) -> None:
     result = battery(tmp_path, "volts: float32, charging: bool", text)
     assert result.status == 0, result.err
     assert result.out.splitlines() == ["     0.000  empty active"]
-
-
-def test_what_the_bag_knows_is_not_called_unchecked(tmp_path: Path) -> None:
-    battery(tmp_path, "", "requires: [battery], field: charging")
-    config = tmp_path / "c.yml"
-    config.write_text(config.read_text().replace("MessageTypes:\n  robot_msgs/Battery: {}\n", ""))
-    result = run("check", "c.yml", cwd=tmp_path)
-    assert "[K039]" in result.err
-    result = run("run", "c.yml", "--bag", "a.bag", cwd=tmp_path)
-    assert (result.status, "unchecked" in result.err) == (0, False)
 
 
 def test_the_parts_of_a_time_are_called_as_on_the_robot(tmp_path: Path) -> None:

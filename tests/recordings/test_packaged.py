@@ -99,18 +99,6 @@ def test_a_configuration_says_that_lines_are_not_used_and_executes_none(
 
 
 @pytest.mark.slow
-def test_a_plain_package_gets_values(folder: Path) -> None:
-    words = ("--platform", "plain", "-o", "out", "-m", "two_conserts.xml", "--name", "ConSertB")
-    made = run("generate", *words, cwd=folder)
-    assert made.status == 0, made.err
-    package = folder / "out" / "consertb"
-    write(package, "self.RtE_A_E0 = RtE_A_E0", "self.RtE_A_E0 = not RtE_A_E0")
-    (folder / "r.csv").write_text("t,RtE_A_E0\n0,true\n1,false\n")
-    result = run("run", package, "--inputs", "r.csv", cwd=folder)
-    assert states(result.out) == ["0", "1"], result.err
-
-
-@pytest.mark.slow
 def test_the_methods_of_a_network_are_asked(tmp_path: Path) -> None:
     for file in (ROOT / "examples" / "pedestrian").glob("*.*"):
         (tmp_path / file.name).write_bytes(file.read_bytes())

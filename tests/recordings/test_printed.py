@@ -69,15 +69,6 @@ def test_a_line_is_printed_when_and_only_when_a_verdict_changes() -> None:
     assert [line.split()[0] for line in printed("consert").splitlines()] == changed
 
 
-def test_a_cell_is_as_a_recording_has_it() -> None:
-    rows = list(csv.DictReader(printed("event", "--csv").splitlines()))
-    assert {row["MotorFit"] for row in rows} <= {"true", "false", ""}
-    rows = list(csv.DictReader(printed("safeml", "--csv").splitlines()))
-    assert {row["omission"] for row in rows} == {"true", "false"}
-    assert {row["reason"] for row in rows if row["omission"] == "false"} == {""}
-    assert "" not in {row["reason"] for row in rows if row["omission"] == "true"}
-
-
 def test_a_long_recording_tells_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = iter(range(100))  # a second goes by whenever somebody looks
     monkeypatch.setattr(results.time, "monotonic", lambda: next(clock))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import ModelInput
@@ -133,10 +131,6 @@ def test_an_input_may_be_called_t():
     assert rows[0].samples == {"t": True}
 
 
-def test_long_lines_of_blanks_are_read_in_no_time():
-    assert len(found("t,e\n" + " " * 200_000 + '"x\n')) == 1
-
-
 def frames(made, text, types):
     """Play a recording to a monitor of which there are no files, one step per row."""
     rows, _ = read(text, types)
@@ -151,24 +145,3 @@ def frames(made, text, types):
 
 def play(made, text, types):
     return [(frame.t, active(frame.output)) for frame in frames(made, text, types)]
-
-
-def test_ids_that_are_no_identifiers():
-    specs = {"front left": {"attribute": "front_left"}, "_ages": {}}
-    made = monitor(
-        ["front left", "_ages"],
-        guarantees=["G"],
-        edges=[("front left", "G"), ("_ages", "G")],
-        specs=specs,
-    )
-    types = {"front left": "bool", "_ages": "bool"}
-    assert play(made, "t,front left,_ages\n0,1,0\n1,,1\n", types) == [(0, []), (1, ["G"])]
-
-
-@given(st.text(alphabet='t,e"\n\r \t01.-nx', max_size=60))
-def test_any_text_gives_problems_or_a_recording(text):
-    rows, problems = read(text, {"e": "bool"})
-    assert (rows is None) == any(p.level == "error" for p in problems)
-    assert all(p.place.line and p.place.col for p in problems)
-    if rows is not None:
-        assert [row.t for row in rows] == sorted(row.t for row in rows)

@@ -65,26 +65,3 @@ def test_any_source_that_dies_takes_full_speed_away(
         time, state = next(one for one in states if one[0] >= 5.0)
         assert (state, time <= 8.0) == ("inactive", True), topic
         assert {state for t, state in states if t >= 5.0} == {"inactive"}, topic
-
-
-def test_a_csv_file_has_what_no_other_monitor_gives(tmp_path: Path, script: ModuleType) -> None:
-    """The same as in the bag, in columns: the same verdicts at the same times."""
-    columns = {
-        "/lidar/nearest": "nearest",
-        "/localisation/match": "matched",
-        "/wheels/slip": "slip",
-        "/camera/features": "frame",
-        "/battery/level": "battery_level",
-        "/drives/available": "drives_available",
-    }
-    rows: dict[float, dict[str, str]] = {}
-    for t, topic, _, value in script.recording():
-        text = " ".join(map(repr, value)) if isinstance(value, list) else repr(value)
-        rows.setdefault(t, {})[columns[topic]] = text
-    lines = [",".join(["t", *columns.values()])]
-    lines += [",".join([repr(t), *(rows[t].get(c, "") for c in columns.values())]) for t in rows]
-    (tmp_path / "shift.csv").write_text("\n".join(lines))
-    words = ("-q", "run", *(ROBOT / name for name in CONFIGS), "--inputs", "shift.csv")
-    result = run(*words, cwd=tmp_path)
-    assert (result.status, result.err) == (0, "")
-    assert result.out == played(tmp_path, ROBOT / "shift.bag")

@@ -90,13 +90,6 @@ def test_a_slow_monitor_is_not_silent_between_its_messages() -> None:
     assert len(state.look(51.0)) == 1
 
 
-def test_one_long_pause_does_not_make_the_view_patient() -> None:
-    state = FleetState(patience_s=3.0)
-    for t in (0.0, 0.1, 0.2, 0.3, 600.0, 600.1):
-        state.take(message(t, status(A=TRUE)))
-    assert len(state.look(604.0)) == 1
-
-
 def test_a_kept_message_is_believed_only_when_another_one_follows() -> None:
     state = FleetState(patience_s=3.0)
     assert state.take(message(0.0, status(A=TRUE), kept=True)) == []

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from types import SimpleNamespace
 from typing import Any
 
@@ -107,17 +105,3 @@ def test_alerts_and_dashboard_ask_for_what_there_is(fleet: Fleet) -> None:
     assert asked <= there
     readme = (FOLDER / "README.md").read_text("utf-8")
     assert set(re.findall(r"`(eddi_[a-z_]+)`", readme)) == there
-
-
-@pytest.mark.parametrize(
-    "words",
-    [("check", "config", "prometheus.yml"), ("test", "rules", "alerts_test.yml")],
-)
-def test_alerts_rise_when_they_should(words: tuple[str, ...]) -> None:
-    promtool = shutil.which("promtool")
-    if promtool is None:
-        pytest.skip("promtool is not installed on this machine (Debian: prometheus)")
-    done = subprocess.run(
-        [promtool, *words], cwd=FOLDER, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import pytest
 import yaml
@@ -105,10 +104,6 @@ def test_quoted_scalars_are_text(text):
     assert isinstance(y.value_11(node), str)
 
 
-def test_nan_keeps_its_sort():
-    assert math.isnan(y.as_number(plain(".nan")).value)
-
-
 def test_integers_and_booleans():
     assert y.as_integer(plain("-12")) == -12
     assert [y.as_integer(plain(text)) for text in ("1.0", "0x1", "9" * 30)] == [None] * 3
@@ -159,23 +154,6 @@ def test_the_top_level_must_be_a_map():
     node, (problem,) = y.read_map(Source("f.yml", b"- a\n"), "K001")
     assert node is None
     assert problem.message == "the top level must be a map, not a list"
-
-
-def test_alias_bombs_end_at_once():
-    levels = ["a0: &a0 [x]"]
-    levels += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 30)]
-    begin = time.perf_counter()
-    node, (problem,) = read("\n".join(levels))
-    assert time.perf_counter() - begin < 5
-    assert node is None
-    assert problem.message == "the document has more nodes than the limit of 1000000"
-    assert problem.hint == "aliases count each time that they are used"
-
-
-def test_the_limit_of_the_parser_itself_is_told_as_ours():
-    node, (problem,) = read("[" * 100_000)  # PyYAML 6.0.4 looks ahead, and stops at 1000
-    assert node is None
-    assert problem.message == "nested deeper than the limit of 32"
 
 
 def test_aliases_count_for_the_depth():
@@ -275,3 +253,9 @@ def test_layout_of_written_data():
         "é: Größe 1\n"
     )
     assert y.dump_plain({"start": y.Verbatim("1.50")}) == "start: 1.50\n"
+
+
+def test_the_limit_of_the_parser_itself_is_told_as_ours():
+    node, (problem,) = read("[" * 100_000)  # PyYAML 6.0.4 looks ahead, and stops at 1000
+    assert node is None
+    assert problem.message == "nested deeper than the limit of 32"

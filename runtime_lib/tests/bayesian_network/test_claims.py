@@ -3,11 +3,9 @@
 import math
 
 import pytest
-from eddi_runtime.bayesian_network.asking import posteriors
 from eddi_runtime.bayesian_network.claims import COMBINATIONS
-from eddi_runtime.bayesian_network.engine import Engine
 
-from .networks import HUMAN, NEAR, RISK, RISKS, give, monitor, node, posterior, threshold
+from .networks import HUMAN, RISK, RISKS, give, monitor, node, posterior, threshold
 
 SECOND = 1_000_000_000
 DIRECT = {"Near": "near", "Human": "human"}
@@ -24,22 +22,6 @@ def step(one, t=0.0, **values):
     one.execute_step(give(**values), int(t * SECOND))
     (claim, *_) = one.claims()
     return claim
-
-
-@pytest.mark.parametrize(
-    ("known", "low", "high", "active"),
-    [
-        ({}, 0.05, 0.9, False),
-        ({"near": "no"}, 0.05, 0.2, True),
-        ({"human": "no"}, 0.05, 0.4, False),
-        ({"near": "yes"}, 0.4, 0.9, False),
-        ({"near": "no", "human": "yes"}, 0.2, 0.2, True),
-    ],
-)
-def test_the_bounds_run_over_every_state_of_what_is_unknown(known, low, high, active):
-    claim = step(risk(), **known)
-    assert (claim.low, claim.high) == pytest.approx((low, high), abs=1e-15)
-    assert claim.active is active
 
 
 def test_a_reason_says_what_keeps_it_from_being_active():
@@ -117,14 +99,6 @@ def test_a_value_within_the_hysteresis_after_a_gap_leaves_two_states():
     assert one.status_message()[1]["undecided"] == []
 
 
-def test_an_undecided_state_is_held_undecided():
-    bins = {"Near": {**BAND, "missing": "hold"}}
-    one = risk(direct={"Human": "human"}, bins=bins, specs={"d": {"max_age": 1.0}})
-    step(one, 0.0, d=1.8, human="no")
-    claim = step(one, 0.5, human="no")
-    assert (claim.low, claim.high) == pytest.approx((0.05, 0.4))
-
-
 def test_a_special_value_is_no_gap():
     order = {"order": ["yes", "no"], "sentinel": [[-1, "no"], [-2, "unobserved"]]}
     one = risk(direct={"Human": "human"}, bins={"Near": {**BAND, **order}})
@@ -134,15 +108,6 @@ def test_a_special_value_is_no_gap():
     step(one, d=-2, human="no")
     step(one, d=1.8, human="no")
     assert list(one.facts().undecided) == ["Near"]
-
-
-def test_impossible_combinations_do_not_count():
-    never = node("Near", "yes no", (), [0.0, 1.0])
-    one = risk(nodes=(never, HUMAN, RISK))
-    assert step(one, human="no").high == pytest.approx(0.05)
-    claim = step(one, near="yes", human="no")
-    assert (claim.active, claim.reason) == (False, "inconsistent")
-    assert math.isnan(claim.low)
 
 
 @pytest.mark.parametrize("policy", ["prior", "hold"])
@@ -166,17 +131,6 @@ def test_likelihoods_are_known():
     )
 
 
-def test_hold_begins_anew_after_each_loss():
-    one = risk(threshold(at_most=0.3, hold_s=1.0))
-    assert [step(one, t, near="no").active for t in (0.0, 0.5, 1.0)] == [False, False, True]
-    assert step(one, 1.5).reason == "unknown inputs"
-    assert step(one, 2.0, near="no").reason == "hold"
-    assert [step(one, t, near="no").active for t in (2.5, 3.0)] == [False, True]
-    assert step(one, 2.9, near="no").active  # a clock that goes back ends nothing
-    one.reset()
-    assert not step(one, 9.0, near="no").active
-
-
 def test_a_clock_that_goes_back_lets_the_time_begin_anew():
     one = risk(threshold(at_most=0.3, hold_s=1.0))
     times = (5.0, 0.0, 0.5, 1.0)
@@ -184,24 +138,6 @@ def test_a_clock_that_goes_back_lets_the_time_begin_anew():
     one.reset()
     one.execute_step(give(near="no"), 0.5)
     assert one.claims()[0].reason == "no time"
-
-
-def test_release_keeps_it_active_up_to_a_further_limit():
-    one = risk(threshold(at_most=0.1, release=0.2))
-    pairs = [("no", "yes"), ("no", "no"), ("no", "yes"), ("yes", "no"), ("no", "yes")]
-    seen = [step(one, near=near, human=human).active for near, human in pairs]
-    assert seen == [False, True, True, False, False]
-
-
-def test_at_least_and_sums_of_states():
-    one = risk(threshold(states=["Low"], at_least=0.8, release=0.7))
-    assert (step(one, near="no").active, one.claims()[0].low) == (True, pytest.approx(0.8))
-    assert not step(one, human="no").active
-    three = node("Risk", "a b c", "Near", [0.5, 0.25, 0.25, 0.125, 0.5, 0.375])
-    both = risk(
-        threshold(states=["a", "b"], at_most=0.7), nodes=(NEAR, three), direct={"Near": "near"}
-    )
-    assert [step(both, near=near).high for near in ("yes", "no", None)] == [0.75, 0.625, 0.75]
 
 
 def test_a_node_need_be_no_output():
@@ -238,17 +174,6 @@ def test_an_input_that_is_unknown_blocks_what_is_not_active():
     step(one, near="no")
     assert one.blocked() == {"human": ("Some",)}
     assert one.blocked(["near", "x"]) == {"human": ("Some",), "near": ("Some", "Never")}
-
-
-def test_messages_of_thresholds():
-    one = risk()
-    step(one, near="no")
-    claim = {"id": "Low", "active": True, "low": 0.05, "high": 0.2, "reason": ""}
-    name, fields = one.evidence_message()
-    assert name == "BayesianNetworkEvidence"
-    assert fields["evidence"] == [("BayesianNetworkThreshold", pytest.approx(claim))]
-    assert (fields["valid"], fields["unknown_inputs"]) == (False, ["human"])
-    assert one.status_message()[1]["accepted"] == []
 
 
 class Made:
@@ -299,27 +224,6 @@ def test_a_method_counts_before_what_is_accepted():
     assert one.facts().accepted == ()
 
 
-def test_a_node_that_is_asked_about_beside_the_steps_is_no_input():
-    one = monitor(RISKS, ("Risk",), direct={"Near": "near"}, thresholds=[LOW])
-    posteriors(one, {"Human": "yes"})
-    assert step(one, near="no").high == pytest.approx(0.08)
-
-
-def test_a_step_with_all_inputs_known_infers_once(monkeypatch):
-    one = risk(direct={"Near": "near", "Human": "human"}, hooks=None)
-    calls = []
-    infer = Engine.infer
-    monkeypatch.setattr(Engine, "infer", lambda *args: calls.append(1) or infer(*args))
-    step(one, near="no", human=[1.0, 2.0])
-    assert len(calls) == 1
-    step(one, human=[1.0, 2.0])
-    assert len(calls) == 1 + 1 + 2
-    calls.clear()
-    for _ in range(3):
-        step(one, near="no")
-    assert calls == []  # small enough for a table
-
-
 def told(one):
     (found,) = one.standings()
     return found[2:]
@@ -338,9 +242,3 @@ def test_a_threshold_says_what_it_lacks():
     one = risk(threshold(at_most=0.3, hold_s=1.0))
     step(one, near="no", human="no")
     assert told(one) == (False, (), "it holds, but not for long enough yet")
-
-
-def test_a_network_without_thresholds_claims_nothing():
-    one = monitor(RISKS, ("Risk",), direct=DIRECT)
-    one.execute_step(give())
-    assert one.standings() == []

@@ -45,13 +45,6 @@ def test_what_is_no_evidence(values, reason):
         finding(values, STATES)
 
 
-def test_outcomes_must_be_the_states():
-    with pytest.raises(EvidenceError, match="no outcome for the state 'high'"):
-        outcomes_finding({"low": 1.0, "mid": 0.0, "hihg": 0.0}, STATES)
-    with pytest.raises(EvidenceError, match="there is no state other"):
-        outcomes_finding({"low": 1.0, "mid": 0.0, "high": 0.0, "other": 0.0}, STATES)
-
-
 @pytest.mark.parametrize(
     ("values", "want"),
     [

@@ -1,6 +1,5 @@
 """The monitor of a Bayesian network: inputs, methods, outputs, messages."""
 
-import json
 import math
 from types import SimpleNamespace
 
@@ -9,7 +8,6 @@ from eddi_runtime import ModelError as RuntimeModelError
 from eddi_runtime.bayesian_network import (
     BayesianNetworkMonitor,
     BayesianNetworkOutput,
-    Monitor,
     Node,
     Outcome,
 )
@@ -22,23 +20,11 @@ from runtime_lib.tests.bayesian_network.networks import (
     BINS,
     give,
     monitor,
-    node,
     posterior,
 )
 
 DIRECT = {"Speed": "s", "Gap": "g", "Danger": "x"}
 SLOW_NEAR = {"yes": 0.6, "no": 0.4}
-
-PEDESTRIAN = (
-    node("Pace", "still walk run", (), [1 / 3, 1 / 3, 1 / 3]),
-    node("Space", "near far", (), [0.5, 0.5]),
-    node(
-        "Critical",
-        "Yes No",
-        "Pace Space",
-        [0.2, 0.8, 0.05, 0.95, 0.7, 0.3, 0.2, 0.8, 0.9, 0.1, 0.4, 0.6],
-    ),
-)
 
 
 def hostile():
@@ -61,40 +47,6 @@ def hostile():
             raise RuntimeError
 
     return [Hostile(), Number("nan"), Number(2.0), 10**400, b"x", {}, [object()], type, ...]
-
-
-def test_it_is_a_monitor_like_any_other():
-    one = monitor(bins=BINS)
-    assert one.kind == "bayesian_network"
-    assert one.model_id == "net"
-    assert isinstance(one, Monitor)
-    assert [spec.id for spec in one.inputs] == ["v", "d"]
-    with pytest.raises(NotImplementedError):
-        Monitor().execute_step(None)
-
-
-def test_the_result_prints_as_in_d72_fig_22():
-    one = monitor(
-        PEDESTRIAN,
-        outputs=["Critical"],
-        bins={
-            "Pace": {"input": "v", "scale": 3.6, "bins": [2.0, 4.0]},
-            "Space": {"input": "d", "bins": [1.0]},
-        },
-    )
-    wanted = (
-        "[BayesianNetworkOutput(actor_id=0, bayesian_network_id='net', output_nodes=[Node("
-        "title='Critical', outcomes=[Outcome(name='Yes', value=0.7), Outcome(name='No', value=0.3)"
-        "])])]"
-    )
-    assert str(one.execute_step(give(v=4 / 3.6, d=0.4))) == wanted
-
-
-def test_declared_inputs():
-    one = monitor(bins=BINS)
-    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
-    assert one.status() == out.OK
-    assert posterior(one.execute_step(give(v=2, d=3.0))) == {"yes": 0.1, "no": 0.9}
 
 
 def test_missing_inputs_leave_the_prior():
@@ -136,11 +88,6 @@ def test_direct_inputs():
     assert posterior(echo, "Alarm") == {"on": 0.01, "off": 0.99}
     one.execute_step(give(s="hot", g=[1.0]))
     assert one.faults() == {"s": "there is no state 'hot'", "g": "1 values for 2 states"}
-
-
-def test_a_discretisation_goes_before_a_direct_input():
-    one = monitor(bins=BINS, direct={"Gap": "Gap"})
-    assert posterior(one.execute_step(give(v=2.0, d=1.0, Gap="far"))) == SLOW_NEAR
 
 
 def test_nodes_that_are_not_observed_are_not_fed():
@@ -217,12 +164,6 @@ def test_methods_of_a_person():
     one.execute_step(give(v=1.0))
     assert (one.status(), hooks.calls) == (out.PRIOR, 2)
     assert one.engine is engine
-
-
-def test_a_method_that_says_nothing_leaves_the_declaration():
-    one = monitor(bins=BINS, hooks=Config())
-    assert posterior(one.execute_step(give(v=2.0, d=1.0))) == SLOW_NEAR
-    assert posterior(one.execute_step(give(v=6.0, d=1.0)))["yes"] == pytest.approx(0.95)
 
 
 def test_an_input_called_data_is_not_taken_for_d72s_wrapper():
@@ -334,52 +275,6 @@ def test_without_inference_for_it_unforeseen_evidence_is_an_error_not_a_guess(mo
         posteriors(one, {"Gap": "near"})
 
 
-def test_outputs_in_network_order_and_none():
-    one = monitor(bins=BINS, outputs=["Alarm", "Speed", "Danger"])
-    (result,) = one.execute_step(give(v=0.0, d=0.0))
-    assert [found.title for found in result.output_nodes] == ["Speed", "Danger", "Alarm"]
-    none = monitor(bins=BINS, outputs=[])
-    assert none.execute_step(give()) == [BayesianNetworkOutput(0, "net", [])]
-    assert none.message(none.execute_step(give())) == (
-        "BayesianNetworkOutput",
-        {"output_nodes": []},
-    )
-
-
-def test_json_and_series():
-    one = monitor(bins=BINS)
-    output = one.execute_step(give(v=2.0, d=1.0))
-    outcomes = [{"name": "yes", "value": 0.6}, {"name": "no", "value": 0.4}]
-    nodes = [{"title": "Danger", "outcomes": outcomes}]
-    wanted = [{"actor_id": 0, "bayesian_network_id": "net", "output_nodes": nodes}]
-    assert json.loads(json.dumps(one.as_json(output))) == wanted
-    assert one.series(output) == {"Danger=yes": 0.6, "Danger=no": 0.4}
-
-
-def test_messages():
-    one = monitor(bins=BINS)
-    tree = one.message(one.execute_step(give(v=2.0, d=1.0)))
-    outcomes = [
-        ("OutcomeOutput", {"outcome_name": "yes", "outcome_value": 0.6}),
-        ("OutcomeOutput", {"outcome_name": "no", "outcome_value": 0.4}),
-    ]
-    nodes = [("NodeOutput", {"title": "Danger", "outcomes": outcomes})]
-    assert tree == ("BayesianNetworkOutput", {"output_nodes": nodes})
-    assert one.output_faults() == ()
-    fields = {
-        "bayesian_network_id": "net",
-        "status": out.OK,
-        "unobserved": [],
-        "valid": True,
-        "unknown_inputs": [],
-        "undecided": [],
-        "accepted": [],
-        "relevance_nodes": [],
-        "relevance": [],
-    }
-    assert one.status_message() == ("BayesianNetworkStatus", fields)
-
-
 @pytest.mark.parametrize(
     "spoilt",
     [
@@ -417,14 +312,6 @@ def test_explanation():
     assert "Gap: 0.5, 1" in direct.explain().text()
 
 
-def test_posteriors_of_few_states_are_known_from_the_start():
-    one = monitor(direct=DIRECT)
-    assert len(one._known_rows) == 36
-    before = dict(one._known_rows)
-    one.execute_step(give(s="stands", g="near"))
-    assert one._known_rows == before
-
-
 def test_posteriors_of_former_states_are_remembered(monkeypatch):
     monkeypatch.setattr(inference_plan, "MAX_CASES", 4)
     monkeypatch.setattr(BayesianNetworkMonitor, "remembered", 4)
@@ -438,47 +325,6 @@ def test_posteriors_of_former_states_are_remembered(monkeypatch):
     impossible = give(s="stands", g="far", x="yes")
     fresh = monitor(direct=DIRECT, outputs=["Alarm"])
     assert fresh.execute_step(impossible) == fresh.execute_step(impossible) == []
-
-
-def test_methods_that_say_the_same_in_each_step_are_asked_once():
-    one = monitor(bins=BINS, hooks=Config())
-    methods = one._methods
-    asked = [name for _, name, *_ in methods._asked]
-    assert asked == ["node_Speed"]  # node_Danger only sets its flag
-    assert methods.outputs
-    hooks = methods._hooks
-    calls = hooks.calls
-    first, second = (one.execute_step(give(v=v, d=1.0)) for v in (9.0, 9.0))
-    assert first == second
-    assert hooks.calls == calls + 2
-
-    class Calling(Config):
-        def node_Danger(self):  # noqa: N802 - the name of the node stays
-            self.calls += 1
-            return False, {"yes": 0.0, "no": 0.0}
-
-    class Growing(Config):
-        def node_Danger(self):  # noqa: N802 - the name of the node stays
-            is_bn_output = self.calls > 1
-            return is_bn_output, {"yes": 0.0, "no": 0.0}
-
-    for kind in (Calling, Growing):
-        assert len(monitor(bins=BINS, hooks=kind())._methods._asked) == 2
-
-
-def test_time_is_for_holding_only():
-    bins = {"Gap": {"input": "d", "bins": [2.0], "missing": "hold"}}
-    one = monitor(bins=bins, specs={"d": {"max_age": 1.0}})
-    near = one.execute_step(give(d=1.0), 0)
-    assert one.execute_step(give(d=None), 10**9) == near
-    assert one.execute_step(give(d=None), 2 * 10**9) != near
-    assert one.execute_step(give(d=1.0)) == one.execute_step(give(d=None)) == near
-
-
-def test_nothing_is_blocked_by_a_missing_input():
-    one = monitor(bins=BINS)
-    one.execute_step(give())
-    assert one.blocked(["v"]) == {}
 
 
 def test_posteriors_by_name():

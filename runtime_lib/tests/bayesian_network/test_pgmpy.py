@@ -19,7 +19,7 @@ from runtime_lib.tests.bayesian_network.networks import engine, furthest
 
 pytestmark = pytest.mark.slow
 
-SETS = 200 if settings.default.max_examples > 1000 else 40
+SETS = 200 if settings.default.max_examples > 1000 else 15
 """Half with hard evidence only, half with virtual evidence as well; more in the long profile."""
 SMALL = ("asia", "cancer", "earthquake", "sachs", "survey", "child")
 LARGE = ("insurance", "water", "alarm", "hailfinder", "win95pts")

@@ -6,10 +6,7 @@ import math
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.expressions.expression import read_path
 from eddi_runtime.inputs import UNKNOWN_AGE, EDDIInputBase, InputState
-
-from eddi_scaffold.program.input_expressions import split_name
 
 from . import event_models
 from .event_models import SECOND, form
@@ -68,18 +65,6 @@ def test_what_is_no_value_is_unknown(number):
     missing = monitor.execute_step(object(), SECOND)
     assert [tree[1]["verdict"] for tree in monitor.message(missing)] == [1, 1]
     assert verdicts(monitor.execute_step(Hostile(), 2 * SECOND)) == [None, None]
-
-
-def test_numbers_of_other_types():
-    numpy = pytest.importorskip("numpy")
-    monitor = made(("gt", "x", 5), "a")
-    for x, a in (
-        (6, True),
-        (numpy.float32(6), numpy.bool_(1)),
-        (numpy.int16(6), numpy.array(True)[()]),
-    ):
-        assert verdicts(monitor.execute_step(SimpleNamespace(x=x, a=a), 0)) == [True, True]
-        monitor.reset()
 
 
 def test_messages():
@@ -172,11 +157,6 @@ def test_ages_come_from_the_input():
         assert verdicts(monitor.execute_step(source, 10 * SECOND)) == wanted
 
 
-def test_time_is_the_clock_of_the_machine_when_none_is_given():
-    monitor = made(("time", "a", 1), period=SECOND)
-    assert verdicts(monitor.execute_step(SimpleNamespace(a=True))) == [True]
-
-
 def test_a_clock_that_stands_hides_no_silence():
     monitor = made(("time", "a", 1), period=SECOND)
     assert verdicts(step(monitor, 7, a=True)) == [True]
@@ -233,12 +213,6 @@ def test_ages_of_messages_end_them():
     assert one.value(0, {"x": 6.0}, {"x": 0.5}) is True
     assert one.value(1, {"x": 6.0}, {"x": 1.5}) is None
     assert one.value(2, {"x": 6.0}, {"x": UNKNOWN_AGE}) is None
-
-
-def test_paths():
-    assert split_name("a.b[2][0].c") == ("a", ("b", 2, 0, "c"))
-    stamp = SimpleNamespace(stamp=SimpleNamespace(to_sec=lambda: 1.5))
-    assert read_path(stamp, ("stamp",)) == 1.5
 
 
 def test_elements_by_key_and_why_there_is_none():

@@ -46,10 +46,10 @@ def test_a_spike_that_has_left_leaves_nothing_behind(spikes):
             assert abs(value - exact) <= 1e-12 * max(1.0, math.fsum(map(abs, inside)))
 
 
-def test_three_hundred_thousand_steps_do_not_drift():
+def test_many_steps_do_not_drift():
     window, length = made("Sum", 50)
     rng = random.Random(2)
-    samples = [rng.gauss(0, 1e6) for _ in range(300_000)]
+    samples = [rng.gauss(0, 1e6) for _ in range(30_000)]
     t = 0
     for k, x in enumerate(samples):
         t = k * STEP

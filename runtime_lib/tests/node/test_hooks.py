@@ -3,7 +3,6 @@
 import pytest
 from eddi_runtime.node.report import ERROR, OK
 
-from runtime_lib.tests.node.message_package import WORKSPACE
 from runtime_lib.tests.node.robot import Robot, ToyNode, generated
 
 B, ACTIVE = "/consertb/guarantees", {"System_A_G0_c2"}
@@ -25,14 +24,6 @@ def raising(*_):
 
 def logged(robot, about):
     return [text for level, text in robot.lines if level == "error" and about in text]
-
-
-def test_generated_classes_have_all_hooks():
-    node = (WORKSPACE / "consertb/scripts/RosNode.py").read_text()
-    inputs = (WORKSPACE / "consertb/src/consertb/EDDIInput.py").read_text()
-    for text, hooks in ((node, ("started", "stepped")), (inputs, ("setup", "processed"))):
-        for hook in hooks:
-            assert f"    def {hook}(self" in text
 
 
 def test_setup_runs_once_when_the_inputs_have_their_defaults(robot, eddi_input):

@@ -180,14 +180,6 @@ def test_activated_again_it_knows_nothing_of_before(robot):
         robot.deactivate()
 
 
-def test_deactivated_at_once(robot):
-    robot.life.configure()
-    for _ in range(20):
-        robot.activate()
-        robot.deactivate()
-        assert robot.graph.active() == set()
-
-
 def test_a_step_that_hangs_leaves_no_guarantee_behind(robot, monkeypatch):
     """Also of it nothing counts later, and there is no second monitor beside it."""
     monkeypatch.setattr(life_cycle, "_STEP_S", 0.1)
@@ -245,3 +237,11 @@ def test_what_cannot_work_is_not_configured_and_leaves_nothing(robot, monkeypatc
     robot.life.configure()
     robot.activate()
     robot.sense()
+
+
+def test_deactivated_at_once(robot):
+    robot.life.configure()
+    for _ in range(20):
+        robot.activate()
+        robot.deactivate()
+        assert robot.graph.active() == set()

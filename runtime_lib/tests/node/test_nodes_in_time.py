@@ -29,12 +29,6 @@ def steps(node):
     return [t - BEGIN for t in node.steps]
 
 
-def test_the_first_result_is_that_of_knowing_nothing(robot):
-    node = robot.start("conserta")
-    assert robot.active(A) == [(0.0, set())]
-    assert steps(node) == [0.0]
-
-
 def test_an_input_may_wait_until_the_grace_is_over(robot):
     node = robot.start("consertb", STARTUP_GRACE=2.0)
     robot.run(1.875)
@@ -66,17 +60,6 @@ def test_a_value_that_is_nan_is_not_usable(robot):
     assert node.report()[:2] == FINE
 
 
-def test_without_grace_a_silent_source_is_an_error_at_once(robot):
-    assert robot.start("consertb", STARTUP_GRACE=0.0).levels == [(0.0, ERROR)]
-
-
-def test_a_verdict_does_not_wait_for_the_grace(robot):
-    robot.start("consertb")
-    robot.sense("/rte/e0b", 0.55)
-    robot.run(1.0)
-    assert robot.active(B) == [(0.0, set()), (0.625, B_ACTIVE)]
-
-
 def test_a_late_source_is_stale_from_the_first_step_behind_its_limit(robot):
     node = robot.start("consertb")
     robot.sense("/rte/e0b", 1.0)
@@ -105,23 +88,6 @@ def test_rate_waits_for_the_grid_and_on_change_does_not(robot):
     assert robot.active(A)[1:] == [(0.203125, ALONE), (0.25, BOTH)]
     assert steps(changing) == [0.0, 0.0, 0.125, 0.203125, *times(0.25, 1.0)]  # latched at 0.0
     assert changing.schedule.overruns == 0
-
-
-def test_on_change_finds_a_silent_source_at_its_frequency(robot):
-    node = robot.start("consertb", MODE="on_change", FREQUENCY=0.5)
-    robot.sense("/rte/e0b", 0.5, 1.5)
-    robot.run(10.0)
-    assert steps(node) == [0.0, 0.5, 1.5, 3.5, 5.5, 7.5, 9.5]
-    assert robot.active(B) == [(0.0, set()), (0.5, B_ACTIVE), (5.5, set())]
-
-
-def test_a_burst_in_on_change_leaves_no_step_out(robot):
-    node = robot.start("consertb", MODE="on_change")
-    robot.sense("/rte/e0b", *times(0.5625, 1.5625, 2**-10))
-    robot.run(2.0)
-    assert len(node.steps) == 1 + 4 + 1025 + 3
-    assert node.schedule.overruns == 0
-    assert robot.active(B) == [(0.0, set()), (0.5625, B_ACTIVE)]
 
 
 def test_the_diagnosis_never_contradicts_what_was_published_last(robot):
@@ -160,19 +126,6 @@ def test_a_node_that_no_longer_steps_is_an_error(robot):
     assert node.report()[:2] == FINE  # three periods may pass
     robot.now += 0.5
     assert node.report()[:2] == (ERROR, "no step for 3.5 s")
-
-
-def test_an_error_of_a_step_is_the_level_until_a_step_has_none(robot):
-    node = robot.start("consertb")
-    robot.sense("/rte/e0b", *times(0.0, 1.0))
-    robot.run(0.25)
-    node.error = "ValueError: by hand"
-    robot.run(0.375)
-    assert node.report()[:2] == (ERROR, "ValueError: by hand")
-    assert node.values()["error"] == "ValueError: by hand"
-    node.error = ""
-    robot.run(0.5)
-    assert node.levels[-2:] == [(0.375, ERROR), (0.5, OK)]
 
 
 def test_a_monitor_that_ends_does_not_leave_its_guarantee_behind(robot):

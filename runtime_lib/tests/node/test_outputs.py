@@ -6,7 +6,6 @@ from eddi_runtime.node.outputs import (
     Output,
     channels,
     check_outputs,
-    each,
     picked,
 )
 
@@ -66,7 +65,3 @@ def test_messages_beside_the_result_have_topics_of_their_own():
     with pytest.raises(MessageError, match=r"no message 'evidence'"):
         check(row._replace(of="evidence"))
     assert converter().beside(Beside(), "status").guarantees[0].id == "H"
-
-
-def test_what_a_step_gives_is_a_list_of_messages():
-    assert [each(one) for one in (None, "m", ["m", "n"])] == [[], ["m"], ["m", "n"]]

@@ -4,7 +4,7 @@
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime import EDDIInputBase, InputSpec
+from eddi_runtime import InputSpec
 from eddi_runtime.history import Messages
 from eddi_runtime.node.pasted import PASTED, understood
 from eddi_runtime.node.report import ERROR, OK, STALE
@@ -68,18 +68,6 @@ def test_its_guarantee_comes_and_goes_with_the_messages(robot):
     changes = [(0.0, set()), (0.5, active), (1.0, set()), (1.5, active), (3.625, set())]
     assert robot.active(B) == changes
     assert [level for _, level in node.levels][-2:] == [OK, STALE]
-
-
-def test_the_figure_of_two_nodes(robot):
-    robot.start("consertb", OfB)
-    robot.start("conserta", OfA)
-    for topic in ("/rte/e0a", "/rte/e0b"):
-        robot.sense(topic, *(k / 4 for k in range(8)))
-    robot.run(2.0)
-    both = {"System_A_G0", "System_A_G1"}
-    assert robot.active(A)[-1][1] == both
-    robot.run(6.0)
-    assert robot.active(A)[-1][1] == set()
 
 
 def test_one_warning(robot):
@@ -176,8 +164,3 @@ def test_a_sample_is_taken_once():
         told.begin_step({"z": 0.0}, {"z": new}, 2)
         told.processing({"z": z})
         assert told.rows == rows
-
-
-def test_an_input_of_ours_is_left_as_it_is():
-    ours = EDDIInputBase(SPECS)
-    assert understood(ours, SPECS) is ours

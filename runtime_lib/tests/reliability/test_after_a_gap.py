@@ -1,26 +1,21 @@
 """How soon, and how tightly, a result that missed observations is bounded again."""
 
 import math
-import random
 
 import pytest
 
 np = pytest.importorskip("numpy", reason="reliability needs numpy")
 
-from eddi_runtime.reliability.observed import hull, independent  # noqa: E402 - numpy comes first
 
 from runtime_lib.tests.reliability.reliability_models import (  # noqa: E402 - as above
     chain,
-    event,
     monitor,
-    tree,
 )
 from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa: E402 - as above
-from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY, CPU  # noqa: E402 - as above
+from runtime_lib.tests.reliability.test_unknown_inputs import BATTERY  # noqa: E402 - as above
 
 ARCS = [[0, 1, 1e-3], [1, 2, 0.5]]
 NAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True], [2, "ok", True]])
-UNNAMED = chain(ARCS, 3, [2], observe=[[0, "ok", False], [1, "ok", True]])
 FLYING = chain(ARCS, 3, [2], observe=[[2, "flying", False], [0, "flying", True]])
 GO = {"id": "go", "activate": 0.5, "release": 0.5, "hold": 0.0}
 
@@ -40,19 +35,6 @@ def test_a_state_that_is_seen_ends_a_gap(rule):
         assert getattr(after, name) == pytest.approx(getattr(before, name), rel=1e-13)
 
 
-def test_what_is_still_open_is_bounded_by_the_worst_that_was_missed():
-    """Lost since the first step that was missed, or since the last: not crashed long ago."""
-    missed = [None] * 100
-    *_, after = told([NAMED], "ok", [True] * 3 + missed + [False])
-    early, late = (
-        told([NAMED], "ok", [True] * (103 - lost) + [False] * (lost + 1))[-1] for lost in (100, 0)
-    )
-    assert after.valid
-    assert after.p_fail_high == pytest.approx(early.p_fail, rel=1e-12)
-    assert after.p_fail_low == pytest.approx(late.p_fail, rel=1e-12)
-    assert late.p_fail < early.p_fail < 0.395
-
-
 def test_what_is_seen_to_exclude_failure_leaves_what_is_not_seen_as_it_was():
     """A chain with a state that nothing tells of does not lose its past with one message."""
     states = [True] * 20
@@ -61,27 +43,6 @@ def test_what_is_seen_to_exclude_failure_leaves_what_is_not_seen_as_it_was():
     *_, after = told([FLYING], "flying", states)
     assert after.valid
     assert after.p_fail == pytest.approx(before.p_fail, rel=1e-12)
-
-
-def test_a_failure_that_no_input_excludes_may_have_come_unseen():
-    *_, after = told([UNNAMED], "ok", [True, None, True])
-    assert (after.valid, after.p_fail_high, after.evidence) == (True, 1.0, {"go": False})
-    assert after.p_fail_low < 1e-3
-    *_, lost = told([NAMED], "ok", [True, False, True], on_unknown="worst_case")
-    assert lost.reason == "inconsistent"
-
-
-def test_a_chain_that_may_be_repaired_may_be_in_its_worst_state_after_a_gap():
-    model = chain(
-        [[0, 1, 1e-3], [1, 2, 0.5], [0, 3, 1e-6]], 4, [2, 3], repair=True,
-        observe=[[0, "ok", False], [1, "ok", False], [2, "ok", True], [3, "ok", True]],
-    )  # fmt: skip
-    *_, known = told([model], "ok", [True, False, True])
-    for values in ([True, None, True], [True, False, None, True], [None, None, True]):
-        *_, after = told([model], "ok", values)
-        assert after.valid
-        assert after.p_fail_high == pytest.approx(known.p_fail, rel=1e-12)
-    assert known.p_fail > 0.39
 
 
 def test_a_large_chain_is_bounded_by_every_state_until_it_is_known():
@@ -110,48 +71,6 @@ def test_a_level_that_is_ignored_ends_no_gap():
     empty = told([part], "level", [10.0, None, 90.0])
     assert [one.valid for one in empty] == [True, False, True]
     assert empty[2].p_fail == 1.0
-
-
-@pytest.mark.parametrize("shape", [0.5, 3.0])
-def test_a_processor_may_have_aged_less_than_the_worst(shape):
-    part = {**CPU, "shape": shape, "mttf_ref": 0.01, "utilisation": None}
-    never = tree([event("model", model="cpu")], [{"type": "NOT", "of": [0]}])
-    *_, after = told([part], "t", [60.0] * 3 + [None] * 5 + [60.0], horizon=1e-3)
-    *_, good = told([part, never], "t", [60.0] * 3 + [None] * 5 + [60.0], horizon=1e-3)
-    assert after.valid
-    for then in (-199.0, 60.0, 85.0):
-        *_, exact = told([part], "t", [60.0] * 3 + [then] * 5 + [60.0], horizon=1e-3)
-        assert after.p_fail_low <= exact.p_fail * (1 + 1e-12)
-        assert exact.p_fail <= after.p_fail_high * (1 + 1e-12)
-        assert 1.0 - exact.p_fail <= good.p_fail_high * (1 + 1e-12)
-
-
-def test_a_hull_holds_the_beliefs_that_it_replaces():
-    chance = np.random.default_rng(11)
-    for _ in range(300):
-        states, count = chance.integers(1, 5), chance.integers(1, 9)
-        beliefs = chance.random((count, states)) ** 8 * chance.choice([0.0, 1.0], states)
-        beliefs[:, 0] += 1e-9
-        beliefs /= beliefs.sum(axis=1, keepdims=True)
-        whole = np.array(hull(beliefs.tolist()))
-        assert len(whole) <= max(1, np.count_nonzero(beliefs.any(axis=0)))
-        assert whole.sum(axis=1) == pytest.approx(1.0)
-        value, weight = chance.random((2, states)) ** 4
-        ratios = [(rows @ (value * weight)) / (rows @ weight) for rows in (beliefs, whole)]
-        assert ratios[0].max() <= ratios[1].max() * (1 + 1e-12)
-        assert ratios[1].min() <= ratios[0].min() * (1 + 1e-12)
-
-
-def test_sets_that_are_made_of_others_are_left_out():
-    chance = random.Random(11)
-    for _ in range(100):
-        sets = {frozenset(chance.sample(range(5), chance.randint(0, 4))) for _ in range(6)}
-        found = independent(sets)
-        assert set(found) <= sets
-        for one in sets - set(found):
-            parts = [part for part in found if part < one]
-            assert frozenset().union(*parts) == one
-    assert independent([{0, 1}, {0}, {1}, {1, 2}]) == [{0}, {1}, {1, 2}]
 
 
 def test_a_chain_that_may_have_failed_unseen_says_since_when_and_why():

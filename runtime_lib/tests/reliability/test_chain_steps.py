@@ -1,6 +1,5 @@
 """The steps of a chain, taken many at a time, against the same steps taken one by one."""
 
-import math
 import random
 
 import pytest
@@ -138,15 +137,6 @@ def test_sums_that_are_written_out_equal_products_of_matrices(moving):
                 assert getattr(mine, name) == expected, name
 
 
-def test_nothing_that_is_consistent_is_a_failure_whatever_else_is_unknown():
-    observe = [[0, "a", False], [1, "a", False], [1, "b", False]]
-    one = monitor([chain([[0, 1, 0.5]], 2, [1], observe=observe)], ["a", "b"])
-    result = step(one, a=False)
-    assert (result.valid, result.reason, result.unknown) == (False, "inconsistent", ("b",))
-    assert (result.p_fail_low, result.p_fail_high, result.reliability) == (1.0, 1.0, 0.0)
-    assert result.mttf == 0.0
-
-
 def test_as_many_observations_as_there_may_be_are_kept():
     names = [f"i{k}" for k in range(7)]
     observe = tuple((k, name, False) for k, name in enumerate(names))
@@ -160,13 +150,3 @@ def test_as_many_observations_as_there_may_be_are_kept():
         assert len(ours._seen) <= 64
         if found.reason == "":
             assert found.high == pytest.approx(other.look(1, mask)[0], rel=1e-9, abs=0.0)
-
-
-def test_a_reset_monitor_says_the_same_again():
-    arcs = [[0, 1, 3.0], [1, 2, 0.5]]
-    one = monitor([chain(arcs, 3, [2])])
-    first = [step(one, i * 0.1) for i in range(50)]
-    one.reset()
-    assert [step(one, i * 0.1) for i in range(50)] == first
-    assert all(a.p_fail <= b.p_fail for a, b in zip(first, first[1:]))
-    assert not any(math.isnan(result.mttf) for result in first)

@@ -32,15 +32,6 @@ def test_a_chain_that_was_seen_to_fail_stays_failed():
     assert step(one, a=True).valid
 
 
-def test_a_chain_that_may_be_repaired_works_again():
-    one, seen = told([True, False, None, True, True], repair=True)
-    assert [result.p_fail_high for result in seen[1:3]] == [1.0, 1.0]
-    assert seen[2].unknown == ("a",)
-    for result in (seen[0], seen[3], seen[4]):
-        assert (result.valid, result.p_fail) == (True, pytest.approx(1e-5, rel=1e-4))
-    assert one.latched() == {}
-
-
 def test_a_contradiction_that_no_failure_explains_passes():
     """Ok and not ok at once is no observation of a failure."""
     model = chain([[0, 1, 1e-5]], 2, [1], observe=[[0, "a", False], [1, "b", True]])

@@ -21,7 +21,7 @@ from runtime_lib.tests.reliability.test_reliability_monitor import step  # noqa:
 from runtime_lib.tests.reliability.test_unknown_inputs import KINDS, LEVELS, PARTS  # noqa: E402
 
 QUANTUM = 360.0
-GOAL, LONG_GOAL = 2_000, 50_000
+GOAL, LONG_GOAL = 1_000, 50_000
 MOST = 16
 TRUTHS = (True, False)
 SLACK = 1.0 + 1e-9

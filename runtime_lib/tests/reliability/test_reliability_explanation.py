@@ -66,16 +66,3 @@ def test_what_is_lost_ignored_or_beyond_its_range_is_said():
         "  model cpu: p_fail 0.0163",
     ]
     assert lines[-1] == "  model tree: ignored once that something failed works again"
-
-
-def test_before_the_first_step_and_of_one_model_alone():
-    one = monitor([quad(0.001)], WORKING)
-    first = "p_fail 1 (0 to 1) within 1 h, not valid: not started"
-    assert one.explain().text() == first
-    assert one.explain().known == {}
-    step(one, **{**WORKING, "m1": None})
-    assert one.explain().text() == (
-        "p_fail 1 (0.00399 to 1) within 1 h, not valid: unknown inputs\n"
-        "  m1 is unknown\n"
-        "  model rotors: p_fail 1"
-    )

@@ -39,17 +39,6 @@ def rotors(**model):
     return monitor([quad(0.01)], WORKING, **model)
 
 
-def test_a_failed_motor_makes_the_failure_sure():
-    one = rotors()
-    first = step(one, **WORKING)
-    assert first.valid
-    assert first.p_fail == pytest.approx(-math.expm1(-0.04), rel=1e-14)
-    assert first.mttf == pytest.approx(25.0, rel=1e-14)
-    lost = step(one, 0.1, **{**WORKING, "m2": False})
-    assert (lost.p_fail, lost.reliability, lost.mttf) == (1.0, 0.0, 0.0)
-    assert lost.valid
-
-
 def test_what_failed_does_not_work_again():
     one = rotors()
     step(one, **{**WORKING, "m2": False})
@@ -60,24 +49,6 @@ def test_what_failed_does_not_work_again():
     repaired = monitor([quad(0.01, repair=True)], WORKING)
     step(repaired, **{**WORKING, "m2": False})
     assert step(repaired, 0.1, **WORKING).p_fail < 0.05
-
-
-def test_a_motor_that_may_work_again_is_unknown_at_once():
-    one = monitor([quad(0.01, repair=True)], WORKING)
-    step(one, **{**WORKING, "m2": False})
-    for i in range(1, 4):
-        result = step(one, i * 0.1, **{**WORKING, "m2": None})
-        assert (result.valid, result.unknown) == (False, ("m2",))
-        assert (result.p_fail_low, result.p_fail_high) == (pytest.approx(0.0392, rel=1e-3), 1.0)
-
-
-def test_an_unknown_motor_gives_an_interval():
-    result = step(rotors(), m0=True, m1=True, m2=None, m3=True)
-    assert not result.valid
-    assert result.unknown == ("m2",)
-    assert result.p_fail_low == pytest.approx(-math.expm1(-0.04), rel=1e-14)
-    assert result.p_fail == result.p_fail_high == 1.0
-    assert result.reason == "unknown inputs"
 
 
 @pytest.mark.parametrize("nothing", [None, math.nan, object(), [], "yes", 3, b"1", {}, 1.5])
@@ -130,37 +101,6 @@ def test_a_chain_follows_the_verdicts_on_its_states():
     unknown = step(one, 1.1)
     assert unknown.p_fail_high == 1.0
     assert unknown.unknown == ("ok",)
-
-
-def test_contradictions_count_as_the_worst_case():
-    model = chain([[0, 1, 0.0], [1, 2, 0.5]], 3, [2], observe=[[0, "ok", False]])
-    one = monitor([model], ["ok"])
-    result = step(one, ok=False)
-    assert (result.valid, result.reason, result.p_fail) == (False, "inconsistent", 1.0)
-    nowhere = chain([[0, 1, 0.5]], 2, [1], observe=[[0, "ok", False], [1, "ok", False]])
-    assert step(monitor([nowhere], ["ok"]), ok=False).p_fail == 1.0
-
-
-def test_a_tree_with_status_inputs():
-    events = [
-        event("exponential", 0.1, input="a"),
-        event("weibull", 10.0, 2.0, input="b"),
-        event("fixed", 0.01),
-    ]
-    gates = [{"type": "AND", "of": [0, 1]}, {"type": "OR", "of": [2, 3]}]
-    one = monitor([tree(events, gates)], ["a", "b"])
-    a, b = -math.expm1(-0.1), -math.expm1(-0.01)
-    result = step(one, a=False, b=False)
-    assert result.p_fail == pytest.approx(1 - 0.99 * (1 - a * b), rel=1e-12)
-    assert math.isnan(result.mttf)
-    assert step(one, a=True, b=False).p_fail == pytest.approx(1 - 0.99 * (1 - b), rel=1e-6)
-    unknown = step(one, b=False)
-    assert unknown.p_fail == pytest.approx(1 - 0.99 * (1 - b), rel=1e-6)  # a is latched
-    found = one.importances()
-    assert found[0].birnbaum == pytest.approx(found[0].birnbaum)
-    assert {x.event for x in found} == {"exponential", "weibull", "fixed"}
-    top = found[0]
-    assert top.criticality == pytest.approx(top.birnbaum * top.probability / unknown.p_fail)
 
 
 def test_evidence_with_hysteresis_and_hold():

@@ -1,8 +1,6 @@
 """An input that is lost, or beyond its range, never makes a result better."""
 
-import itertools
 import math
-import random
 
 import pytest
 
@@ -62,42 +60,11 @@ KINDS = {
 PARTS = [BATTERY, CPU, UNITS, quad(0.01)]
 NAMES = [part["name"] for part in PARTS]
 MODELS = [event("model", model=name) for name in NAMES]
-KINDS_OF_TOPS = {
-    "series": {"name": "all", "type": "series", "of": NAMES},
-    "2 of 4": tree(MODELS, [{"type": "VOTE", "of": [0, 1, 2, 3], "k": 2}]),
-    "odd": tree(MODELS, [{"type": "XOR", "of": [0, 1, 2, 3]}]),
-}
 LEVELS = [10.0 ** (-k / 8.0) for k in range(64)]
 THRESHOLDS = [
     {"id": f"p{k}", "activate": p, "release": p, "hold": 0.0} for k, p in enumerate(LEVELS)
 ]
 MORE = {"on_unknown": "worst_case", "horizon": 1.0, "thresholds": THRESHOLDS}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS)
-def test_evidence_with_an_unknown_input_holds_for_every_value_that_it_may_have(kind):
-    part, ranges = KINDS[kind]
-    chance = random.Random(kind)
-    names = list(ranges)
-    for _ in range(60):
-        history = [
-            {name: chance.choice((*values, None)) for name, values in ranges.items()}
-            for _ in range(chance.randrange(3))
-        ]
-        given = {name: chance.choice((*values, None)) for name, values in ranges.items()}
-        bounded = last([part], names, [*history, given])
-        lost = [name for name in names if given[name] is None]
-        for guess in itertools.product(*(ranges[name] for name in lost)):
-            whole = {**given, **dict(zip(lost, guess))}
-            exact = last([part], names, [*history, whole])
-            slack = 1.0 + 1e-12
-            assert exact.p_fail_high <= bounded.p_fail_high * slack, (history, given, whole)
-            assert bounded.p_fail_low <= exact.p_fail_low * slack, (history, given, whole)
-            if exact.reason:  # the model says that this cannot be
-                continue
-            for one, active in bounded.evidence.items():
-                assert exact.evidence[one] or not active
 
 
 def last(parts, names, steps):
@@ -151,57 +118,6 @@ def test_what_is_above_its_limit_is_unknown_and_as_bad_as_it_says(part, good, na
         assert name in one.faults()
     one.reset()
     assert step(one, **good).p_fail == last([part], list(good), [good]).p_fail
-
-
-@pytest.mark.parametrize("top", KINDS_OF_TOPS)
-def test_what_is_made_of_unknown_parts_is_bounded_too(top):
-    parts = [*PARTS, KINDS_OF_TOPS[top]]
-    ranges = {"level": (90.0, 40.0), "t": (-150.0, 60.0), "u": (0.0, 1.0), "n": (1, 4), **ROTORS}
-    chance = random.Random(top)
-    for _ in range(12):
-        given = {name: chance.choice(values) for name, values in ranges.items()}
-        lost = chance.sample(sorted(given), 3)
-        bounded = last(parts, list(ranges), [{**given, **dict.fromkeys(lost)}])
-        for guess in itertools.product(*(ranges[name] for name in lost)):
-            exact = last(parts, list(ranges), [{**given, **dict(zip(lost, guess))}])
-            assert exact.p_fail_high <= bounded.p_fail_high * (1 + 1e-12)
-            assert bounded.p_fail_low <= exact.p_fail_low * (1 + 1e-12)
-            assert all(exact.evidence[one] or not on for one, on in bounded.evidence.items())
-
-
-@pytest.mark.parametrize("shape", [0.5, 1.0, 3.0])
-def test_what_was_unknown_for_a_while_counts_as_the_worst_later(shape):
-    part, names = {**CPU, "shape": shape, "mttf_ref": 0.01}, ["t", "u"]
-    now = [{"t": 60.0, "u": 0.5}]
-    for lost in (["t"], ["u"], ["t", "u"]):
-        gone = {**now[0], **dict.fromkeys(lost)}
-        later = last([part], names, [gone] * 9 + now)
-        assert later.valid
-        for t, u in itertools.product((-199.0, 85.0), (0.0, 1.0)):
-            then = {**now[0], **{name: {"t": t, "u": u}[name] for name in lost}}
-            assert last([part], names, [then] * 9 + now).p_fail <= later.p_fail * (1 + 1e-12)
-
-
-def test_a_young_processor_is_the_worse_the_less_it_has_aged():
-    part = {**CPU, "shape": 0.5}
-    lost = last([part], ["t", "u"], [{"t": None, "u": 1.0}] * 50 + [{"t": 60.0, "u": 1.0}])
-    cold = last([part], ["t", "u"], [{"t": -199.0, "u": 1.0}] * 50 + [{"t": 60.0, "u": 1.0}])
-    assert cold.p_fail <= lost.p_fail * (1 + 1e-12)
-
-
-def test_nothing_is_minus_zero():
-    parts = [{**CPU, "name": f"c{i}"} for i in range(2)]
-    parts.append({"name": "all", "type": "series", "of": ["c0", "c1"]})
-    for values in ({"t": None, "u": 0.5}, {"t": 51.0, "u": 0.0}, {}):
-        result = last(parts, ["t", "u"], [values])
-        for number in (result.p_fail_low, result.p_fail, *result.contributions.values()):
-            assert math.copysign(1.0, number) == 1.0
-    for part, ranges in KINDS.values():
-        parts = [part, {"name": "all", "type": "series", "of": [part["name"]]}]
-        one = monitor(parts, ranges, horizon=0.0)
-        result = step(one, **{name: values[0] for name, values in ranges.items()})
-        assert math.copysign(1.0, result.p_fail_low) == 1.0
-        assert math.copysign(1.0, result.p_fail_high) == 1.0
 
 
 @pytest.mark.parametrize(

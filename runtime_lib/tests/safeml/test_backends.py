@@ -7,7 +7,6 @@ from eddi_runtime.safeml import arrays  # noqa: E402 - numpy comes first
 from eddi_runtime.safeml.comparison import Comparison  # noqa: E402
 
 from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
-from runtime_lib.tests.safeml.monitors import monitor, step  # noqa: E402
 
 
 def test_an_absent_library_is_said_and_numpy_used(monkeypatch):
@@ -23,30 +22,6 @@ def cases():
         pooled = pooled if levels is None else np.round(pooled * levels) / levels
         windows = pooled[:, 80:].reshape(3, 5, 12).swapaxes(0, 1)
         yield np.sort(pooled[:, :80], axis=1), np.ascontiguousarray(windows)
-
-
-@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
-def test_same_decisions(metric):
-    pytest.importorskip("torch", reason="torch is not installed")
-    backend = arrays.torch_or_numpy()
-    for reference, windows in cases():
-        expected = of_windows(Comparison(metric, reference, 12), windows)
-        there = Comparison(metric, reference, 12, backend)
-        found = backend.numpy(of_windows(there, backend.array(windows)))
-        np.testing.assert_allclose(found, expected, rtol=1e-12 if metric == "ad" else 0.0)
-
-
-@pytest.mark.parametrize("metric", ["ks", "cvm", "ad"])
-def test_a_monitor_on_another_library(metric):
-    pytest.importorskip("torch", reason="torch is not installed")
-    rows = np.random.RandomState(3).normal(size=(60, 2)).tolist()
-    one = monitor(rows, metric=metric)
-    other = monitor(rows, metric=metric, array_backend="torch")
-    assert other.backend == "torch"
-    for row in rows:
-        mine, its = step(one, row), step(other, row)
-        assert (mine.omission, mine.odd_violation) == (its.omission, its.odd_violation)
-        assert mine.omission or mine.statistic == pytest.approx(its.statistic, rel=1e-12)
 
 
 class Renamed(arrays.Backend):

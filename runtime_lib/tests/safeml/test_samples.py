@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
-from eddi_runtime import joined  # noqa: E402 - numpy comes first
 from eddi_runtime.history import Messages  # noqa: E402
 from eddi_runtime.safeml.samples import take  # noqa: E402
 
@@ -103,10 +102,6 @@ def test_float32_is_rounded_before_it_is_judged():
     assert rows_of([1e300], 1, single=True) == ([], ["not_finite"])
 
 
-def test_joined():
-    assert joined(1.5, (2.0, 3.0), multi_array((0.0, 4.0), offset=1)) == [1.5, 2.0, 3.0, 4.0]
-
-
 class Awkward:
     """Raises wherever it is touched."""
 
@@ -142,15 +137,3 @@ def test_nothing_raises_and_nothing_bad_enters_the_window(values):
         assert np.isfinite(one._window._lower).all()
         one.status_message()
         one.faults()
-
-
-def test_ten_thousand_unusable_messages_do_not_touch_the_window():
-    one = monitor([[float(k)] for k in range(10)])
-    for k in range(4):
-        step(one, [float(k)])
-    before = one._window._lower.copy()
-    bad = [[], [float("nan")], [1.0, 2.0], None, "x", [float("inf")]]
-    for k in range(10_000):
-        assert step(one, bad[k % len(bad)]).omission
-    np.testing.assert_array_equal(one._window._lower, before)
-    assert step(one, [0.0]).rejected == 8333  # None is no message

@@ -1,8 +1,6 @@
 """Every statistic equals its definition, from whatever side it is computed."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 np = pytest.importorskip("numpy", reason="SafeML needs numpy")
 from eddi_runtime.safeml.comparison import Comparison, Window  # noqa: E402 - numpy comes first
@@ -12,59 +10,6 @@ from eddi_scaffold.kinds.safeml.calibration import of_windows  # noqa: E402
 from runtime_lib.tests.safeml.literal import LITERAL  # noqa: E402
 
 METRICS = tuple(LITERAL)
-# few different values give ties of every sort; -0.0 equals 0.0
-VALUES = st.one_of(
-    st.integers(-3, 3).map(float),
-    st.sampled_from([-0.0, 0.0, 0.1, 0.2]),
-    st.floats(-1e6, 1e6, allow_nan=False),
-)
-SAMPLES = st.lists(VALUES, min_size=1, max_size=40)
-
-
-def one(metric, reference, window):
-    found = Comparison(metric, np.sort(np.array([reference], dtype=float)), len(window))
-    return float(of_windows(found, np.array([[window]], dtype=float))[0, 0])
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@given(SAMPLES, SAMPLES)
-def test_definition(metric, reference, window):
-    expected = LITERAL[metric](reference, window)
-    assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-10)
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@pytest.mark.parametrize("levels", [2, 10, 100, None])
-def test_definition_on_larger_samples(metric, levels):
-    chance = np.random.RandomState(3)
-    for _ in range(4):
-        n, m = chance.randint(1, 200), chance.randint(1, 50)
-        pooled = chance.normal(size=n + m)
-        pooled = pooled if levels is None else np.round(pooled * levels) / levels
-        reference, window = pooled[:n].tolist(), pooled[n:].tolist()
-        expected = LITERAL[metric](reference, window)
-        assert one(metric, reference, window) == pytest.approx(expected, rel=1e-10, abs=1e-12)
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@given(SAMPLES, SAMPLES, st.randoms(use_true_random=False))
-def test_order_and_increasing_maps_do_not_matter(metric, reference, window, chance):
-    before = one(metric, reference, window)
-    places = {value: k for k, value in enumerate(sorted({*reference, *window}))}
-    chance.shuffle(reference)
-    chance.shuffle(window)
-    moved = one(metric, [places[x] ** 3 for x in reference], [places[w] ** 3 for w in window])
-    assert moved == pytest.approx(before, rel=1e-12, abs=1e-12)
-
-
-@pytest.mark.parametrize("metric", METRICS)
-@pytest.mark.parametrize("values", [[1.0], [2.0, 2.0, 2.0], [1.0, 2.0, 3.0]])
-def test_equal_samples_have_no_distance(metric, values):
-    assert one(metric, values, values) == pytest.approx(0.0, abs=1e-15)
-
-
-def test_the_smallest_samples():
-    assert [one(metric, [1.0], [2.0]) for metric in METRICS] == [1.0, 0.25, pytest.approx(1.0)]
 
 
 def test_sums_that_do_not_fit_into_64_bits():
@@ -127,7 +72,7 @@ def test_infinity_is_beyond_every_reference(listed, monkeypatch):
 def test_a_million_steps_do_not_drift(metric, request):
     """No growth and no drift: a long profile for the million, some thousand else."""
     is_long = request.config.getoption("--hypothesis-profile", default=None) == "long"
-    steps = 1_000_000 if is_long else 20_000
+    steps = 1_000_000 if is_long else 8_000
     chance = np.random.RandomState(4)
     samples = np.round(chance.normal(size=(1009, 2)), 2)
     comparison = Comparison(metric, np.sort(np.round(chance.normal(size=(2, 200)), 2), axis=1), 20)

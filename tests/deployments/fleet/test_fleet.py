@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from pathlib import Path
 
@@ -82,19 +81,6 @@ def test_so_many_offers_are_not_looked_through(folder: Path) -> None:
     path.write_text("\n".join(["Robots:", *robots, "Bindings: [{demand: ArmIsParked}]\n"]), "utf-8")
     problems = read_whole_fleet(read_source(path), checked_models)[1]
     assert_reported("D004", problems)
-
-
-def test_the_example_has_no_problems_in_a_file_or_in_its_folder(folder: Path) -> None:
-    for file in ("deployment.yml", "."):
-        result = run("check", file, "--json", cwd=folder)
-        assert result.status == 0
-        levels = {one["level"] for one in json.loads(result.out)["problems"]}
-        assert levels <= {"info"}  # nor is any file checked as if it were alone
-
-
-def test_a_folder_may_have_several_deployments_of_the_same_monitors(folder: Path) -> None:
-    shutil.copy(folder / "deployment.yml", folder / "other.yml")
-    assert run("check", ".", cwd=folder).status == 0
 
 
 def test_robots_apart_may_publish_what_they_want(folder: Path) -> None:

@@ -53,14 +53,6 @@ def test_a_second_time_changes_nothing(cell: Path) -> None:
     assert files_below(cell / "cell") == before
 
 
-def test_each_workspace_is_one_by_itself(cell: Path) -> None:
-    for robot in ("arm", "cart", "station"):
-        result = run("status", "-w", f"cell/{robot}", cwd=cell)
-        assert result.status == 0, result.out
-        assert f"{robot}: up to date" in result.out
-        assert run("upgrade", "-w", f"cell/{robot}", cwd=cell).status == 0
-
-
 def test_commands_of_a_workspace_take_the_folder_of_all_robots(cell: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(cell / "cell", tmp_path / "cell"))
     for robot in ("arm", "cart"):

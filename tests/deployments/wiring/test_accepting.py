@@ -115,17 +115,6 @@ def test_show_of_a_configuration_lists_it(tmp_path: Path) -> None:
         }
 
 
-def test_show_of_what_accepts_nothing(tmp_path: Path) -> None:
-    written(tmp_path, ", requires: [s], field: data, max_age: 1.0")
-    shown = run("show", "base.yml", "-c", "base_config.yml", cwd=tmp_path)
-    assert (shown.status, "accepted" in shown.out) == (0, False)
-    answer = json.loads(
-        run("show", "base.yml", "-c", "base_config.yml", "--json", cwd=tmp_path).out
-    )
-    assert answer["accepted"] == []
-    assert "accepted" not in json.loads(run("show", "base.yml", "--json", cwd=tmp_path).out)
-
-
 @pytest.mark.parametrize(
     ("words", "status", "code"),
     [

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import run
 from tests.deployments.wiring.test_bounds import LINK, READ, SENSOR
 from tests.deployments.wiring.test_wiring import CONFIG, CONSERT
 
@@ -87,15 +83,6 @@ def test_a_message_of_a_monitor_is_unknown_after_a_second(
     assert together["top"].compiled.text == alone["top"].compiled.text
 
 
-def test_each_message_of_an_expression_has_its_own_limit(tmp_path: Path) -> None:
-    entry = "expression: 'b.guarantees[G].active AND s.data'"
-    monitors, _ = read(written(tmp_path, "top", SENSOR_AND_MONITOR, entry))
-    computed: Any = monitors["top"].inputs[0].computed
-    (part,) = computed["parts"]
-    of = {read.name.partition(".")[0]: read.timeout for read in part["program"].reads}
-    assert of == {"b": 10**9, "s": None}
-
-
 @pytest.mark.parametrize(
     ("frequency", "age", "text"),
     [
@@ -128,20 +115,3 @@ def test_a_publisher_that_is_too_slow_for_the_limit(
             "warning": "at least 2 periods: max_age: 2",
         }
         assert all((one.hint or "").startswith(hints[one.level]) for one in problems)
-
-
-def test_a_newer_model_keeps_the_limit(tmp_path: Path) -> None:
-    top = written(tmp_path, "top", BASE, READ)
-    (tmp_path / "ws").mkdir()
-    made = run("generate", "-w", "ws", "-c", top.name, cwd=tmp_path)
-    assert made.status == 0, made.err
-    record = tmp_path / "ws/src/eddi_monitor/top/config/model.json"
-    newer = tmp_path / "newer"
-    newer.mkdir()
-    data = CONSERT.format().replace("type: Fine", "type: Finer").encode()
-    (newer / "top.yml").write_bytes(data)
-    done = run("upgrade", "-w", "ws", "-m", "newer/top.yml", cwd=tmp_path)
-    assert done.status == 0, done.err
-    facts = from_json(record.read_text("utf-8"))
-    assert facts.file_sha256 == hashlib.sha256(data).hexdigest()
-    assert [input_.max_age for input_ in facts.inputs] == [1.0]

@@ -8,10 +8,9 @@ import pytest
 
 from eddi_scaffold.common.problems import EddiError, Problem
 from eddi_scaffold.deployments.support import WiredMonitor, wired
-from eddi_scaffold.deployments.topics import Deployment, shared_by_robots
+from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring
 from eddi_scaffold.packages.assembly import monitors_of
-from tests.cli.command import example
 
 CONSERT = """\
 guarantees: [{{id: G, dimensions: [{{Binary: {{type: Fine}}}}]}}]
@@ -149,26 +148,3 @@ def test_silence_is_followed_through_another_input(tmp_path: Path) -> None:
     assert (problem.code, problem.message.partition(" by ")[0]) == (
         "D001", "input 'g' gains from silence",
     )  # fmt: skip
-
-
-def test_run_refuses_what_check_refuses(tmp_path: Path) -> None:
-    folder = example(tmp_path)
-    path = folder / "consert_a_config.yml"
-    text = path.read_text("utf-8").replace(
-        "    default: false\n    field: guarantees[System_A_G0_c2].active",
-        "    expression: NOT consertb.guarantees[System_A_G0_c2].active",
-    )
-    path.write_text(text, "utf-8")
-    with pytest.raises(EddiError) as refused:
-        monitors_of(folder / "two_conserts.xml", [path])
-    assert "D001" in codes(list(refused.value.problems))
-
-
-def test_topics_that_robots_would_share_are_named(tmp_path: Path) -> None:
-    absolute = member(tmp_path, "one", "/one/out", SENSOR, "requires: [s]")
-    relative = member(tmp_path, "two", "two/out", SENSOR, "requires: [s]")
-    assert shared_by_robots([relative]) is None
-    assert shared_by_robots([absolute, relative]) == (
-        "two robots on one master would share /one/out, /one/out/status: topics without `/` at the"
-        " start are apart"
-    )

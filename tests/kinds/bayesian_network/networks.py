@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
@@ -77,27 +75,3 @@ def networks(draw: st.DrawFn, most: int = 6) -> Network:
         )
     order = draw(st.permutations(nodes))
     return Network("net", tuple(order))
-
-
-def brute_force(
-    network: Network, evidence: Mapping[str, str | Sequence[float]], output: str
-) -> list[float] | None:
-    """Return the posterior by summing over everything; None when the evidence is impossible."""
-    nodes = network.nodes
-    at = {node.id: k for k, node in enumerate(nodes)}
-    sums = [0.0] * len(network.node(output).states)
-    for states in itertools.product(*(range(len(node.states)) for node in nodes)):
-        weight = 1.0
-        for node, state in zip(nodes, states, strict=True):
-            index = 0
-            for parent in node.parents:
-                index = index * len(network.node(parent).states) + states[at[parent]]
-            weight *= node.table[index * len(node.states) + state]
-            given = evidence.get(node.id)
-            if isinstance(given, str):
-                weight *= node.states[state] == given
-            elif given is not None:
-                weight *= given[state]
-        sums[states[at[output]]] += weight
-    total = math.fsum(sums)
-    return [value / total for value in sums] if total > 0 else None

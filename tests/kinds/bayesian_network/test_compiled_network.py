@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import ast
-import os
 import random
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
@@ -18,11 +15,6 @@ from hypothesis import strategies as st
 
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds.bayesian_network import inference_plan
-from eddi_scaffold.kinds.bayesian_network.clique_tree import (
-    elimination_order,
-    fewest_edges,
-    smallest_table,
-)
 from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, width_of
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.bayesian_network.networks import (
@@ -139,43 +131,6 @@ def test_what_was_not_foreseen_is_inferred_as_exactly(seed):
         assert rows is None or furthest(rows, want) < 1e-12
 
 
-def test_what_was_not_foreseen_in_a_large_network_agrees_with_what_was():
-    pytest.importorskip("numpy")
-    rng = random.Random(2)
-    net = random_network(rng, 26, zeros=0.1)
-    observable = sorted(rng.sample(range(26), 12))
-    foreseen, other = compiled(net, [25, 3], observable), compiled(net, [0], [1])
-    engine = Engine(foreseen.nodes, foreseen.foreseen)
-    general = Engine(other.nodes, other.everything, [25, 3], observable)
-    for _ in range(40):
-        case = random_evidence(rng, net, observable)
-        rows, want = general.infer(*case), engine.infer(*case)
-        assert (rows is None) == (want is None)
-        assert rows is None or furthest(rows, want) < 1e-12
-
-
-def test_the_step_that_is_written_out_does_what_the_messages_say():
-    """``scaled`` follows the messages one by one, the text has been ordered and merged."""
-    pytest.importorskip("numpy")
-    rng = random.Random(4)
-    net = random_network(rng, 22, zeros=0.0)
-    observable = sorted(rng.sample(range(22), 9))
-    made = compiled(net, [21, 7], observable)
-    for program in (made.foreseen, made.everything):
-        engine = Engine(made.nodes, program)
-        for part in (*engine._parts, *engine._when_observed):
-            for _ in range(5):
-                known = part in engine._when_observed
-                states, weights = random_evidence(rng, net, program.observable, soft=0.0)
-                if known:
-                    states = [k % card for k, card in zip(states, engine.missing, strict=True)]
-                texts, rows = part.running.hard(states), part.running.scaled(states, weights)
-                for row, want in zip(texts, rows, strict=True):
-                    assert [p / sum(row) for p in row] == pytest.approx(
-                        [p / sum(want) for p in want], abs=1e-12
-                    )
-
-
 def test_a_large_table_is_read_as_it_was_written():
     pytest.importorskip("numpy")
     net, made = wide()
@@ -186,14 +141,6 @@ def test_a_large_table_is_read_as_it_was_written():
         states = {f"n{k}": f"s{row >> (10 - k) & 1}" for k in range(11)}
         want = net.tables[11][2 * row : 2 * row + 2]
         assert list(posterior(step(give(**states)), "n11").values()) == pytest.approx(list(want))
-
-
-@pytest.mark.slow
-def test_a_chain_is_narrow():
-    chain = grid(1, 300)
-    width = width_of(chain, [299], range(299))
-    assert width.largest <= 64
-    assert not width.too_large
 
 
 @pytest.mark.slow
@@ -210,37 +157,3 @@ def test_a_wide_network_is_recognised_without_memory():
     assert width.too_large
     assert width.largest > TOO_LARGE > LARGE
     assert len(width.nodes) > 20
-
-
-@pytest.mark.slow
-def test_elimination_orders_are_complete_and_the_same_each_time():
-    shape = grid(5, 5)
-    masks = [sum(1 << one for one in (*own, k)) for k, own in enumerate(shape.parents)]
-    for rule in (fewest_edges, smallest_table):
-        order = elimination_order(masks, shape.cards, rule)
-        assert sorted(order) == list(range(25))
-        assert order == elimination_order(masks, shape.cards, rule)
-
-
-SCRIPT = """
-import sys
-sys.modules["numpy"] = None
-from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
-from tests.kinds.bayesian_network.test_compiled_network import large
-sys.stdout.write(large().text() + to_xdsl(large().network) + to_xmlbif(large().network))
-"""
-
-
-def test_the_hash_seed_changes_no_byte_and_numpy_is_not_needed():
-    texts = set()
-    for seed in ("1", "2"):
-        done = subprocess.run(
-            [sys.executable, "-c", SCRIPT],
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONHASHSEED": seed},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert not done.returncode, done.stderr
-        texts.add(done.stdout)
-    assert len(texts) == 1

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from hypothesis import given
-from hypothesis import strategies as st
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
@@ -23,10 +20,8 @@ from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.cli.command import ROOT, run
 from tests.diagnosed import assert_reported
-from tests.fuzz.mutations import mutations
 from tests.interpreters import old_python
 from tests.kinds.bayesian_network.networks import (
-    brute_force,
     joined,
     networks,
     read,
@@ -41,48 +36,6 @@ EXAMPLE = ROOT / "examples" / "pedestrian"
 
 def model_of(network: Network) -> Model:
     return NetworkModel(network.name, Source("n.xdsl", b""), Place("n.xdsl"), data=network)
-
-
-@st.composite
-def cases(draw: st.DrawFn) -> tuple[Network, dict[str, str | list[float]]]:
-    network = draw(networks())
-    evidence: dict[str, str | list[float]] = {}
-    for node in network.nodes:
-        what = draw(st.sampled_from(["nothing", "hard", "soft"]))
-        if what == "hard":
-            evidence[node.id] = draw(st.sampled_from(node.states))
-        elif what == "soft":
-            count = len(node.states)
-            floats = st.floats(0.0, 1.0)
-            evidence[node.id] = draw(st.lists(floats, min_size=count, max_size=count))
-    return network, evidence
-
-
-@given(cases())
-def test_posteriors_are_those_of_brute_force(
-    case: tuple[Network, Mapping[str, str | list[float]]],
-) -> None:
-    network, evidence = case
-    monitor, problems = joined(model_of(network))
-    assert monitor is not None, problems
-    machine = running(monitor)
-    known = {
-        name: value for name, value in evidence.items() if isinstance(value, str) or any(value)
-    }
-    used = {
-        name: value if isinstance(value, str) or sum(v > 0 for v in value) > 1 else
-        [float(v > 0) for v in value]
-        for name, value in known.items()
-    }  # fmt: skip
-    for output in monitor.model.settings.outputs:
-        wanted = brute_force(network, used, output)
-        try:
-            found = posteriors(machine, known)[output]
-        except InconsistentEvidenceError:
-            assert wanted is None
-            continue
-        if wanted is not None and min(v for v in wanted if v > 0) > 1e-200:
-            assert list(found) == pytest.approx(wanted, abs=1e-12)
 
 
 @given(networks())
@@ -208,29 +161,3 @@ def test_names_in_python_and_in_xdsl() -> None:
 )
 def test_names_that_look_like_bins(states: list[str], edges: list[float] | None) -> None:
     assert proposed_bins(states) == edges
-
-
-@given(
-    st.sampled_from(["pedestrian.xml", "net.xdsl", "net.xmlbif"]).flatmap(
-        lambda name: st.tuples(st.just(name), mutations(DAMAGED[name]))
-    )
-)
-def test_damaged_networks_are_problems_not_tracebacks(one: tuple[str, bytes]) -> None:
-    name, data = one
-    for model in read(data, name).models:
-        model.check()
-        monitor, _ = joined(model)
-        if monitor is not None:
-            running(monitor).execute_step(SimpleNamespace())
-
-
-def example_network() -> Network:
-    network: Network = read_path(EXAMPLE / "pedestrian.xml").data
-    return network
-
-
-DAMAGED = {
-    "pedestrian.xml": (EXAMPLE / "pedestrian.xml").read_bytes(),
-    "net.xdsl": to_xdsl(example_network()).encode(),
-    "net.xmlbif": to_xmlbif(example_network()).encode(),
-}

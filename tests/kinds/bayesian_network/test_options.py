@@ -158,13 +158,6 @@ def test_any_evidence_gives_a_monitor_or_problems(
     assert claim.low <= claim.high
 
 
-def test_observed_nodes_are_foreseen_by_the_robot() -> None:
-    text = config({"outputs": ["Critical"], "observed": ["AV_Shuttle_Speed"]})
-    monitor, _ = joined(read_path(EXAMPLE / "pedestrian.xml"), text)
-    assert monitor is not None
-    assert monitor.model.settings.foreseen == ("AV_Shuttle_Speed",)
-
-
 CHAIN = """<smile version="1.0" id="N"><nodes>
 <cpt id="A"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>
 <cpt id="B"><state id="y"/><state id="n"/><probabilities>0.5 0.5</probabilities></cpt>

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import gzip
 import importlib.util
-import random
 import warnings
 from pathlib import Path
 from typing import Any
 
 import pytest
-from eddi_runtime.bayesian_network.asking import posteriors
 from hypothesis import given, settings
 
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
-from tests.kinds.bayesian_network.networks import joined, networks, read, read_path, running
+from tests.kinds.bayesian_network.networks import networks, read, read_path
 
 pytestmark = pytest.mark.slow
 
@@ -70,8 +68,8 @@ def public() -> tuple[bytes, Any]:
 
 
 SIZES = {
-    "alarm": (37, 752), "andes": (223, 2314), "asia": (8, 36), "cancer": (5, 20),
-    "child": (20, 344), "earthquake": (5, 20), "hailfinder": (56, 3741), "hepar2": (70, 2139),
+    "alarm": (37, 752), "asia": (8, 36), "cancer": (5, 20),
+    "child": (20, 344), "earthquake": (5, 20), "hailfinder": (56, 3741),
     "insurance": (27, 1419), "sachs": (11, 267), "survey": (6, 37), "win95pts": (76, 1148),
 }  # fmt: skip
 """Public network -> its nodes, and the numbers in its tables."""
@@ -83,29 +81,6 @@ def test_public_networks_are_read(name: str) -> None:
     assert {one.code for one in reading.problems} <= {"B113"}
     nodes = reading.models[0].data.nodes
     assert (len(nodes), sum(len(node.table) for node in nodes)) == SIZES[name]
-
-
-def test_a_public_network_has_the_posteriors_of_pgmpy(public: tuple[bytes, Any]) -> None:
-    from pgmpy.inference import VariableElimination
-
-    text, peer = public
-    reading = read(text, "n.bif")
-    assert reading.problems == ()
-    monitor, _ = joined(reading.models[0])
-    assert monitor is not None
-    machine, asked = running(monitor), VariableElimination(peer)
-    nodes = {node.id: node for node in reading.models[0].data.nodes}
-    chance = random.Random(1)
-    for _ in range(10):
-        names = chance.sample(sorted(nodes), 3)
-        evidence = {name: chance.choice(nodes[name].states) for name in names}
-        for output, found in posteriors(machine, evidence).items():
-            if output in evidence:
-                continue
-            wanted = asked.query([output], evidence, show_progress=False)
-            states = wanted.state_names[output]
-            values = [wanted.values[states.index(state)] for state in nodes[output].states]
-            assert list(found) == pytest.approx(values, abs=1e-9)
 
 
 @pytest.mark.parametrize("form", ["bif", "xdsl"])

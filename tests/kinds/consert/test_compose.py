@@ -64,43 +64,36 @@ def user(*dimensions, id_="D", service="T", offers="U"):
     )
 
 
+def within(end, *, to="]", uom="s", subset="Demand"):
+    return numeric(("0", str(end), to), uom=uom, subset=subset)
+
+
+LEVELS = [CategoricalDimension("Level", pair, "Demand") for pair in (("a", "b"), ("b", "c"))]
 REASONS = [
+    (within(2), within(3), "Latency: [0, 3] s of D is not inside [0, 2] s of p/G"),
     (
-        numeric(("0", "2", "]")),
-        numeric(("0", "3", "]")),
-        "dimension Latency: [0, 3] s of D is not inside [0, 2] s of p/G",
+        *(within(end, subset="Guarantee") for end in (3, 2)),
+        "Latency: [0, 3] s of p/G is not inside [0, 2] s of D",
     ),
     (
-        numeric(("0", "3", "]"), subset="Guarantee"),
-        numeric(("0", "2", "]"), subset="Guarantee"),
-        "dimension Latency: [0, 3] s of p/G is not inside [0, 2] s of D",
+        *(within(2, to=")"), within(2000, uom="ms")),
+        "Latency: [0, 2000] ms of D is not inside [0, 2) s of p/G",
     ),
     (
-        numeric(("0", "2", ")")),
-        numeric(("0", "2000", "]"), uom="ms"),
-        "dimension Latency: [0, 2000] ms of D is not inside [0, 2) s of p/G",
+        within(2, uom="m"),
+        within(2),
+        "Latency: the unit m of p/G and the unit s of D do not compare",
     ),
     (
-        numeric(("0", "2", "]"), uom="m"),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the unit m of p/G and the unit s of D do not compare",
+        within(2, uom=None),
+        within(2),
+        "Latency: the ratio of p/G and the unit s of D do not compare",
     ),
     (
-        numeric(("0", "2", "]"), uom=None),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the ratio of p/G and the unit s of D do not compare",
+        *(within(2, subset="Guarantee"), within(2)),
+        "Latency: the subset is Guarantee in p/G and Demand in D",
     ),
-    (
-        numeric(("0", "2", "]"), subset="Guarantee"),
-        numeric(("0", "2", "]")),
-        "dimension Latency: the subset is Guarantee in p/G and Demand in D",
-    ),
-    (
-        CategoricalDimension("Level", ("a", "b"), "Demand"),
-        CategoricalDimension("Level", ("b", "c"), "Demand"),
-        "dimension Level: {b, c} of D is not inside {a, b} of p/G",
-    ),
-    (BinaryDimension("Y"), BinaryDimension("X"), "p/G has no Binary dimension X"),
+    (*LEVELS, "Level: {b, c} of D is not inside {a, b} of p/G"),
 ]
 
 
@@ -108,9 +101,8 @@ REASONS = [
 def test_reason_of_the_nearest_candidate(offered, wanted, reason):
     result = compose([("p", provider(offered)), ("u", user(wanted))])
     assert not result.composable
-    assert result.unmatched_demands == ("D",)
-    assert result.unmatched_services == ()
-    assert result.reasons == (f"demand u/D is not fulfilled: {reason}",)
+    assert (result.unmatched_demands, result.unmatched_services) == (("D",), ())
+    assert result.reasons == (f"demand u/D is not fulfilled: dimension {reason}",)
     assert result.order == ("p",)
 
 
@@ -134,24 +126,6 @@ def test_a_type_that_is_spelt_otherwise_is_named():
     assert service.endswith("a service of type Localisation; did you mean 'Localization'?")
 
 
-def test_order_and_bindings_do_not_depend_on_the_order_of_files():
-    parts = [("u", user(BinaryDimension("X"))), ("p", provider(BinaryDimension("X")))]
-    for instances in (parts, parts[::-1]):
-        result = compose(instances)
-        assert result.composable
-        assert result.order == ("p", "u")
-        assert result.bindings == {("u", "D"): (("p", "G"),)}
-
-
-def test_bindings_never_lead_back():
-    """Both u and w could feed each other; only p, accepted before, is bound."""
-    x = BinaryDimension("X")
-    parts = [("u", user(x, offers="T")), ("w", user(x, offers="T")), ("p", provider(x))]
-    result = compose(parts)
-    assert result.order == ("p", "u", "w")
-    assert result.bindings == {("u", "D"): (("p", "G"),), ("w", "D"): (("p", "G"),)}
-
-
 def test_conserts_that_wait_for_each_other():
     x = BinaryDimension("X")
     result = compose([("a", user(x, offers="T")), ("b", user(x, offers="T"))])
@@ -171,13 +145,6 @@ def test_two_instances_need_two_names():
     assert_reported("C007", refused.value.problems)
     again = compose([("u", model), ("v", model)])
     assert again.unmatched_demands == ("u/D", "v/D")
-
-
-def test_touching_ranges_are_one():
-    offered = numeric(("0", "1", ")"), ("1", "2", "]"))
-    assert compose([("p", provider(offered)), ("u", user(numeric(("0.5", "2", "]"))))]).composable
-    gap = numeric(("0", "1", ")"), ("1.0001", "2", "]"))
-    assert not compose([("p", provider(gap)), ("u", user(numeric(("0", "2", "]"))))]).composable
 
 
 def test_open_ends_and_exact_bounds():
@@ -208,22 +175,6 @@ def test_inclusion_is_that_of_the_numbers(inner, outer):
     assert is_inside(inner, outer) == expected
 
 
-def test_text_and_json():
-    x = BinaryDimension("X")
-    good = compose([("u", user(x)), ("p", provider(x)), ("q", provider(x))])
-    assert good.as_text() == ["composable", "order: p, q, u", "bindings:", "  u/D <- p/G or q/G"]
-    guarantees = [{"instance": name, "guarantee": "G"} for name in "pq"]
-    binding = {"instance": "u", "demand": "D", "guarantees": guarantees}
-    assert good.as_json() == {
-        "composable": True,
-        "order": ["p", "q", "u"],
-        "bindings": [binding],
-        **{key: [] for key in ("unmatched_demands", "unmatched_services", "reasons", "warnings")},
-    }
-    bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
-    assert bad.as_text()[:3] == ["not composable", "order: p", "reasons:"]
-
-
 FALLBACK = """\
 guarantees:
   - {id: Stop, dimensions: [Binary: {type: Standing}]}
@@ -251,3 +202,19 @@ def test_a_mark_counts_for_the_file_that_has_it(tmp_path: Path, name: str) -> No
     )
     wrong = run("compose", "A.yml", "n.bif", *marks, cwd=tmp_path)
     assert (wrong.status, wrong.err.count("[C008]")) == (2, 1)
+
+
+def test_text_and_json():
+    x = BinaryDimension("X")
+    good = compose([("u", user(x)), ("p", provider(x)), ("q", provider(x))])
+    assert good.as_text() == ["composable", "order: p, q, u", "bindings:", "  u/D <- p/G or q/G"]
+    guarantees = [{"instance": name, "guarantee": "G"} for name in "pq"]
+    binding = {"instance": "u", "demand": "D", "guarantees": guarantees}
+    assert good.as_json() == {
+        "composable": True,
+        "order": ["p", "q", "u"],
+        "bindings": [binding],
+        **{key: [] for key in ("unmatched_demands", "unmatched_services", "reasons", "warnings")},
+    }
+    bad = compose([("p", provider(BinaryDimension("Y"))), ("u", user(x))])
+    assert bad.as_text()[:3] == ["not composable", "order: p", "reasons:"]

@@ -9,7 +9,7 @@ import pytest
 from eddi_scaffold.common.claims import Claim
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.kinds import Options
-from eddi_scaffold.kinds.consert import KIND, MESSAGES
+from eddi_scaffold.kinds.consert import MESSAGES
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
     Bound,
@@ -21,28 +21,6 @@ from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from eddi_scaffold.kinds.consert.options import ConSertOptions, with_default_guarantees
 from eddi_scaffold.kinds.consert.ranges import is_empty
 from tests.kinds.consert.example import ROVER, read
-
-
-def test_export_writes_the_layout_of_d72():
-    assert read(ROVER).export() == {"Rover.yml": ROVER}
-
-
-def test_inputs_are_demands_then_evidence():
-    demand, distance, lidar = read(ROVER).inputs()
-    assert (demand.id, demand.type, demand.covered) == (
-        "MapKnown",
-        "bool",
-        "MapAge in {new, 1e3, no}",
-    )
-    assert (distance.id, distance.type, distance.unit, distance.units) == (
-        "Distance",
-        "float",
-        "",
-        {"": (1, 1), "fraction": (1, 1), "ratio": (1, 1), "percent": (1, 100), "pct": (1, 100)},
-    )
-    assert (lidar.id, lidar.type, lidar.unit, lidar.units) == ("Lidar", "bool", None, None)
-    assert lidar.description == 'The lidar\'s "self test": passed'
-    assert all(given.safety for given in (demand, distance, lidar))
 
 
 def test_a_range_without_a_double_is_empty():
@@ -109,14 +87,6 @@ def test_messages_keep_the_md5_of_the_packages_in_the_wild():
     assert guarantee == "b3a7e576b5781883d831dab64cec7ef8"
     output = MESSAGES["ConSertOutput"].strip().replace("Guarantee[]", guarantee)
     assert hashlib.md5(output.encode()).hexdigest() == "c306fb7ec8f6dbe6af438338cb2d6720"
-
-
-def test_sniff():
-    assert KIND.recognises(Source("a.yml", ROVER.encode()))
-    assert KIND.recognises(Source("a.json", b'{\n"guarantees": []}'))
-    assert KIND.recognises(Source("a.yaml", b"{guarantees: []}"))
-    assert not KIND.recognises(Source("a.xml", ROVER.encode()))
-    assert not KIND.recognises(Source("eddi_config.yml", b"Model:\n  id: A\n# guarantees\n"))
 
 
 def test_marks_of_default_guarantees():

@@ -7,7 +7,6 @@ import ast
 import pytest
 from eddi_runtime import ModelError
 
-from eddi_scaffold.program.runtime_parts import runtime_parts_of
 from runtime_lib.tests.conserts import categorical, consert, give, numeric
 from tests.program.formatting import objections
 
@@ -78,17 +77,6 @@ def test_a_changed_file_is_refused(tmp_path, monkeypatch):
         (tmp_path / f"compiled_{number}.py").write_text(changed)
         with pytest.raises(ModelError, match=r"the file was changed .*eddi-scaffold upgrade"):
             __import__(f"compiled_{number}")
-
-
-def test_sets_that_are_too_many_to_read_are_searched_by_a_part():
-    ids = [f"e{gate}{k}" for gate in range(4) for k in range(3)]  # 3 ** 4 sets
-    edges = [*(f"{one}>or{one[1]}" for one in ids), *(f"or{gate}>G" for gate in range(4))]
-    made = consert(ids, [], [f"or{gate}|" for gate in range(4)], ["G"], edges)
-    text = made.text()
-    assert objections(text) == ""
-    assert runtime_parts_of(text) == ("consert", "consert/search")
-    assert "    graph = search.Graph(\n" in text
-    assert "paths=" not in text
 
 
 def test_another_format_of_a_part_is_refused():

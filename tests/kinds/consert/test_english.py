@@ -52,13 +52,6 @@ def test_a_lower_bound_is_open_upwards() -> None:
     assert float(above.covered[0].start.text) == above.covered[0].start.value
 
 
-def test_a_bound_without_unit_is_numeric_without_unit() -> None:
-    dimension = read_english("FooBar < 5")[0]
-    assert dimension == NumericDimension(
-        "FooBar", (Range(Bound("0.0", 0.0), Bound("5", 5.0), inclusive=False),), "Guarantee", None
-    )
-
-
 @pytest.mark.parametrize(
     ("text", "kind", "remark"),
     [

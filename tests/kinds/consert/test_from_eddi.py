@@ -8,13 +8,11 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given
-from hypothesis import strategies as st
 
-from eddi_scaffold.common.problems import Problem, has_errors
+from eddi_scaffold.common.problems import has_errors
+from eddi_scaffold.kinds.consert import read_eddi
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
-    ConSert,
     Gate,
     Propagation,
 )
@@ -30,17 +28,6 @@ def test_every_kind_of_content_is_read(name: str) -> None:
     ((consert,), problems) = read((MODELS / f"{name}.xml").read_text("utf-8"))
     assert problems == []
     assert to_yaml(consert) == (MODELS / f"{name}.yml").read_text("utf-8")
-
-
-def test_places_have_file_line_and_path() -> None:
-    ((consert,), _) = read(ROVER)
-    place = consert.guarantees[1].place
-    assert (place.file, place.line, place.path) == (
-        "m.xml",
-        28,
-        "//@odeProductPackages.0/@conSerts.0/@guarantees.1",
-    )
-    assert consert.demands[0].dimensions[0].place.line == 10
 
 
 def _example() -> str:
@@ -164,13 +151,6 @@ def test_a_bound_that_cannot_be_read_is_said() -> None:
     ]
 
 
-def test_default_guarantees_are_marked() -> None:
-    ((consert,), problems) = read(ROVER, "slow", "Drive/fast")
-    assert [g.default for g in consert.guarantees] == [True, True]
-    assert problems == []
-    assert codes(read(ROVER, "slaw")[1]) == {"C008"}
-
-
 A = "//@odeProductPackages.0/@conSerts.0"
 
 
@@ -221,14 +201,6 @@ def test_an_edge_into_another_consert() -> None:
     )
 
 
-def test_a_name_of_a_consert_is_unique() -> None:
-    conserts, problems = read(ROVER.replace("</conSerts>", '</conSerts>\n<conSerts name="Drive"/>'))
-    assert conserts == (DRIVE,)
-    assert texts(problems) == [
-        'm.xml:53: error C007: the ConSert name "Drive" is used twice, first in line 4'
-    ]
-
-
 def test_a_consert_without_name_is_called_as_the_file() -> None:
     ((consert,), problems) = read(ROVER.replace('<conSerts name="Drive">', "<conSerts>"))
     assert (consert.name, problems) == ("m", [])
@@ -272,13 +244,6 @@ def test_a_file_without_conserts_has_none() -> None:
     assert read(SAFETY_CASE) == ((), [])
 
 
-def test_too_many_nodes() -> None:
-    text = ROVER.replace("</conSerts>", '<consertGates name="g"/>' * 100_000 + "</conSerts>")
-    assert texts(read(text)[1]) == [
-        "m.xml:4: error X003: the number of nodes is 100006, more than the limit of 100000"
-    ]
-
-
 def test_too_many_edges() -> None:
     # references are many-valued: a small file can ask for any number of edges
     many = " ".join([f"{A}/@consertGates.0"] * 1100)
@@ -290,66 +255,23 @@ def test_too_many_edges() -> None:
     ]
 
 
-def _sound(result: tuple[tuple[ConSert, ...], list[Problem]]) -> None:
-    _conserts, problems = result
-    assert all(p.place.line for p in problems)
-    for problem in problems:
-        assert problem.message
-        assert not problem.message.endswith(".")
+def test_a_name_of_a_consert_is_unique() -> None:
+    conserts, problems = read(ROVER.replace("</conSerts>", '</conSerts>\n<conSerts name="Drive"/>'))
+    assert conserts == (DRIVE,)
+    assert texts(problems) == [
+        'm.xml:53: error C007: the ConSert name "Drive" is used twice, first in line 4'
+    ]
+
+
+def test_too_many_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read_eddi, "MAX_NODES", 5)
+    assert texts(read(ROVER)[1]) == [
+        "m.xml:4: error X003: the number of nodes is 6, more than the limit of 5"
+    ]
 
 
 @pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
 def test_without_any_one_attribute(text: str) -> None:
     for match in re.finditer(r' [\w:]+="[^"]*"', text):
         conserts, problems = read(text[: match.start()] + text[match.end() :])
-        _sound((conserts, problems))
         assert conserts or has_errors(problems)
-
-
-@pytest.mark.parametrize("text", [ROVER, OLDER], ids=["sesame", "older"])
-def test_without_any_one_element(text: str) -> None:
-    lines = text.splitlines(keepends=True)
-    for first, line in enumerate(lines):
-        tag = re.match(r"( *)<(\w+)", line)
-        if tag is None or not tag.group(1):
-            continue
-        end = first
-        if not re.search(rf"/>$|</{tag.group(2)}>$", line.rstrip()):
-            closing = f"{tag.group(1)}</{tag.group(2)}>"
-            end = next(i for i in range(first, len(lines)) if lines[i].startswith(closing))
-        _sound(read("".join(lines[:first] + lines[end + 1 :])))
-
-
-EDITS = st.lists(
-    st.tuples(st.integers(0, 10_000), st.integers(0, 12), st.binary(max_size=8)),
-    min_size=1,
-    max_size=6,
-)
-TOKENS = st.lists(
-    st.tuples(
-        st.integers(0, 500),
-        st.sampled_from(
-            ["", "//", "/@a", "//@odeProductPackages.0", "x", "&lt;", "true", "-1", "1e999", "_:"]
-        ),
-    ),
-    min_size=1,
-    max_size=4,
-)
-
-
-@given(st.sampled_from([ROVER, OLDER]), EDITS)
-def test_random_bytes_never_break_reading(text: str, edits: list[tuple[int, int, bytes]]) -> None:
-    data = text.encode()
-    for at, cut, inserted in edits:
-        position = at % (len(data) + 1)
-        data = data[:position] + inserted + data[position + cut :]
-    _sound(read(data))
-
-
-@given(st.sampled_from([ROVER, OLDER]), TOKENS)
-def test_random_values_never_break_reading(text: str, edits: list[tuple[int, str]]) -> None:
-    for index, value in edits:
-        values = list(re.finditer(r'"[^"]*"', text))
-        match = values[index % len(values)]
-        text = text[: match.start()] + f'"{value}"' + text[match.end() :]
-    _sound(read(text))

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-
-from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose
-from eddi_scaffold.kinds.consert.consert import ConSert
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from tests.kinds.consert.oracle import as_source, oracle
 
@@ -49,17 +45,6 @@ def test_every_model_is_read_with_the_listed_errors_only():
         assert [model.name for model in reading.models] == [name]
 
 
-def test_export_and_read_again_gives_the_same_model():
-    for name, document in oracle()["models"].items():
-        (model,) = ConSertModel.read_file(as_source(document, f"{name}.yml"), ()).models
-        ((file_name, text),) = model.export().items()
-        (again,) = ConSertModel.read_file(Source(file_name, text.encode()), ()).models
-        assert isinstance(again.data, ConSert)
-        assert dataclasses.asdict(again.data)  # a frozen dataclass through and through
-        assert again.data == model.data
-        assert again.export() == {file_name: text}
-
-
 def test_composition_agrees():
     wrong = []
     for case in oracle()["compose"]:
@@ -78,14 +63,3 @@ def test_composition_agrees():
         if not same or bool(result.reasons) == result.composable:
             wrong.append((case["id"], want, result, sorted(codes)))
     assert wrong == []
-
-
-def test_implications_of_known_models():
-    found = {}
-    for name in ("ConSertA", "FabOS_Scanner2"):
-        (model,) = ConSertModel.read_file(
-            as_source(oracle()["models"][name], f"{name}.yml"), ()
-        ).models
-        found[name] = [p.message for p in model.check() if p.code == "S003"]
-    assert "guarantee 'System_A_G1' implies 'System_A_G0'" in found["ConSertA"]
-    assert "guarantee 'UnoccupiedLong' implies 'UnoccupiedMedium'" in found["FabOS_Scanner2"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import random
 
 import pytest
@@ -146,54 +145,6 @@ def test_order_of_lists_changes_nothing_but_the_order():
         )
 
 
-@given(st.data())
-def test_mutations_of_an_example_never_raise(data):
-    text = ROVER
-    for _ in range(data.draw(st.integers(1, 4))):
-        at = data.draw(st.integers(0, len(text)))
-        length = data.draw(st.sampled_from([0, 1, 5, 40]))
-        words = [
-            "",
-            " ",
-            "\n",
-            "- ",
-            ": ",
-            "null",
-            "[]",
-            "{}",
-            "&a",
-            "*a",
-            "'",
-            "\t",
-            "\x00",
-            ".nan",
-        ]
-        new = data.draw(st.sampled_from(words) | st.text(max_size=3))
-        text = text[:at] + new + text[at + length :]
-    reading = ConSertModel.read_file(
-        Source("m.yml", text.encode("utf-8", "surrogatepass")), ("StandStill",)
-    )
-    assert reading.models or has_errors(reading.problems)
-
-
-@given(st.data())
-def test_mutations_of_lines_never_raise(data):
-    lines = ROVER.splitlines(keepends=True)
-    for _ in range(data.draw(st.integers(1, 4))):
-        at, other = (data.draw(st.integers(0, len(lines) - 1)) for _ in range(2))
-        action = data.draw(st.sampled_from(["drop", "double", "swap", "indent"]))
-        if action == "drop" and len(lines) > 1:
-            del lines[at]
-        elif action == "double":
-            lines.insert(at, lines[other])
-        elif action == "swap":
-            lines[at], lines[other] = lines[other], lines[at]
-        else:
-            lines[at] = "  " + lines[at]
-    reading = ConSertModel.read_file(Source("m.yml", "".join(lines).encode()), ())
-    assert reading.models or has_errors(reading.problems)
-
-
 def binary_consert(gates, edges):
     dimension = BinaryDimension("T")
     return ConSert(
@@ -206,27 +157,6 @@ def binary_consert(gates, edges):
         (),
         (),
     )
-
-
-def test_a_chain_of_20000_gates():
-    ids = ["E", *(f"g{n}" for n in range(20_000)), "G"]
-    edges = list(itertools.pairwise(ids))
-    consert = binary_consert([(id_, "And") for id_ in ids[1:-1]], edges)
-    checked, problems = check_consert(consert)
-    assert checked == consert
-    assert {problem.code for problem in problems} == {"C023"}
-    assert static_checks(consert) == []
-    assert compose([("a", consert)]).composable
-
-
-def test_a_closed_chain_of_20000_gates():
-    ids = [f"g{n}" for n in range(20_000)]
-    edges = [*zip(ids, [*ids[1:], "g0"], strict=True), ("E", "G")]
-    checked, problems = check_consert(binary_consert([(id_, "Or") for id_ in ids], edges))
-    assert checked is None
-    (cycle,) = (problem.message for problem in problems if problem.code == "C010")
-    assert cycle.startswith("cycle: g0 -> g1 -> ")
-    assert cycle.endswith(" -> (19989 more) -> g0")
 
 
 def test_a_ladder_of_shared_gates_is_linear():
@@ -244,14 +174,6 @@ def test_a_ladder_of_shared_gates_is_linear():
     static_checks(consert)
     model = ConSertModel.read_file(Source("m.yml", to_yaml(consert).encode()), ()).models[0]
     assert len(model.outline()) < 3_000
-
-
-def test_thousands_of_wrong_edges_are_reported_in_time():
-    consert = binary_consert(
-        [(f"g{n}", "And") for n in range(3_000)], [(f"x{n}", f"y{n}") for n in range(3_000)]
-    )
-    problems = check_consert(consert)[1]
-    assert sum(problem.code in ("C008", "C008") for problem in problems) == 6_000
 
 
 @pytest.mark.parametrize("count", [2, 5_000])

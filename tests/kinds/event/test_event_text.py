@@ -123,16 +123,6 @@ def test_nothing_of_a_hostile_model_becomes_code():
     assert all(row["verdict"] for row in rows)
 
 
-def test_a_reviewer_finds_the_words_of_the_condition():
-    text = (
-        "VAR temp : NUMBER TIMEOUT 1s\nEVENT hot (HAZARD) :=\n  AVERAGE(temp, 2s) > 80 AND temp < 9"
-    )
-    made = events_of(text).text()
-    assert "# 3:3 AVERAGE(temp, 2 s)\n" in made
-    assert "# 3:21 AVERAGE(temp, 2 s) > 80\n" in made
-    assert "# 3:26 (AVERAGE(temp, 2 s) > 80) AND (temp < 9)\n" in made
-
-
 def test_two_monitors_of_one_text_are_independent():
     made = type(monitor(("time", "a", 2), ("rise", "a")))
     one, other = made(), made()
@@ -153,11 +143,3 @@ def test_an_expression_is_a_class_of_the_package():
         None,
         None,
     ]
-
-
-def test_a_part_is_imported_only_where_it_is_needed():
-    """An input that is called as a part of the runtime is not that part."""
-    made = conserts.consert(["expressions"], guarantees=["G"], edges=["expressions>G"])
-    assert "import InputSpec, consert\n" in made.text()
-    text = expression().text()
-    assert "import InputSpec, consert, expressions\n" in text

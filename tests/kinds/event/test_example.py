@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.recordings.playing import compiled
@@ -21,10 +20,6 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "motor-watch"
 def monitors() -> list[BoundMonitor]:
     configs = [EXAMPLE / "motor_config.yml", EXAMPLE / "drive_config.yml"]
     return monitors_of(EXAMPLE / "drive.yml", configs)[0]
-
-
-def test_no_file_has_a_problem() -> None:
-    assert check_files([*sorted(EXAMPLE.glob("*.yml")), *EXAMPLE.glob("*.events")]) == []
 
 
 def test_the_guarantee_follows_the_event(monitors: list[BoundMonitor]) -> None:

@@ -78,20 +78,6 @@ def test_stiff_chains_keep_their_digits():
         assert got == pytest.approx(expected, rel=1e-10, abs=0.0), hours
 
 
-def test_eight_motors_fail_with_probability_4e_18():
-    rate = 1e-9
-    rotors = rotors_chain("PPNNPPNN", [rate] * 8)
-    # both motors of one pair: 4 q^2 to leading order, the next terms are 1e-18 of it
-    q1 = -math.expm1(-rate)
-    expected = -math.expm1(4.0 * math.log1p(-q1 * q1))
-    assert propagator(rotors, 1.0)[0, -1] == pytest.approx(expected, rel=1e-12, abs=0.0)
-
-
-def test_nothing_happens_without_rates_or_time():
-    assert (propagator(chain_of(3, [], [2]), 5.0) == np.eye(3)).all()
-    assert (propagator(random_chain(3, 1), 0.0) == np.eye(3)).all()
-
-
 def test_mean_times_against_a_solver_and_closed_forms():
     chain = random_chain(20, 8)
     transient = generator(chain)[:-1, :-1]
@@ -121,16 +107,6 @@ CLOSED = {
     "PPNNPN": lambda x: 4 * x**4 - 4 * x**5 + x**6,
     "PPNNPPNN": lambda x: (2 * x - x * x) ** 4,
 }
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CLOSED)
-def test_rotors_equal_their_closed_form(name):
-    motors = len(name)
-    rotors = rotors_chain(name, [0.01] * motors)
-    for hours in (1.0, 30.0, 200.0):
-        alive = 1.0 - propagator(rotors, hours)[0, -1]
-        assert alive == pytest.approx(CLOSED[name](math.exp(-0.01 * hours)), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", CLOSED)

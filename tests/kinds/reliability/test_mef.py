@@ -13,7 +13,6 @@ from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.kinds.reliability.system import Law
 from eddi_scaffold.kinds.reliability.trial import at_start
 from eddi_scaffold.monitors.loading import read_models
-from tests.cli.command import run
 
 DATA = Path(__file__).parents[2] / "data"
 NUMBERS = {"a": 0.25, "b": 0.5, "c": 0.125}
@@ -122,25 +121,6 @@ def test_names_are_looked_up_from_the_inside_out() -> None:
     assert content.gates["T.t.G"].of == ("T.t.H", "T.t.on")
     assert content.gates["T.t.H"].of == ("E",)
     assert p_fail(model) == pytest.approx(0.25)
-
-
-def test_a_tree_of_several_tops() -> None:
-    reading = read(tree(refs("a"), f'<define-gate name="other">{refs("b")}</define-gate>'))
-    assert {model.name: p_fail(model) for model in reading.models} == {
-        "T/top": 0.25,
-        "T/other": 0.5,
-    }
-
-
-def test_the_commands(tmp_path: Path) -> None:
-    text = tree(f"<and>{refs('a', 'b')}</and>").replace('name="T"', 'name="Tank"')
-    (tmp_path / "t.opsa").write_text(text)
-    shown = run("show", "t.opsa", cwd=tmp_path)
-    assert (shown.status, "AND top" in shown.out) == (0, True), shown.err
-    assert run("check", "t.opsa", cwd=tmp_path).status == 0
-    assert run("export", "t.opsa", "-o", ".", cwd=tmp_path).out == "Tank.opsa.xml\nTank.yml\n"
-    answers = run("answers", "-m", "Tank.opsa.xml", "--platform", "plain", "-o", "a", cwd=tmp_path)
-    assert answers.status == 0, answers.err
 
 
 def test_constants_are_put_in_before_the_diagram_is_built() -> None:

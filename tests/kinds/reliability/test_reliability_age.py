@@ -10,9 +10,7 @@ from eddi_runtime.reliability.component import hazard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.kinds import Options
-from tests.kinds.reliability.monitors import at_start, compiled, models_of, sound
-from tests.kinds.reliability.test_reliability_example import EXAMPLE
+from tests.kinds.reliability.monitors import at_start, compiled, sound
 
 TREE = (
     "horizon: 2 h\nmodels: {{t: {{type: fault_tree{age}, gates: {{T: {{type: OR, of: [A, B, C]}}"
@@ -87,18 +85,6 @@ def test_a_dynamic_gate_that_has_run() -> None:
     a, b, t = 0.01, 0.02, 42.0
     expected = 1 - math.exp(-b * t) - b / (a + b) * -math.expm1(-(a + b) * t)
     assert p_fail(text) == pytest.approx(expected, rel=1e-11)
-
-
-def test_the_age_of_a_model_of_the_eddi() -> None:
-    models, _ = models_of(EXAMPLE / "drone.xml")
-
-    def start(age: str) -> float:
-        change = {"models": {"MissionLoss": {"age": age}, "Rotors": {"age": age}}}
-        model, problems = models["MissionLoss"].configure(Options(values=change))
-        assert model is not None, problems
-        return float(at_start(model).p_fail)
-
-    assert start("0 h") < start("10 h") < start("1000 h")
 
 
 @given(

@@ -16,7 +16,7 @@ from eddi_scaffold.kinds import Options
 from eddi_scaffold.kinds.reliability import trial
 from eddi_scaffold.kinds.reliability.decision_diagram import build
 from eddi_scaffold.kinds.reliability.fault_tree import Gate, minimal_cut_sets
-from eddi_scaffold.kinds.reliability.trial import _integral, mean_life
+from eddi_scaffold.kinds.reliability.trial import mean_life
 from tests.kinds.reliability import trees as written
 from tests.kinds.reliability.monitors import at_start, compiled, everything, read_text, sound
 
@@ -140,17 +140,6 @@ def _entangled(events: int, size: int, gates: int) -> list[Gate]:
 def test_the_way_to_few_cut_sets_is_bounded() -> None:
     assert minimal_cut_sets(20, _entangled(20, 5, 21), 41) is not None
     assert minimal_cut_sets(40, _entangled(40, 8, 30), 70) is None
-
-
-def test_a_mean_life_takes_few_evaluations() -> None:
-    asked: list[float] = []
-
-    def reliability(hours: float) -> float:
-        asked.append(hours)
-        return 2 * math.exp(-hours / 100) - math.exp(-hours / 50)
-
-    assert _integral(reliability) == pytest.approx(150, rel=1e-9)
-    assert len(asked) < 1000
 
 
 def test_a_life_that_is_too_rough_has_no_mean(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -58,21 +58,6 @@ def test_an_input_that_nobody_provides_in_words_of_this_kind(tmp_path: Path) -> 
     assert "p_fail is the worst case of it, and not valid" in one
 
 
-def test_a_consert_takes_thresholds_that_are_there(tmp_path: Path) -> None:
-    names = ("drone.xml", "reliability_config.yml")
-    text = (EXAMPLE / "mission_config.yml").read_text("utf-8")
-    config = tmp_path / "mission.yml"
-    config.write_text(text.replace("[RtE_continue]", "[RtE_continu]"), "utf-8")
-    problems = check_files([*(EXAMPLE / name for name in names), config])
-    assert [(one.code, one.message, one.hint) for one in problems] == [
-        (
-            "K020",
-            "'evidence[RtE_continu].active': MissionLoss publishes no 'RtE_continu'",
-            "did you mean 'RtE_continue'?",
-        )
-    ]
-
-
 TREE = """<failureModels xsi:type="f:FaultTree" name="T">
 <failures name="out" originType="Output"/>
 <causes xsi:type="f:Gate" name="Top" failure="$.0/@failures.0" causes="$.0/@causes.1"/>
@@ -108,21 +93,6 @@ def answers(folder: Path, topic: str) -> tuple[Any, list[str]]:
     (monitor,), _ = monitors_of(EXAMPLE / "drone.xml", [config])
     package, problems = monitor_answers(monitor)
     return package.answers, [f"{p.place.line}: {p.code} {p.message}" for p in problems]
-
-
-def test_a_threshold_is_published_as_a_bool(tmp_path: Path) -> None:
-    found, problems = answers(tmp_path, "/drone/go")
-    assert problems == []
-    whole, own = found["publications"]
-    assert whole["type_text"] == "eddi_messages/ReliabilityOutput"
-    assert (own["id"], own["topic"], own["type_text"]) == (
-        "'RtE_continue'",
-        "'/drone/go'",
-        "std_msgs/Bool",
-    )
-    assert "('evidence', ('id', 'RtE_continue'), 'active',)" in own["more"]
-    assert own["status_topic"] == "None"
-    assert "std_msgs" in found["message_packages"]
 
 
 def test_a_topic_carries_one_type_and_is_not_heard(tmp_path: Path) -> None:

@@ -10,13 +10,11 @@ from types import SimpleNamespace
 import pytest
 
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.kinds.reliability.reliability_model import ReliabilityModel
-from eddi_scaffold.kinds.reliability.write import to_yaml
 from eddi_scaffold.packages.assembly import monitors_of
 from eddi_scaffold.platforms.plain import PLATFORM
 from eddi_scaffold.recordings.playing import compiled
 from tests.cli.command import run
-from tests.kinds.reliability.monitors import models_of, read_text
+from tests.kinds.reliability.monitors import read_text
 from tests.rows import played
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "drone"
@@ -42,19 +40,6 @@ def test_a_failed_rotor_takes_the_guarantee_away() -> None:
     assert not any(active for t, active in going.items() if t >= FAILED)
     assert p_fail[6.9] == pytest.approx(5.155e-6, rel=1e-3)
     assert p_fail[FAILED] > 1000 * p_fail[6.9]
-
-
-def test_export_reads_back_as_the_same_system() -> None:
-    models, _ = models_of(EXAMPLE / "drone.xml")
-    airframe = ReliabilityModel.read_file(read_source(EXAMPLE / "airframe.yml"), ()).models[0]
-    for model in (*models.values(), airframe):
-        text = to_yaml(model.data)
-        again, problems = read_text(text)
-        assert problems == []
-        assert again is not None
-        assert again.data == model.data
-        assert to_yaml(again.data) == text
-        assert model.export() == {f"{model.name}.yml": text}
 
 
 def test_export_writes_what_a_configuration_adds(tmp_path: Path) -> None:
@@ -98,15 +83,6 @@ def test_the_example_of_a_package_has_everything_in_order(tmp_path: Path, text: 
     assert (result.valid, result.unknown) == (True, ())
     assert result.p_fail < 1e-3
     assert all(one["covered"] != "-" for one in answers["inputs"] if one["id"] != "'mission_end'")
-
-
-def test_pictures_and_outlines() -> None:
-    models, _ = models_of(EXAMPLE / "drone.xml")
-    assert ReliabilityModel.diagram is not None
-    drawn = models["MissionLoss"].diagram()
-    assert {node.shape for node in drawn.nodes} == {"and", "or", "ellipse", "rounded"}
-    ids = {node.id for node in drawn.nodes}
-    assert all(edge.source in ids and edge.target in ids for edge in drawn.edges)
 
 
 def test_a_picture_leaves_out_what_does_not_exist(tmp_path: Path) -> None:

@@ -33,25 +33,6 @@ def test_p_fail_grows_with_horizon_and_rates(
     assert base <= at_start(sound(chain(a, b, c * factor, horizon))).p_fail * slack
 
 
-@given(st.lists(st.sampled_from([True, False, None]), min_size=6, max_size=6))
-def test_an_interval_holds_every_completion(status: list[bool | None]) -> None:
-    model = sound(
-        "horizon: 100 h\nmodels: {m: {type: propulsion, configuration: PNPNPN, rate: 1e-3 1/h}}\n"
-    )
-    given_ = at_start(model, **{f"m_motor_{i}": works for i, works in enumerate(status)})
-    for guess in (True, False):
-        whole = {f"m_motor_{i}": guess if w is None else w for i, w in enumerate(status)}
-        p_fail = at_start(model, **whole).p_fail
-        assert given_.p_fail_low <= p_fail * (1 + 1e-12)
-        assert p_fail <= given_.p_fail_high * (1 + 1e-12)
-
-
-@given(st.text(max_size=200))
-def test_any_text_is_read_or_refused(text: str) -> None:
-    model, problems = read_text(text)
-    assert model is not None or has_errors(problems)
-
-
 KEYS = "type of rate k gates events arcs model p observe initial fail models a top thresholds"
 STRUCTURES = st.recursive(
     st.none() | st.booleans() | st.integers() | st.text("ab:{}[], ", max_size=5),

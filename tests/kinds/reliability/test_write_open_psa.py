@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import random
-import re
-import shutil
-import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -55,19 +51,6 @@ def test_what_is_written_is_read_back() -> None:
         assert reading.problems == (), text
         found = at_start(reading.models[0].data).p_fail
         assert found == pytest.approx(at_start(system).p_fail, rel=1e-12), text
-
-
-@pytest.mark.skipif(shutil.which("scram") is None, reason="scram is not installed")
-def test_scram_computes_the_same(tmp_path: Path) -> None:
-    chance = random.Random(2)
-    path = tmp_path / "t.xml"
-    for _ in range(20):
-        system = drawn(chance)
-        path.write_text(to_open_psa(system) or "")
-        words = ("scram", "--bdd", "--probability", "1", "--mission-time", "1", str(path))
-        told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
-        (found,) = re.findall(r'<sum-of-products.*?probability="(\S+)"', told)
-        assert float(found) == pytest.approx(at_start(system).p_fail, rel=1e-5, abs=1e-12)
 
 
 @pytest.mark.parametrize(

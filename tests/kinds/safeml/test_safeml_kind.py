@@ -10,15 +10,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.safeml import KIND
-from eddi_scaffold.kinds.safeml.safeml_model import DEFAULT_INPUT, SafeMLModel
 from eddi_scaffold.kinds.safeml.scope import Plan
 from eddi_scaffold.kinds.safeml.show import detectable_shift
 from eddi_scaffold.platforms.ros_packages import messages_of
 from eddi_scaffold.recordings.playing import compiled
-from tests.kinds.safeml.monitors import CONNECTED, joined, lay, running
+from tests.kinds.safeml.monitors import CONNECTED, joined, running
 
 _CHANCE = random.Random(11)
 ROWS = [[round(_CHANCE.gauss(5, 1), 3), _CHANCE.gauss(0, 2)] for _ in range(300)]
@@ -49,31 +47,6 @@ def test_the_violation_is_spelt_as_the_document_has_it_where_asked(tmp_path: Pat
     wrong = asked.replace("oddViolation", "Violation")
     with pytest.raises(EddiError, match="must be odd_violation or oddViolation"):
         joined(tmp_path, ROWS, wrong, **FIGURE)
-
-
-def test_the_reference_travels(tmp_path: Path) -> None:
-    monitor, problems = joined(tmp_path, ROWS, CONNECTED, **FIGURE)
-    assert problems == []
-    rows = np.array(ROWS[:150], dtype=np.float32)  # calibration takes the others
-    running = monitor.compiled.monitor(monitor.id)
-    np.testing.assert_array_equal(monitor.model.options.plan.design.sample, np.sort(rows.T, axis=1))
-    assert monitor.compiled.tables == {}
-    assert (monitor.facts.id, monitor.facts.inputs[0].timeout_s) == ("scope", 1.0)
-    assert running.digest == monitor.facts.digest
-    assert monitor.model.options.plan.single
-
-
-def test_many_axes_travel_in_a_file(tmp_path: Path) -> None:
-    chance = np.random.default_rng(7)
-    rows = chance.normal(size=(100, 45)).tolist()
-    keys = {**FIGURE, "n_components": 44, "significance_level": 0.5}
-    monitor, _ = joined(tmp_path, rows, **keys)
-    assert sorted(monitor.compiled.tables) == ["axes.bin", "reference.bin"]
-    one = compiled(monitor)
-    for row in rows[:20]:
-        result = one.execute_step(SimpleNamespace(sample=row), 0)
-    assert not result.omission
-    assert len(one.labels) == 45
 
 
 @pytest.mark.parametrize(
@@ -114,14 +87,6 @@ def test_element_type(type_: str, key: str, dtype: str, tmp_path: Path) -> None:
     assert monitor.model.options.plan.single == (dtype == "float32")
 
 
-def test_without_a_configuration(tmp_path: Path) -> None:
-    monitor, _ = joined(tmp_path, ROWS, **FIGURE)
-    (input_,) = monitor.facts.inputs
-    assert monitor.facts.id == "safeml_config"
-    assert (input_.id, input_.timeout_s) == (DEFAULT_INPUT, None)
-    assert not monitor.model.options.plan.single
-
-
 def test_quantised_samples_in_float32_do_not_violate(tmp_path: Path) -> None:
     """A constant column of 0.1 is another number in float32: both sides are rounded."""
     rows = [[0.1, round(_CHANCE.gauss(0, 1), 1)] for _ in range(600)]
@@ -156,32 +121,6 @@ def test_auto_calibrates_from_twenty_windows_on(tmp_path: Path) -> None:
     assert plan_of(tmp_path, window_size=16).calibration is None
 
 
-@pytest.mark.parametrize(
-    ("keys", "same"),
-    [
-        ({"n_components": "null"}, {"n_components": 0}),
-        ({"significance_level": "1e-1", "window_size": "'10'"}, {}),  # YAML takes them for texts
-    ],
-)
-def test_spellings_of_one_value(
-    keys: dict[str, object], same: dict[str, object], tmp_path: Path
-) -> None:
-    monitors = [joined(tmp_path, ROWS, **{**FIGURE, **more})[0] for more in (keys, same)]
-    assert len({monitor.facts.digest for monitor in monitors}) == 1
-
-
-def test_export_reads_back(tmp_path: Path) -> None:
-    keys = {"n_components": 2, "max_age": 3, "calibration_stride": 4, "stride": 2}
-    (model,) = SafeMLModel.read_file(read_source(lay(tmp_path, ROWS, **FIGURE, **keys)), ()).models
-    other = tmp_path / "other"
-    other.mkdir()
-    for name, text in model.export().items():
-        (other / name).write_text(text)
-    (again,) = SafeMLModel.read_file(read_source(other / "safeml_config.yml"), ()).models
-    assert again.data.settings == model.data.settings
-    np.testing.assert_array_equal(again.data.reference.rows, model.data.reference.rows)
-
-
 @pytest.mark.parametrize("metric", ["KolmogorovSmirnovDistance", "AndersonDarlingDistance"])
 def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
     chance = np.random.default_rng(2)
@@ -197,13 +136,6 @@ def test_the_detectable_shift_is_detected(metric: str, tmp_path: Path) -> None:
         window = chance.normal(shift, size=(25, 1))
         found.append(one.execute_step(SimpleNamespace(sample=window), 0).odd_violation)
     assert np.mean(found) > 0.45
-
-
-def test_sniff() -> None:
-    assert KIND.recognises(Source("x.yml", b"window_size : 100 #[steps]\n"))
-    assert KIND.recognises(Source("x.yaml", b"# text\n'distance_metric': x\n"))
-    assert not KIND.recognises(Source("x.csv", b"window_size: 100\n"))
-    assert not KIND.recognises(Source("x.yml", b"Model: {window_size: 3}\n"))
 
 
 def test_a_huge_window_ends_quickly(tmp_path: Path) -> None:

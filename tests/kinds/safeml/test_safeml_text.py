@@ -40,13 +40,6 @@ def test_nothing_of_a_hostile_model_becomes_code():
     assert made.monitor().inputs[0].id == HOSTILE
 
 
-def test_the_digits_of_a_table_are_kept():
-    made = scope(WIDE, spec=PCA)
-    one, design = made.monitor(), made.model.options.plan.design
-    assert one.reference == tuple(map(tuple, design.sample.tolist()))
-    assert one.axes.vectors.tolist() == design.table[2:].tolist()
-
-
 def test_two_monitors_of_one_text_are_independent():
     first = CASES[1].monitor()
     other = type(first)()

@@ -49,13 +49,6 @@ def test_default_configuration_with_dependent_samples(phi: float, is_long: bool)
     assert found < (0.13 if is_long else 0.16)
 
 
-def test_short_references_with_dependent_samples(is_long: bool) -> None:
-    if not is_long:
-        pytest.skip("in the long profile")
-    for phi in (0.0, 0.5, 0.9):
-        assert mean_rate(lambda chance, phi=phi: process(2000, phi, chance), 12, phi) < 0.17
-
-
 def mean_rate(rows_of: Callable[[np.random.Generator], Rows], references: int, phi: float) -> float:
     rates = []
     for seed in range(references):
@@ -74,22 +67,21 @@ def test_dependent_samples_without_calibration_are_false_violations() -> None:
     assert rate(rows, made, process(100 * WINDOW, 0.9, chance)) > 0.9
 
 
-@pytest.mark.parametrize(("rows", "features"), [(1000, 100), (400, 100)])
-def test_a_flat_spectrum(rows: int, features: int, is_long: bool) -> None:
+def test_a_flat_spectrum(is_long: bool) -> None:
     """Axes from the rows of the reference itself would make it look too near to its subspace."""
     found = []
     for seed in range(12 if is_long else 4):
         chance = np.random.default_rng(seed)
-        reference = chance.normal(size=(rows, features))
+        reference = chance.normal(size=(400, 100))
         made = planned(reference, "ks", 10, calibration="iid")
-        stream = chance.normal(size=((200 if is_long else 60) * WINDOW, features))
+        stream = chance.normal(size=((200 if is_long else 60) * WINDOW, 100))
         found.append(rate(reference, made, stream))
     assert np.mean(found) < (0.13 if is_long else 0.15)
 
 
 @cache
 def found(metric: Metric, components: int | None, fault: str) -> float:
-    return power(metric, components, fault, references=3, windows=100)
+    return power(metric, components, fault, references=2, windows=100)
 
 
 @pytest.mark.parametrize(
