@@ -14,12 +14,11 @@ import time
 from typing import Any
 
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
-from cyclonedds.domain import DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-from eddi_runtime.transports.dds.graph import reading, writing
+from eddi_runtime.transports.dds.graph import participant_of, reading, writing
 from eddi_runtime.transports.dds.messages import message_classes
 
 CLASSES = message_classes(
@@ -30,7 +29,7 @@ CLASSES = message_classes(
     }
 )
 BOOL, OUTPUT = CLASSES.std_msgs_Bool, CLASSES.eddi_messages_ConSertOutput
-PARTICIPANT = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
+PARTICIPANT = participant_of(int(os.environ["ROS_DOMAIN_ID"]))
 NEW = writing({"durability": "volatile"}, 1)
 ANY = ViewState.Any | InstanceState.Any | SampleState.NotRead
 

@@ -18,11 +18,10 @@ from cyclonedds.core import (
     ViewState,
     WaitSet,
 )
-from cyclonedds.domain import DomainParticipant
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-from eddi_runtime.transports.dds.graph import discovery_types, reading
+from eddi_runtime.transports.dds.graph import discovery_types, participant_of, reading
 from eddi_runtime.transports.dds.messages import message_classes
 from eddi_runtime.transports.dds.node import ros_type
 
@@ -117,7 +116,7 @@ class _Domain:
 
     def __init__(self, domain: int, prefix: str) -> None:
         try:
-            self._participant: Any = DomainParticipant(domain)
+            self._participant = participant_of(domain)
         except DDSException as failure:
             raise EddiError(problem("I010.domain", domain=domain, reason=failure)) from None
         self._prefix = prefix

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import os
 import threading
 import time
 from types import SimpleNamespace
@@ -61,6 +62,11 @@ _POLICIES = {
     24: "the definition of the message",
 }
 _DISCOVERY = "ros_discovery_info"
+_BY_NAME = (
+    "<CycloneDDS><Domain><Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation>"
+    "</Compatibility></Domain></CycloneDDS>"
+)
+"""Types of Fast DDS, vendor 1.15, match by name: what it says of lists matches no type here."""
 
 
 class Publication(NamedTuple):
@@ -106,6 +112,14 @@ class Reader:
         return True
 
 
+def participant_of(domain: int, qos: Qos | None = None) -> Any:
+    """Return a new participant; ``CYCLONEDDS_URI`` has the last word on its network."""
+    given = os.environ.get("CYCLONEDDS_URI", "")
+    if not given.startswith(_BY_NAME):
+        os.environ["CYCLONEDDS_URI"] = f"{_BY_NAME},{given}".rstrip(",")
+    return DomainParticipant(domain, qos)
+
+
 class Graph:
     """A participant that is a node of ROS 2; StartError where there is no domain, or no network.
 
@@ -117,7 +131,7 @@ class Graph:
         self, domain: int, namespace: str, name: str, distro: str, partition: str = ""
     ) -> None:
         try:
-            participant = DomainParticipant(domain, Qos(Policy.Userdata(b"enclave=/;")))
+            participant = participant_of(domain, Qos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             raise StartError(f"no participant in domain {domain}: {error}") from error
         self._participant: Any = participant
