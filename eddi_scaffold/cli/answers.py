@@ -10,12 +10,7 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    PlatformName,
-    Runtime,
-    SingleProcess,
-    in_a_folder,
-)
+from eddi_scaffold.cli.options import PlatformName, Runtime, SingleProcess, in_a_folder
 from eddi_scaffold.platforms import DEFAULT
 
 

@@ -10,12 +10,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    Output,
-    PlatformName,
-    Runtime,
-    SingleProcess,
-)
+from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.platforms import DEFAULT

@@ -11,10 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    Files,
-    for_pictures,
-)
+from eddi_scaffold.cli.options import Files, for_pictures
 from eddi_scaffold.common.files import read_source, refuse_input
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 

@@ -25,12 +25,7 @@ from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, w
 from eddi_scaffold.connect.matching import Decision, decide
 from eddi_scaffold.connect.needs import InputNeed, words
 from eddi_scaffold.connect.saving import ConfigChange, read_config_text
-from eddi_scaffold.connect.surroundings import (
-    Surroundings,
-    fulfilments,
-    other_monitors,
-    with_robot,
-)
+from eddi_scaffold.connect.surroundings import Surroundings, fulfilments, other_monitors, with_robot
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, ModelInput, Options, kinds
