@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import DryRun, OptionalModelFile, Output, PlatformOfPlace
+from eddi_scaffold.cli.options import Output, PlatformOfPlace
 from eddi_scaffold.common.problems import EddiError, problem
 
 
@@ -14,9 +14,9 @@ def adopt(
     workspace: Path | None = None,
     output: Output = None,
     platform: PlatformOfPlace = None,
-    model: OptionalModelFile = None,
+    model: Path | None = None,
     name: str | None = None,
-    dry_run: DryRun = False,
+    dry_run: bool = False,
 ) -> None:
     """Take over a package made by the D7.2 tools.
 

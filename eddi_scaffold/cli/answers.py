@@ -10,29 +10,19 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    DefaultGuarantees,
-    Name,
-    NodeModels,
-    OptionalModelFile,
-    PlatformName,
-    Runtime,
-    SingleProcess,
-    System,
-    in_a_folder,
-)
+from eddi_scaffold.cli.options import PlatformName, Runtime, SingleProcess, in_a_folder
 from eddi_scaffold.platforms import DEFAULT
 
 
 def answers(
     output: Annotated[Path, typer.Option("-o", "--output", callback=in_a_folder)],
-    model: OptionalModelFile = None,
+    model: Path | None = None,
     config: Path | None = None,
-    name: Name = None,
-    default_guarantee: DefaultGuarantees = None,
+    name: str | None = None,
+    default_guarantee: list[str] | None = None,
     platform: PlatformName = DEFAULT,
-    system: System = None,
-    models: NodeModels = None,
+    system: Path | None = None,
+    models: Path | None = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
     workspace: Path | None = None,

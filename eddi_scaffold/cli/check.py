@@ -10,16 +10,16 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console, count_line
-from eddi_scaffold.cli.options import PLATFORMS, DefaultGuarantees, Json, NodeModels, System
+from eddi_scaffold.cli.options import PLATFORMS
 from eddi_scaffold.common.problems import has_errors, in_order
 from eddi_scaffold.platforms import DEFAULT
 
 
 def check(
     files: list[Path],
-    system: System = None,
-    models: NodeModels = None,
-    default_guarantee: DefaultGuarantees = None,
+    system: Path | None = None,
+    models: Path | None = None,
+    default_guarantee: list[str] | None = None,
     platform: Annotated[
         str | None,
         typer.Option(
@@ -27,7 +27,7 @@ def check(
             f"configuration, for {DEFAULT}, with lifecycle for ros2."
         ),
     ] = None,
-    as_json: Json = False,
+    as_json: bool = False,
 ) -> None:
     """Validate files: all problems at once, with places.
 

@@ -10,15 +10,14 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import DefaultGuarantees, Json
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
 
 
 def compose(
     conserts: Annotated[list[str], typer.Argument(metavar="[NAME=]FILE...")],
-    default_guarantee: DefaultGuarantees = None,
-    as_json: Json = False,
+    default_guarantee: list[str] | None = None,
+    as_json: bool = False,
 ) -> None:
     """Check whether ConSerts can be composed, and report why not.
 

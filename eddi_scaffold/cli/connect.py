@@ -11,7 +11,7 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import DefaultGuarantees, DryRun, Json, Name, NodeModels, Output
+from eddi_scaffold.cli.options import Output
 from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
@@ -28,14 +28,14 @@ _STATES = {
 def connect(
     model: Path,
     system: Path | None = None,
-    models: NodeModels = None,
+    models: Path | None = None,
     others: Annotated[list[Path] | None, typer.Option("--with")] = None,
     bag: Path | None = None,
     output: Output = None,
-    name: Name = None,
-    default_guarantee: DefaultGuarantees = None,
-    dry_run: DryRun = False,
-    as_json: Json = False,
+    name: str | None = None,
+    default_guarantee: list[str] | None = None,
+    dry_run: bool = False,
+    as_json: bool = False,
 ) -> None:
     """Draft a configuration: which topics fit which inputs.
 

@@ -8,15 +8,15 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import DefaultGuarantees, Name, for_pictures
+from eddi_scaffold.cli.options import for_pictures
 from eddi_scaffold.common.files import read_source
 
 
 def diagram(
     model: Path,
     output: Annotated[Path | None, typer.Option("-o", "--output", callback=for_pictures)] = None,
-    name: Name = None,
-    default_guarantee: DefaultGuarantees = None,
+    name: str | None = None,
+    default_guarantee: list[str] | None = None,
 ) -> None:
     """Draw a model as SVG.
 

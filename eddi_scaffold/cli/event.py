@@ -11,7 +11,7 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Json, Output
+from eddi_scaffold.cli.options import Output
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError, Problem, problem
 
@@ -36,7 +36,7 @@ def event(
     config: Path | None = None,
     serve: bool = False,
     port: Annotated[int, typer.Option("--port", min=0, max=65535)] = 8765,
-    as_json: Json = False,
+    as_json: bool = False,
 ) -> None:
     """Check a condition, or make Python or C99 of it.
 

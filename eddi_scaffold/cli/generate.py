@@ -10,20 +10,7 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    ConfigFiles,
-    DefaultGuarantees,
-    DryRun,
-    Force,
-    Name,
-    NodeModels,
-    OptionalModelFile,
-    Output,
-    PlatformName,
-    Runtime,
-    SingleProcess,
-    System,
-)
+from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.platforms import DEFAULT
@@ -33,20 +20,20 @@ def generate(
     deployment: Annotated[
         Path | None, typer.Argument(metavar="DEPLOYMENT", show_default=False)
     ] = None,
-    model: OptionalModelFile = None,
+    model: Path | None = None,
     workspace: Path | None = None,
-    config: ConfigFiles = None,
+    config: list[Path] | None = None,
     output: Output = None,
     platform: PlatformName = DEFAULT,
-    system: System = None,
-    models: NodeModels = None,
-    name: Name = None,
-    default_guarantee: DefaultGuarantees = None,
+    system: Path | None = None,
+    models: Path | None = None,
+    name: str | None = None,
+    default_guarantee: list[str] | None = None,
     runtime: Runtime = None,
     single_process: SingleProcess = None,
     rename: list[str] | None = None,
-    force: Force = False,
-    dry_run: DryRun = False,
+    force: bool = False,
+    dry_run: bool = False,
 ) -> None:
     """Generate monitors, also anew; hand-written lines stay.
 

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Json
 from eddi_scaffold.common.problems import EddiError, Place, did_you_mean, problem
 
 
@@ -51,7 +50,7 @@ def example(
 def explain(
     code: str,
     *,
-    json: Json = False,
+    as_json: bool = False,
 ) -> None:
     """Say what a problem means, and what to do.
 
@@ -67,7 +66,7 @@ def explain(
         similar = catalogue.similar(code)
         hint = f"did you mean {' or '.join(similar)}?" if similar else "a code is like K007"
         raise EddiError(problem("G008.code", hint=hint, code=code))
-    if json:
+    if as_json:
         console.json(diagnostic.as_json())
         return
     if diagnostic.code != code.upper():

@@ -69,19 +69,14 @@ def a_runtime(name: str | None) -> str | None:
 
 Output = Annotated[Path | None, typer.Option("-o", "--output", callback=in_a_folder)]
 Files = Annotated[list[Path] | None, typer.Argument(metavar="[FILE]...", show_default=False)]
-Packages = Annotated[
-    list[Path] | None, typer.Argument(help="Package folders; default: all of the workspace.")
-]
-OptionalModelFile = Annotated[
-    Path | None,
-    typer.Option(
-        "-m", "--model", help="EDDI XML or a model file; a configuration may name its own."
-    ),
-]
-ConfigFiles = Annotated[
-    list[Path] | None,
-    typer.Option("-c", "--config", help="eddi_config.yml; repeat it for several monitors."),
-]
+Packages = Annotated[list[Path] | None, typer.Argument()]
+ConfigFiles = list[Path] | None
+DefaultGuarantees = list[str] | None
+Name = str | None
+NodeModels = Path | None
+System = Path | None
+DryRun = bool
+Force = bool
 PLATFORMS = " or ".join(platform_names())
 PlatformName = Annotated[str, typer.Option("--platform", help=f"{PLATFORMS}.")]
 PlatformOfPlace = Annotated[
@@ -90,24 +85,6 @@ PlatformOfPlace = Annotated[
         "--platform",
         help=f"{PLATFORMS}. By default {DEFAULT} with -w, {DEFAULT_IN_FOLDER} with -o.",
     ),
-]
-Name = Annotated[
-    str | None, typer.Option("--name", help="Which model of the file, when it contains several.")
-]
-DefaultGuarantees = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--default-guarantee",
-        help="`ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its service).",
-    ),
-]
-System = Annotated[
-    Path | None,
-    typer.Option("--system", help="A .rossystem, whose topics count in place of SimulatorOutputs."),
-]
-NodeModels = Annotated[
-    Path | None,
-    typer.Option("--models", help="Directory of .ros, .ros1 and .ros2: nodes and message types."),
 ]
 Runtime = Annotated[
     str | None,
@@ -137,11 +114,6 @@ WherePackagesAre = Annotated[
         help="Workspace, or output folder: as `generate` was given it.",
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs.")]
-Force = Annotated[
-    bool, typer.Option("--force", help="Also packages that a later eddi-scaffold made.")
-]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Print the difference, change nothing.")]
 
 
 def _quiet(value: bool) -> None:
@@ -175,16 +147,40 @@ def _global_options(
     """Only declare them: callbacks carry them out, and ``main`` looks for ``--traceback``."""
 
 
+def _shared_options() -> None:
+    """Hold what options of these names mean in every command that does not say otherwise.
+
+    Args:
+        as_json: Print JSON for programs.
+        config: eddi_config.yml; repeat it for several monitors.
+        default_guarantee: `ID` or `CONSERT/ID` of a guarantee that holds always (fallback of its
+            service).
+        dry_run: Print the difference, change nothing.
+        force: Also packages that a later eddi-scaffold made.
+        model: EDDI XML or a model file; a configuration may name its own.
+        models: Directory of .ros, .ros1 and .ros2: nodes and message types.
+        name: Which model of the file, when it contains several.
+        packages: Package folders; default: all of the workspace.
+        system: A .rossystem, whose topics count in place of SimulatorOutputs.
+    """
+
+
 _SHORT = {"config": ("-c",), "inputs": ("-i",), "model": ("-m",), "workspace": ("-w",)}
 _ARGUMENT = re.compile(r"(?m)^    (\w+): (.+(?:\n {8}.+)*)")
+
+
+def _help_of(command: Callable[..., None]) -> tuple[str, dict[str, str]]:
+    """Return what a docstring says of a command, and of each option."""
+    text, _, arguments = (getdoc(command) or "").partition("\n\nArgs:\n")
+    return text, {m[1]: " ".join(m[2].split()) for m in _ARGUMENT.finditer(arguments)}
 
 
 def as_typer_reads(command: Callable[..., None]) -> Callable[..., None]:
     """Return a command whose parameters have the help of its docstring, with the global options."""
     own = signature(command, eval_str=True)
     added = signature(_global_options, eval_str=True).parameters
-    help_, _, arguments = (getdoc(command) or "").partition("\n\nArgs:\n")
-    texts = {match[1]: " ".join(match[2].split()) for match in _ARGUMENT.finditer(arguments)}
+    help_, texts = _help_of(command)
+    texts = {**_help_of(_shared_options)[1], **texts}
 
     @wraps(command)
     def taking_all(**values: Any) -> None:
@@ -201,17 +197,15 @@ def as_typer_reads(command: Callable[..., None]) -> Callable[..., None]:
 
 def _described(parameter: Parameter, text: str | None) -> Parameter:
     """Return a parameter with its help: one with a default is an option."""
-    if text is None:  # an option that several commands share
-        return parameter
     type_, info = parameter.annotation, None
     if get_origin(type_) is Annotated:
         type_, info = get_args(type_)
     if info is not None:
         info = copy(info)
-        info.help = text
+        info.help = info.help or text
     elif parameter.default is Parameter.empty:
         info = typer.Argument(help=text)
     else:
-        name = f"--{parameter.name.replace('_', '-')}"
+        name = f"--{parameter.name.removeprefix('as_').replace('_', '-')}"
         info = typer.Option(name, *_SHORT.get(parameter.name, ()), help=text)
     return parameter.replace(annotation=Annotated[type_, info])

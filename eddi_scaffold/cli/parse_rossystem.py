@@ -10,7 +10,6 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import DryRun
 from eddi_scaffold.common.problems import has_errors, plural
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ def parse_rossystem(
     system: Annotated[Path, typer.Option("-s", "--system")],
     models: Annotated[Path, typer.Option("-m", "--models")],
     config: Path = Path("eddi_config.yml"),
-    dry_run: DryRun = False,
+    dry_run: bool = False,
     format: Literal["yaml", "json"] = "yaml",  # noqa: A002 - the name of the option
     include: list[Extra] | None = None,
     exclude_infrastructure: bool = False,

@@ -9,7 +9,7 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Json, WherePackagesAre
+from eddi_scaffold.cli.options import WherePackagesAre
 
 
 def regions(
@@ -17,7 +17,7 @@ def regions(
     workspace: WherePackagesAre = None,
     check: bool = False,
     accept: list[str] | None = None,
-    as_json: Json = False,
+    as_json: bool = False,
 ) -> None:
     """List the regions of hand-written code and their state.
 

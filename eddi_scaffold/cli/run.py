@@ -11,15 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import (
-    DefaultGuarantees,
-    Files,
-    Json,
-    Name,
-    NodeModels,
-    System,
-    for_pictures,
-)
+from eddi_scaffold.cli.options import Files, for_pictures
 from eddi_scaffold.common.files import read_source, refuse_input
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
@@ -40,13 +32,13 @@ def run(
     inputs: Path | None = None,
     bag: Path | None = None,
     config: list[Path] | None = None,
-    name: Name = None,
-    system: System = None,
-    models: NodeModels = None,
-    default_guarantee: DefaultGuarantees = None,
+    name: str | None = None,
+    system: Path | None = None,
+    models: Path | None = None,
+    default_guarantee: list[str] | None = None,
     steps_as: Annotated[Literal["node", "rows"], typer.Option("--steps")] = "node",
-    as_json: Json = False,
-    as_csv: Annotated[bool, typer.Option("--csv")] = False,
+    as_json: bool = False,
+    as_csv: bool = False,
     plot: Annotated[Path | None, typer.Option("--plot", callback=for_pictures)] = None,
 ) -> None:
     """Run monitors on a recording.

@@ -10,7 +10,6 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import ConfigFiles, DefaultGuarantees, Json, Name
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.common.problems import EddiError, has_errors
 
@@ -21,10 +20,10 @@ if TYPE_CHECKING:
 
 def show(
     model: Path,
-    name: Name = None,
-    config: ConfigFiles = None,
-    default_guarantee: DefaultGuarantees = None,
-    as_json: Json = False,
+    name: str | None = None,
+    config: list[Path] | None = None,
+    default_guarantee: list[str] | None = None,
+    as_json: bool = False,
 ) -> None:
     """Show the models of a file as a tree, or as JSON.
 

@@ -8,15 +8,15 @@ import typer
 
 from eddi_scaffold.cli import exit_status
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import ConfigFiles, Json, Packages, WherePackagesAre
+from eddi_scaffold.cli.options import Packages, WherePackagesAre
 
 
 def status(
     packages: Packages = None,
     workspace: WherePackagesAre = None,
     model: Path | None = None,
-    config: ConfigFiles = None,
-    as_json: Json = False,
+    config: list[Path] | None = None,
+    as_json: bool = False,
 ) -> None:
     """Report which packages differ, and what is hand-written.
 

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
-from typing import Annotated
-
-import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Json, Packages, WherePackagesAre
+from eddi_scaffold.cli.options import Packages, WherePackagesAre
 from eddi_scaffold.common.problems import EddiError, problem
 
 
 def trace(
     packages: Packages = None,
     workspace: WherePackagesAre = None,
-    as_json: Json = False,
-    as_csv: Annotated[bool, typer.Option("--csv")] = False,
+    as_json: bool = False,
+    as_csv: bool = False,
 ) -> None:
     """Print what became of each element of the models.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Files, Json
+from eddi_scaffold.cli.options import Files
 from eddi_scaffold.common.problems import EddiError, problem
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def watch(
     robot: list[str] | None = None,
     patience: Annotated[float, typer.Option("--patience", min=0.1)] = 3.0,
     text: bool = False,
-    as_json: Json = False,
+    as_json: bool = False,
     port: Annotated[int, typer.Option("--port", min=0, max=65535)] = 0,
     speed: Annotated[float, typer.Option("--speed", min=0.01)] = 1.0,
 ) -> None:

@@ -7,7 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import TODO, free_name, full_topic, package_name
+from eddi_scaffold.common.identifiers import (
+    TODO,
+    free_name,
+    full_topic,
+    is_ros_name,
+    package_name,
+)
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,
@@ -20,17 +26,14 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config.field_types import Fields, declared
 from eddi_scaffold.config.topic_block import extended, read_block
 from eddi_scaffold.config.values import undecided
-from eddi_scaffold.connect.draft import age_line, entry
+from eddi_scaffold.connect.draft import Age, age_line, deadline_age, entry
 from eddi_scaffold.connect.keeping import Draft, model_id, text_of, topics_of, with_draft
 from eddi_scaffold.connect.matching import Decision, decide
 from eddi_scaffold.connect.needs import InputNeed, words
+from eddi_scaffold.connect.robot import robot_of
+from eddi_scaffold.connect.rossystem import with_topics
 from eddi_scaffold.connect.saving import ConfigChange, read_config_text
-from eddi_scaffold.connect.surroundings import (
-    Surroundings,
-    fulfilments,
-    other_monitors,
-    with_robot,
-)
+from eddi_scaffold.connect.surroundings import Surroundings, fulfilments, other_monitors
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.eddi_xml.links import events_of
 from eddi_scaffold.kinds import DeclaredInput, JsonValue, Model, ModelInput, Options, kinds
@@ -141,9 +144,17 @@ class _Connecting:
 
     def result(self) -> DraftResult:
         """Join everything."""
-        document, robot_types, robot_ages, robot_problems = with_robot(
-            self.document, self.surroundings.system, self.surroundings.models
-        )
+        document, problems = self.document, list[Problem]()
+        types, ages_of = {**self.surroundings.types, **known_messages()}, dict[str, Age]()
+        robot = robot_of(self.surroundings.system, self.surroundings.models)
+        if robot is not None:
+            types |= robot.message_types()
+        if robot is not None and robot.path is not None:  # its topics, as parse-rossystem has them
+            parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
+            document = read_block(Source(document.name, parsed.after.encode()))
+            ages = [(t.topic, deadline_age(t.deadlines)) for t in parsed.outputs.topics]
+            ages_of = {topic: age for topic, age in ages if age is not None}
+            problems = robot.located(parsed.problems)
         ids = [id_ for _, id_ in self.entries if id_ is not None]
         declared_inputs = [DeclaredInput(id_, None, None, None, self.model.place) for id_ in ids]
         section = self.root.get("Model")
@@ -154,7 +165,6 @@ class _Connecting:
         topics += recorded
         others = other_monitors(self.models, self.surroundings, self.package)
         fulfilled, published = fulfilments(others, self.model, drafted.inputs, topics)
-        types = {**self.surroundings.types, **known_messages(), **robot_types}
         types |= self._declared_types()
         decisions = decide(self._needs(drafted.inputs), topics, types.get, fulfilled)
         named = {candidate.topic for decision in decisions for candidate in decision.candidates}
@@ -164,20 +174,20 @@ class _Connecting:
             if topic in named
         ]
         document = read_block(Source(document.name, extended(document, new).encode()))
-        known = {**robot_ages, **self.surroundings.ages}
+        ages_of |= self.surroundings.ages
         full_names = {topic.topic: full_topic(topic.topic, "", self.package) for topic in topics}
-        ages = {topic: known[full] for topic, full in full_names.items() if full in known}
+        limits = {topic: ages_of[full] for topic, full in full_names.items() if full in ages_of}
         draft = Draft(
             self._model_section(),
             drafted.options,
             drafted.notes,
-            [entry(decision, ages) for decision in decisions],
+            [entry(decision, limits) for decision in decisions],
             self._outputs(),
-            {topic.id: age_line(topic, ages) for topic in topics},
+            {topic.id: age_line(topic, limits) for topic in topics},
         )
         after = with_draft(document, draft)
         unknown = self._unknown_inputs([item.id for item in drafted.inputs])
-        problems = in_order([*robot_problems, *with_excerpts(unknown, self.before or "")])
+        problems = in_order([*problems, *with_excerpts(unknown, self.before or "")])
         kept = frozenset(id_ or "" for item, id_ in self.entries if not any(undecided(item)))
         todo = len(list(undecided(read_block(Source(document.name, after.encode())).root)))
         return DraftResult(document.name, self.before, after, decisions, kept, problems, todo)

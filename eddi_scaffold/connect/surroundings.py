@@ -6,15 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import attribute, free_name, is_ros_name, key_text
-from eddi_scaffold.common.problems import EddiError, Problem, has_errors
+from eddi_scaffold.common.identifiers import attribute, free_name, key_text
+from eddi_scaffold.common.problems import EddiError, has_errors
 from eddi_scaffold.config.field_types import MessageFields
-from eddi_scaffold.config.topic_block import ConfigText, read_block
-from eddi_scaffold.connect.draft import Age, deadline_age
+from eddi_scaffold.connect.draft import Age
 from eddi_scaffold.connect.matching import Fulfilment
-from eddi_scaffold.connect.robot import robot_of
-from eddi_scaffold.connect.rossystem import with_topics
 from eddi_scaffold.connect.topics import RobotTopic
 from eddi_scaffold.deployments.joining import join
 from eddi_scaffold.eddi_xml.links import events_of
@@ -39,30 +35,6 @@ class Surroundings:
     # full name -> type, of those that were recorded
     topics: Mapping[str, str] = field(default_factory=dict)
     types: MessageFields = field(default_factory=dict)  # of their messages
-
-
-def with_robot(
-    document: ConfigText, system: Path | None, models: Path | None
-) -> tuple[ConfigText, MessageFields, Mapping[str, Age], Sequence[Problem]]:
-    """Add the topics of a system to a configuration.
-
-    Returns:
-        The configuration; by the models the types of messages, and full name of a topic -> when
-        its messages are too old; what is wrong with the models.
-
-    Raises:
-        EddiError: one of them cannot be read, or the models of a system are missing (G017).
-    """
-    robot = robot_of(system, models)
-    if robot is None:
-        return document, {}, {}, ()
-    if system is None:
-        return document, robot.message_types(), {}, ()
-    parsed = with_topics(robot, document, writes=lambda topic: is_ros_name(topic.topic))
-    after = read_block(Source(document.name, parsed.after.encode()))
-    ages = {topic.topic: deadline_age(topic.deadlines) for topic in parsed.outputs.topics}
-    known = {topic: age for topic, age in ages.items() if age is not None}
-    return after, robot.message_types(), known, robot.located(parsed.problems)
 
 
 def other_monitors(

@@ -138,19 +138,6 @@ class EddiDocument:
         ends = [end for end in resolved if not isinstance(end, Problem)]
         return ends, [end for end in resolved if isinstance(end, Problem)], bool(tokens)
 
-    def references_in(self, element: Element) -> Iterator[tuple[Element, str, str]]:
-        """Yield owner, feature and text of the references that an element states.
-
-        They are its attributes; a ``href`` belongs to the parent, whose feature the element is.
-        """
-        parent, limit = element.getparent(), self.limits.reference_tokens
-        for key, value in element.attrib.items():
-            name = str(key)
-            if fold(name) in names.REFERENCES:
-                yield from ((element, name, text) for text in str(value).split()[:limit])
-            if name == "href" and parent is not None:
-                yield parent, feature_of(element), str(value)
-
     def target(self, element: Element, feature: str, text: str) -> Element | Problem:
         """Resolve one reference of a feature of an element."""
         resource, sharp, token = text.partition("#")

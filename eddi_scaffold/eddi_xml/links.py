@@ -8,8 +8,9 @@ everything.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 from eddi_scaffold.common.problems import Place
@@ -101,8 +102,8 @@ class _LinkGraph:
         self._path = self._references.path
         self._models: list[Element] = []
         # Path -> path and element of each that refers to it; to which it refers.
-        self._referring: dict[str, dict[str, Element]] = {}
-        self._referred: dict[str, dict[str, Element]] = {}
+        self._referring: dict[str, dict[str, Element]] = defaultdict(dict)
+        self._referred: dict[str, dict[str, Element]] = defaultdict(dict)
         # Path -> paths whose links are its own: of a cause its failure, of evidence its event.
         self._stands_for = {path: list(events) for path, events in observed.events.items()}
         self._packages: dict[Element, str | None] = {}
@@ -111,7 +112,7 @@ class _LinkGraph:
             self._visit(root)
         for owner, by, _ in observed.by:
             if self._is_end(owner):
-                self._refer([owner], [by])
+                self._referring[by][self._path(owner)] = owner
             else:
                 self._stands_for.setdefault(self._path(owner), []).append(by)
         for model in self._models if self._referring or self._referred else ():
@@ -175,28 +176,19 @@ class _LinkGraph:
                 continue
             if "source" in targets and "target" in targets:
                 # a relation: what it leads to rests on where it begins
-                sources = targets.pop("source")
                 owners = map(self._owner, targets.pop("target"))
-                self._refer(owners, map(self._path, sources))
-            self._connect(
-                [self._owner(element)], [end for ends in targets.values() for end in ends]
-            )
+                for source, owner in product(targets.pop("source"), owners):
+                    self._referring[self._path(source)][self._path(owner)] = owner
+            ends = [end for ends in targets.values() for end in ends]
+            self._connect([self._owner(element)], ends)
 
     def _connect(self, starts: Iterable[Element], ends: Sequence[Element]) -> None:
         """Note that elements refer to others, as far as either is an end of links."""
-        for start in starts:
-            path = self._path(start)
-            for end in ends:
-                if self._is_end(end):
-                    self._referred.setdefault(path, {})[self._path(end)] = end
+        for start, end in product(starts, ends):
+            if self._is_end(end):
+                self._referred[self._path(start)][self._path(end)] = end
             if self._is_end(start):
-                self._refer([start], map(self._path, ends))
-
-    def _refer(self, owners: Iterable[Element], paths: Iterable[str]) -> None:
-        known = list(paths)
-        for owner in owners:
-            for path in known:
-                self._referring.setdefault(path, {})[self._path(owner)] = owner
+                self._referring[self._path(end)][self._path(start)] = start
 
     def _targets(self, element: Element) -> Iterator[tuple[str, list[Element]]]:
         """Yield the features of an element that refer to others, by path or by ``xmi:id``."""

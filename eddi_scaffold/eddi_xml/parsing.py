@@ -57,8 +57,8 @@ def load(
     stream.seek(0)
     data = stream.read()
     head = read_head(data)
-    if head.doctype_line is not None:
-        return None, [problem("X001.declaration", Place(name, head.doctype_line))]
+    if head.has_doctype:
+        return None, [problem("X001.declaration", Place(name, head.root_line))]
     document, undeclared, fault = _parse(data, head, name)
     if document is None or fault is not None:
         return None, [fault] if fault else []
@@ -177,7 +177,7 @@ def _syntax_error(
     entries = [e for e in faults if e.type_name != "NS_ERR_UNDEFINED_NAMESPACE"]
     message = " ".join((entries[0].message if entries else str(failure)).split()).rstrip(".")
     line = entries[0].line if entries else getattr(failure, "lineno", None) or 1
-    shifted = repaired and line == head.line_of(head.root_name_end or 0)
+    shifted = repaired and line == head.root_line
     column = None if shifted or not entries else entries[0].column
     place = Place(name, max(line, 1), column or None)
     if entries and entries[0].type_name in _QUOTES:

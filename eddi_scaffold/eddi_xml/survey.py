@@ -334,12 +334,19 @@ def check_features(document: EddiDocument) -> Iterator[Problem]:
             continue
         for part in element.iter():
             first: dict[str, str] = {}
-            for name in map(str, part.attrib):
+            stated: list[tuple[Element, str, str]] = []  # owner, feature and text of a reference
+            for name, value in ((str(name), str(value)) for name, value in part.attrib.items()):
                 other = first.setdefault(names.ONE_THING.get(fold(name), name), name)
                 if other != name:
                     place = document.place(part)
                     yield problem("X011.two_spellings", place, first=other, second=name)
-            for owner, feature, text in document.references_in(part):
+                if fold(name) in names.REFERENCES:
+                    tokens = value.split()[: document.limits.reference_tokens]
+                    stated += [(part, name, token) for token in tokens]
+                parent = part.getparent()
+                if name == "href" and parent is not None:  # of the feature that the element is in
+                    stated.append((parent, feature_of(part), value))
+            for owner, feature, text in stated:
                 end = document.target(owner, feature, text)
                 if isinstance(end, Problem):
                     # what a monitor needs not be there: a requirement in a file of its own, say

@@ -27,41 +27,25 @@ _ROOT_NAME = re.compile(r"<[^\s/>!?]+")
 class Head(NamedTuple):
     """The first bytes of a document, decoded far enough to see its markup."""
 
-    # the text after a byte order mark; other than UTF-16 read as Latin-1, which keeps byte offsets
-    # and every ASCII character
+    # after a byte order mark; other than UTF-16 read as Latin-1, which keeps byte offsets and every
+    # ASCII character
     text: str
-    offset: int  # bytes before the text
     encoding: str  # codec of `text`
-
-    def line_of(self, index: int) -> int:
-        """Return the line, counted from 1, of a character of ``text``."""
-        return self.text.count("\n", 0, index) + 1
-
-    @property
-    def prolog_end(self) -> int:
-        """The index in ``text`` behind comments and processing instructions."""
-        prolog = _PROLOG.match(self.text)
-        return prolog.end() if prolog is not None else 0
-
-    @property
-    def doctype_line(self) -> int | None:
-        """The line of a document type declaration, ``None`` when there is none."""
-        is_there = self.text.startswith("<!DOCTYPE", self.prolog_end)
-        return self.line_of(self.prolog_end) if is_there else None
-
-    @property
-    def root_name_end(self) -> int | None:
-        """The byte offset behind the name of the document element."""
-        name = _ROOT_NAME.match(self.text, self.prolog_end)
-        if name is None:
-            return None
-        return self.offset + len(self.text[: name.end()].encode(self.encoding))
+    root_line: int  # of a document type declaration, or of the document element
+    has_doctype: bool
+    root_name_end: int | None  # byte offset behind the name of the document element
 
 
 def read_head(data: bytes) -> Head:
     """Decode the first bytes of a document."""
     length, encoding = next(row[1:] for row in _STARTS if data.startswith(row[0]))
-    return Head(data[length:HEAD_BYTES].decode(encoding, "ignore"), length, encoding)
+    text = data[length:HEAD_BYTES].decode(encoding, "ignore")
+    prolog = _PROLOG.match(text)
+    start = prolog.end() if prolog is not None else 0
+    name = _ROOT_NAME.match(text, start)
+    end = None if name is None else length + len(text[: name.end()].encode(encoding))
+    line = text.count("\n", 0, start) + 1
+    return Head(text, encoding, line, text.startswith("<!DOCTYPE", start), end)
 
 
 def looks_like_xml(data: bytes) -> bool:

@@ -11,13 +11,7 @@ from typing import Literal
 from eddi_scaffold.common.identifiers import RESERVED, free_name, is_identifier
 from eddi_scaffold.common.problems import Place, Problem, in_order, problem
 from eddi_scaffold.mros.model import InterfaceKind, System
-from eddi_scaffold.mros.resolving import (
-    LOST_TOPICS,
-    Models,
-    ResolvedInterface,
-    Resolver,
-    flattened,
-)
+from eddi_scaffold.mros.resolving import LOST_TOPICS, Models, ResolvedInterface, Resolver, flattened
 
 TopicKind = Literal["published", "action", "subscribed"]
 _SOURCES = ("publisher", "serviceserver", "actionserver")

@@ -254,12 +254,11 @@ def _check_fields(
 ) -> Iterator[Problem]:
     """Report fields that messages in the bag do not have, or not of that type (I012)."""
     assert monitor.config is not None
-    entries = {entry.id: k for k, entry in enumerate(monitor.config.config.EDDIInputs)}
-    for binding in monitor.inputs:
-        index = entries.get(binding.model.id)
-        if index is None:
+    bindings = {binding.model.id: binding for binding in monitor.inputs}
+    for index, entry in enumerate(monitor.config.config.EDDIInputs):
+        binding = bindings.get(entry.id)
+        if binding is None:
             continue
-        entry = monitor.config.config.EDDIInputs[index]
         key = next((key for key in ("field", *EXPRESSION_KEYS) if getattr(entry, key)), "requires")
         place = monitor.config.place("EDDIInputs", index, key)
         for source, path, is_value in _fields_read(binding, entry):
