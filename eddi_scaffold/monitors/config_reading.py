@@ -14,7 +14,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.common.files import Source, near_file, read_source
+from eddi_scaffold.common.files import Source, read_source, similar_file
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -227,7 +227,7 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
             place = file.place("EDDIInputs", index, "expression_file")
             hint = problem.hint
             if problem.code != "F009":
-                hint = near_file(Path(file.path(name)), name, Path(file.name).name)
+                hint = similar_file(Path(file.path(name)), name, Path(file.name).name)
             problems.append(about_file(replace(problem, hint=hint), name, place))
             continue
         try:
