@@ -54,6 +54,7 @@ def connect(
     from eddi_scaffold.connect.connecting import connect
     from eddi_scaffold.connect.draft import recorded_age
     from eddi_scaffold.connect.surroundings import Surroundings
+    from eddi_scaffold.packages.transaction import rewrite
     from eddi_scaffold.recordings.bags import read_contents
 
     surroundings = Surroundings(system, models, others or (), default_guarantee or ())
@@ -75,7 +76,7 @@ def connect(
     elif output is None:
         console.data(draft.after.rstrip("\n"))
     elif draft.is_changed:
-        draft.save()
+        rewrite(draft.name, draft.before, draft.after)
     console.problems(draft.problems, summary=False)
     if not (system or bag or others or draft.has_topics):
         console.say("topics come from --system, --bag, or SimulatorOutputs of the configuration")

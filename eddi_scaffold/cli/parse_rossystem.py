@@ -57,6 +57,7 @@ def parse_rossystem(
     """
     from eddi_scaffold.connect.robot import read_robot
     from eddi_scaffold.connect.rossystem import Filters, parse
+    from eddi_scaffold.packages.transaction import rewrite
 
     robot = read_robot(system, models)
     filters = Filters(tuple(only or ()), tuple(component or ()), exclude_infrastructure)
@@ -67,7 +68,7 @@ def parse_rossystem(
         if diff := parsed.diff():
             console.data(diff.rstrip("\n"))
     elif parsed.is_changed:
-        parsed.save()
+        rewrite(parsed.name, parsed.before, parsed.after)
     console.problems(robot.located(parsed.problems), summary=False)
     counts = {key: plural(n, key.removesuffix("s")) for key, n in parsed.summary().items()}
     summary = ", ".join(counts[key] for key in ("components", "publishers", "topics"))

@@ -290,11 +290,11 @@ def _unreadable(name: str, failure: OSError) -> Problem:
     reason = failure.strerror or str(failure)
     hint = "write it to a file first" if isinstance(failure, NotRegularError) else None
     if isinstance(failure, FileNotFoundError):
-        hint = near_file(Path(name), name)
+        hint = similar_file(Path(name), name)
     return problem("F001.unreadable", Place(name), hint=hint, reason=reason)
 
 
-def near_file(path: Path, written: str, but: str = "") -> str | None:
+def similar_file(path: Path, written: str, but: str = "") -> str | None:
     """Return the hint on a file of a similar name where one is missing; ``but`` is not meant."""
     try:
         there = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_NEIGHBOURS)]

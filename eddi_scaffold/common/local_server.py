@@ -44,10 +44,10 @@ class TimedInput(RawIOBase):
         Raises:
             TimeoutError: there is none left.
         """
-        left = self._end - time.monotonic()
-        if left <= 0:
+        remaining = self._end - time.monotonic()
+        if remaining <= 0:
             raise TimeoutError
-        self._connection.settimeout(left)
+        self._connection.settimeout(remaining)
 
 
 class LimitedServer(ThreadingHTTPServer):
@@ -204,10 +204,10 @@ class Handler(BaseHTTPRequestHandler):
         """
         length = self._length()
         if length > MAX_BODY:
-            left = min(length, _DRAINED)
-            while left > 0:
-                block = self.rfile.read(min(left, MAX_BODY))
-                left = left - len(block) if block else 0
+            remaining = min(length, _DRAINED)
+            while remaining > 0:
+                block = self.rfile.read(min(remaining, MAX_BODY))
+                remaining = remaining - len(block) if block else 0
             text = f"more than {MAX_BODY} bytes are not taken: go back and shorten the text"
             raise Refused(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)
         body = self.rfile.read(length)

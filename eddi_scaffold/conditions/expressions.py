@@ -14,7 +14,6 @@ from eddi_scaffold.conditions.syntax import (
     ReductionOptions,
     SyntaxNode,
     is_list_path,
-    operation_of,
 )
 from eddi_scaffold.conditions.tokens import DURATIONS, RESERVED, Cursor, TextFindings, Token
 
@@ -139,7 +138,8 @@ class ExpressionParser(Cursor):
         while self._took(","):
             args.append(self._expression())
         self._expect(")", "',' or ')'")
-        op, expected = operation_of(word), FUNCTIONS.get(word, max(2, len(args)))
+        op = "number_of" if word == "NUMBER" else word.lower()
+        expected = FUNCTIONS.get(word, max(2, len(args)))
         if len(args) != expected:
             arguments = plural(expected, "argument") + (" or more" if word in MORE else "")
             self._fail(

@@ -173,11 +173,6 @@ MORE = ("LEAST", "GREATEST")
 """Functions of two arguments or more."""
 
 
-def operation_of(function: str) -> str:
-    """Return the operation of a function of values."""
-    return "number_of" if function == "NUMBER" else function.lower()
-
-
 def word_of(op: str) -> str:
     """Return how an operation or a function is written."""
     if op in OPERATORS or op in PREFIXES:

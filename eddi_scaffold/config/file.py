@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from eddi_scaffold.common.files import Source, near_file, next_to, read_source
+from eddi_scaffold.common.files import Source, next_to, read_source, similar_file
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.config import values
 from eddi_scaffold.config.schema import Config
@@ -109,7 +109,7 @@ def existing_file(of: str, name: str, place: Place) -> Path:
     except EddiError as failure:
         raise EddiError(*(about_file(p, name, place) for p in failure.problems)) from None
     except (OSError, ValueError):
-        hint = near_file(path, name, Path(of).name)
+        hint = similar_file(path, name, Path(of).name)
         hint = hint or f"a name is relative to the folder of {Path(of).name}"
         raise EddiError(problem("F001.no_file", place, hint=hint, name=name)) from None
     return path

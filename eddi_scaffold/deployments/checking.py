@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source, read_source
@@ -59,100 +58,96 @@ def check_files(
     Raises:
         EddiError: there is no such platform.
     """
-    target = chosen(platform) if platform is not None else None
-    read = partial(_named, marks=default_guarantees)
-    problems: list[Problem] = []
+    check = _Check(default_guarantees, robot, chosen(platform) if platform is not None else None)
     of_fleets: set[Path] = set()  # these are checked with their deployment file
-    sources: list[Source | EddiError] = []
+    sources: list[Source] = []
     for path in files:
         try:
             source = read_source(path)
         except EddiError as failure:
-            sources.append(failure)
+            check.problems += failure.problems
+            check.is_complete = False
             continue
-        if not is_fleet(source):
-            sources.append(source)
-            continue
-        reported, of_fleet = check_fleet(source, read)
-        problems += reported
-        of_fleets |= of_fleet
-    models, configs, reported, are_complete = _read_files(
-        [
-            source
-            for source in sources
-            if isinstance(source, EddiError) or Path(source.name).resolve() not in of_fleets
-        ],
-        default_guarantees,
-        robot,
-        target,
-    )
-    problems += reported
-    alone = [] if models else [config for config in configs if not _names_its_model(config)]
-    if not has_errors(problems):  # else what is wrong may be the file with their models
-        problems += [
-            reported for config in alone for reported in _check_without_model(config, target)
-        ]
-    configs = [config for config in configs if config not in alone]
-    if target is None and configs:
-        managed = any(config.config.Model.lifecycle for config in configs)
-        target = chosen("ros2" if managed else DEFAULT)
-    reported = _together(models, configs, target, default_guarantees)
-    problems += [each for each in reported if are_complete or each.code not in _OF_WHAT_LACKS]
-    # that a VAR has no TIMEOUT is a question to whoever uses the model without a configuration
-    return [each for each in problems if each.code != "W003"]
-
-
-def _read_files(
-    files: Iterable[Source | EddiError],
-    marks: Sequence[str],
-    robot: RobotAdditions | None,
-    target: Platform | None,
-) -> tuple[list[Model], list[ConfigFile], list[Problem], bool]:
-    """Read every file, with all that is wrong with it by itself; tell whether all could be read."""
-    models: list[Model] = []
-    configs: list[ConfigFile] = []
-    problems: list[Problem] = []
-    are_complete = True
-    for source in files:
-        if isinstance(source, EddiError):
-            problems += source.problems
-            are_complete = False
-        elif is_config(source):
-            config, reported = read_config(source, robot, partly=True)
-            configs += [config] if config is not None else []
-            are_complete &= not has_errors(reported)
-            problems += reported
+        if is_fleet(source):
+            reported, of_fleet = check_fleet(source, check.named)
+            check.problems += reported
+            of_fleets |= of_fleet
         else:
-            reading = read_models(source, marks)
-            own = [*reading.problems, *reading.unread, *_static(reading.models)]
-            if is_xml(source) and not reading.models and not has_errors(own):
-                own.append(_requested(no_model(source), target))
-            models += reading.models
-            problems += own
-            are_complete &= bool(reading.models)
-    return models, configs, problems, are_complete
+            sources.append(source)
+    for source in sources:
+        if Path(source.name).resolve() not in of_fleets:
+            check.read(source)
+    check.without_models()
+    check.together()
+    # that a VAR has no TIMEOUT is a question to whoever uses the model without a configuration
+    return [each for each in check.problems if each.code != "W003"]
 
 
-def _requested(missing: Problem, target: Platform | None) -> Problem:
-    """Return an error where a monitor is asked for; files by themselves may be what they are."""
-    return missing if target is not None else replace(missing, level="warning")
+@dataclass
+class _Check:
+    """What is known of the files, and wrong with them."""
 
+    marks: Sequence[str]
+    robot: RobotAdditions | None
+    target: Platform | None
+    models: list[Model] = field(default_factory=list)
+    configs: list[ConfigFile] = field(default_factory=list)
+    problems: list[Problem] = field(default_factory=list)
+    is_complete: bool = True  # every file could be read
 
-def _check_without_model(config: ConfigFile, target: Platform | None) -> Iterator[Problem]:
-    """Report what shows in a configuration without its model."""
-    yield _requested(without_model(config), target)
-    used = {name for entry in config.config.EDDIInputs for name in entry.requires}
-    yield from check_types(config, used)
+    def read(self, source: Source) -> None:
+        """Read a file, with all that is wrong with it by itself."""
+        if is_config(source):
+            config, reported = read_config(source, self.robot, partly=True)
+            self.configs += [config] if config is not None else []
+            self.is_complete &= not has_errors(reported)
+        else:
+            reading = read_models(source, self.marks)
+            reported = [*reading.problems, *reading.unread, *_static(reading.models)]
+            if is_xml(source) and not reading.models and not has_errors(reported):
+                reported.append(self._requested(no_model(source)))
+            self.models += reading.models
+            self.is_complete &= bool(reading.models)
+        self.problems += reported
+
+    def named(self, path: Path) -> ReadResult:
+        """Read the file that a configuration names, and report all problems in it."""
+        reading = checked_models(path, self.marks)
+        return ReadResult(reading.models, (*reading.problems, *_static(reading.models)))
+
+    def without_models(self) -> None:
+        """Take out the configurations that have no model, and report what shows in them."""
+        alone = [] if self.models else [c for c in self.configs if not _names_its_model(c)]
+        self.configs = [config for config in self.configs if config not in alone]
+        for config in alone if not has_errors(self.problems) else ():  # it may be their model's
+            used = {name for entry in config.config.EDDIInputs for name in entry.requires}
+            missing = self._requested(without_model(config))
+            self.problems += [missing, *check_types(config, used)]
+
+    def _requested(self, missing: Problem) -> Problem:
+        """Return an error where a monitor is asked for: files by themselves may be as they are."""
+        return missing if self.target is not None else replace(missing, level="warning")
+
+    def together(self) -> None:
+        """Report what is wrong with models and configurations as monitors of a platform."""
+        models, configs, platform = self.models, self.configs, self.target
+        if platform is None and configs:
+            managed = any(config.config.Model.lifecycle for config in configs)
+            platform = chosen("ros2" if managed else DEFAULT)
+        if platform is None:
+            return
+        monitors, problems = join(models, configs, self.named, self.marks)
+        problems += packages_of(monitors, platform, None)[1]
+        joined = {monitor.config.name for monitor in monitors if monitor.config}
+        if joined >= {config.name for config in configs}:
+            problems += absent_publishers(Deployment(members_of(monitors)))
+        problems += [*_by_hand(monitors), *_unbound(models, monitors)]
+        lacking = () if self.is_complete else _OF_WHAT_LACKS
+        self.problems += [each for each in problems if each.code not in lacking]
 
 
 def _static(models: Iterable[Model]) -> list[Problem]:
     return [problem for model in models for problem in model.check()]
-
-
-def _named(path: Path, marks: Sequence[str]) -> ReadResult:
-    """Read the file that a configuration names, and report all problems in it."""
-    reading = checked_models(path, marks)
-    return ReadResult(reading.models, (*reading.problems, *_static(reading.models)))
 
 
 def _names_its_model(config: ConfigFile) -> bool:
@@ -160,23 +155,6 @@ def _names_its_model(config: ConfigFile) -> bool:
         return named_model_path(config) is not None
     except EddiError:
         return True  # joining reports why
-
-
-def _together(
-    models: Sequence[Model],
-    configs: Sequence[ConfigFile],
-    platform: Platform | None,
-    marks: Sequence[str],
-) -> list[Problem]:
-    """Return what is wrong with models and configurations as monitors of a platform."""
-    if platform is None:
-        return []
-    monitors, problems = join(models, configs, partial(_named, marks=marks), marks)
-    problems += packages_of(monitors, platform, None)[1]
-    joined = {monitor.config.name for monitor in monitors if monitor.config}
-    if joined >= {config.name for config in configs}:
-        problems += absent_publishers(Deployment(members_of(monitors)))
-    return [*problems, *_by_hand(monitors), *_unbound(models, monitors)]
 
 
 def _unbound(models: Sequence[Model], monitors: Sequence[BoundMonitor]) -> Iterable[Problem]:

@@ -11,7 +11,8 @@ from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
 from eddi_scaffold.deployments.offers import RobotMonitor
 from eddi_scaffold.deployments.robots import FleetRobot
 from eddi_scaffold.deployments.support import wired
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import ReadResult
 
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from eddi_scaffold.diagrams.diagram import Diagram, DiagramEdge, DiagramNode
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode
 
 LINE = 15.0
 """Height of a line of 12 pixels."""

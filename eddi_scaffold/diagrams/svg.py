@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.diagrams.diagram import Diagram, LegendEntry, Shape, Tone
+from eddi_scaffold.diagrams import Diagram, LegendEntry, Shape, Tone
 from eddi_scaffold.diagrams.layout import LINE, RULE, Box, Route, laid_out, text_width
 
 _MARGIN, _TITLE, _LEGEND = 24.0, 40.0, 30.0

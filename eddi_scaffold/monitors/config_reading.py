@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import copy
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from eddi_scaffold.common.files import Source, near_file, read_source
+from eddi_scaffold.common.files import Source, read_source, similar_file
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.common.problems import (
     EddiError,
@@ -28,7 +28,7 @@ from eddi_scaffold.common.problems import (
 from eddi_scaffold.config import values
 from eddi_scaffold.config.field_types import MessageFields, used
 from eddi_scaffold.config.file import MODEL_KEYS, ConfigFile, about_file
-from eddi_scaffold.config.schema import Config, Entry, ModelSection
+from eddi_scaffold.config.schema import Config, ModelSection
 from eddi_scaffold.eddi_xml.xml_text import looks_like_xml
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, read_map
@@ -227,7 +227,7 @@ def _event_files(file: ConfigFile) -> tuple[dict[str, str], list[Problem]]:
             place = file.place("EDDIInputs", index, "expression_file")
             hint = problem.hint
             if problem.code != "F009":
-                hint = near_file(Path(file.path(name)), name, Path(file.name).name)
+                hint = similar_file(Path(file.path(name)), name, Path(file.name).name)
             problems.append(about_file(replace(problem, hint=hint), name, place))
             continue
         try:
@@ -255,28 +255,16 @@ def _words(file: ConfigFile) -> set[str]:
 def _repeated_ids(file: ConfigFile) -> Iterator[Problem]:
     config, words = file.config, _words(file)
     used_ids = {name for entry in config.EDDIInputs for name in entry.requires} | words
-    sections: dict[str, Sequence[Entry]] = {
-        "SimulatorOutputs": config.SimulatorOutputs,
-        "EDDIInputs": config.EDDIInputs,
-        "EDDIOutputs": config.EDDIOutputs,
-    }
-    for section, entries in sections.items():
+    for section in ("SimulatorOutputs", "EDDIInputs", "EDDIOutputs"):
         lines: dict[str, int | None] = {}
-        for index, entry in enumerate(entries):
+        for index, entry in enumerate(getattr(config, section)):
             place = file.place(section, index, "id")
             if entry.id in lines:
                 # A parsed robot system may hold one id twice: harmless until an input uses it.
-                is_used = section != "SimulatorOutputs" or used_ids & {
-                    entry.id,
-                    attribute(entry.id),
-                }
-                yield problem(
-                    "K006.twice" if is_used else "K006.twice_unused",
-                    place,
-                    id=entry.id,
-                    section=section,
-                    line=lines[entry.id],
-                )
+                is_named = not used_ids.isdisjoint({entry.id, attribute(entry.id)})
+                is_used = section != "SimulatorOutputs" or is_named
+                case = "K006.twice" if is_used else "K006.twice_unused"
+                yield problem(case, place, id=entry.id, section=section, line=lines[entry.id])
             lines.setdefault(entry.id, place.line)
     by_name: dict[str, str] = {}
     for index, entry in enumerate(config.SimulatorOutputs):

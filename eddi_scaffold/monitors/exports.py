@@ -8,7 +8,7 @@ from pathlib import Path
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
-from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.eddi_xml.insertion import with_map
 from eddi_scaffold.eddi_xml.reading import read_document
 from eddi_scaffold.kinds import Model, kinds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import errno
 import secrets
 import shutil
@@ -71,3 +72,19 @@ def _refuse_obstacle(root: Path, path: str) -> None:
         raise IsADirectoryError(errno.EISDIR, "a folder is in its place", str(target))
     if target.exists() and not target.is_file():
         raise OSError(errno.EEXIST, f"{kind_of(target.resolve())} is in its place", str(target))
+
+
+def rewrite(name: str, before: str | None, after: str) -> None:
+    """Replace a text file, ``None`` where there was none; its byte order mark and mode stay.
+
+    Raises:
+        EddiError: it cannot be written (F002), or was saved meanwhile (F013); it stays as it is.
+    """
+    target = Path(name).resolve()
+    old = target.read_bytes() if target.exists() else None
+    if old is not None and before is None:
+        raise saved_meanwhile(Path(name))
+    mark = codecs.BOM_UTF8 if old is not None and old.startswith(codecs.BOM_UTF8) else b""
+    mode = NEW if old is None else target.stat().st_mode & 0o7777
+    former = {} if before is None else {target.name: mark + before.encode()}
+    write(target.parent, {target.name: FileState(mark + after.encode(), mode)}, former)

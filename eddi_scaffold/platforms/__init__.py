@@ -41,6 +41,11 @@ def built_in(place: Path, command: str) -> str:
     return command if place == Path() else f"cd {quote(str(place))} && {command}"
 
 
+def pip_install(place: Path, monitors: Sequence[str]) -> list[str]:
+    """Return what a person types to install packages of Python that are in a folder."""
+    return [f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}"]
+
+
 def choices(runtime: str | None, single_process: bool | None) -> Choices:
     """Return what is to be otherwise than it was; None is as it was."""
     answers = {RUNTIME: runtime, SINGLE_PROCESS: single_process}
@@ -116,18 +121,18 @@ class Platform:
 
     name: str  # as in `--platform`, the name of its folder
     templates: Templates  # what its packages are rendered from
-    # where its packages are built together; `None`: each goes to any folder
-    workspace: Workspace | None
-    needs_config: bool  # a monitor cannot be generated without a configuration
     # answers of the package of one monitor, and problems
     monitor: Callable[[BoundMonitor], tuple[PackageAnswers, list[Problem]]]
-    # answers of the packages that all monitors share; gets every monitor package of the workspace
-    # with its answers
-    support: Callable[[Mapping[str, Mapping[str, JsonValue]]], list[PackageAnswers]]
     # folder of all packages, or `None` -> names that would break the platform -> why
     taken_names: Callable[[Path | None], Mapping[str, str]]
     # workspace or folder, and monitor packages -> shell commands that build and start them
-    next_steps: Callable[[Path, Sequence[str]], Sequence[str]]
+    next_steps: Callable[[Path, Sequence[str]], Sequence[str]] = pip_install
+    # answers of the packages that all monitors share; gets every monitor package of the workspace
+    # with its answers
+    support: Callable[[Mapping[str, Mapping[str, JsonValue]]], list[PackageAnswers]] = lambda _: []
+    # where its packages are built together; `None`: each goes to any folder
+    workspace: Workspace | None = None
+    needs_config: bool = True  # a monitor cannot be generated without a configuration
     # of the robots that it is for; `None` where they cannot hear each other
     meeting: Meeting | None = None
 

@@ -7,7 +7,6 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from shlex import quote
 
 from eddi_scaffold.common.escaping import toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
@@ -25,6 +24,7 @@ from eddi_scaffold.platforms import (
     PackageAnswers,
     Platform,
     Templates,
+    pip_install,
 )
 from eddi_scaffold.platforms.ros_packages import types_of
 from eddi_scaffold.program.runtime_parts import PEERS, runtime_parts_of
@@ -154,42 +154,29 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     return PackageAnswers(monitor.package, answers, files), [*node.problems, *errors, *unknown]
 
 
-def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
-    return []
-
-
 def _taken_names(_root: Path | None) -> Mapping[str, str]:
     used = {name: f"it would hide {name}" for name in ("numpy", "cyclonedds", "rich_click")}
     return {**taken_by_python(), **used}
 
 
 def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [
-        f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}",
-        *monitors,
-    ]
+    return [*pip_install(place, monitors), *monitors]
 
 
 def _steps_of_robot(
     at: MeetingPlace, place: Path, namespace: str, monitors: Sequence[str]
 ) -> Sequence[str]:
-    packages = " ".join(quote(str(place / name)) for name in monitors)
     arguments = [f"-r __ns:={namespace}"] if namespace else []
     arguments += [f"-p partition:={at.partition}"] if at.partition else []
     below = " ".join([" --ros-args", *arguments]) if arguments else ""
-    return [
-        f"pip install {packages}",
-        *(f"ROS_DOMAIN_ID={at.name} {name}{below}" for name in monitors),
-    ]
+    start = (f"ROS_DOMAIN_ID={at.name} {name}{below}" for name in monitors)
+    return [*pip_install(place, monitors), *start]
 
 
 PLATFORM = Platform(
     name="dds",
     templates=_TEMPLATES,
-    workspace=None,
-    needs_config=True,
     monitor=_monitor,
-    support=_support,
     taken_names=_taken_names,
     next_steps=_next_steps,
     meeting=Meeting("domain", "0", _steps_of_robot, has_partitions=True),

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from shlex import quote
 
 from eddi_scaffold.common.escaping import python_literal, toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.kinds import JsonValue
 from eddi_scaffold.monitors.answers import shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
@@ -36,25 +34,14 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     return PackageAnswers(monitor.package, answers, files), []
 
 
-def _support(_monitors: Mapping[str, Mapping[str, JsonValue]]) -> list[PackageAnswers]:
-    return []
-
-
 def _taken_names(_root: Path | None) -> Mapping[str, str]:
     return {**taken_by_python(), "numpy": "it would hide numpy"}
-
-
-def _next_steps(place: Path, monitors: Sequence[str]) -> Sequence[str]:
-    return [f"pip install {' '.join(quote(str(place / monitor)) for monitor in monitors)}"]
 
 
 PLATFORM = Platform(
     name="plain",
     templates=_TEMPLATES,
-    workspace=None,
     needs_config=False,
     monitor=_monitor,
-    support=_support,
     taken_names=_taken_names,
-    next_steps=_next_steps,
 )

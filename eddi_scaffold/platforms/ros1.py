@@ -96,7 +96,6 @@ PLATFORM = platforms.Platform(
     name="ros1",
     templates=platforms.Templates(MONITOR, (MESSAGES, META, LAUNCHER, RUNTIME)),
     workspace=platforms.Workspace("catkin workspace", "src/eddi_monitor"),
-    needs_config=True,
     monitor=monitor_answers,
     support=support_answers,
     taken_names=taken_names,

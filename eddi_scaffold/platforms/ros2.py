@@ -88,7 +88,6 @@ PLATFORM = platforms.Platform(
     name="ros2",
     templates=platforms.Templates(MONITOR, tuple(SUPPORT)),
     workspace=platforms.Workspace("colcon workspace", "src/eddi_monitor"),
-    needs_config=True,
     monitor=monitor_answers,
     support=support_answers,
     taken_names=_taken_names,

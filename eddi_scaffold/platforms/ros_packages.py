@@ -224,11 +224,6 @@ def class_of(type_: str, classes: Mapping[str, str]) -> str:
     return classes.get(type_, _in_module(type_))
 
 
-def packages_of_classes(classes: Mapping[str, str]) -> list[str]:
-    """Return the packages of message types, sorted, without our own."""
-    return sorted({name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE})
-
-
 def _in_module(type_: str) -> str:
     return type_.replace("/", ".msg.")
 
@@ -324,7 +319,8 @@ def monitor_package(
     node = node_of(monitor)
     classes, folder = classes_of(node), f"{inside}{monitor.package}/"
     answers = {**shared_answers(monitor, template, folder), **choices}
-    answers["message_packages"] = [*packages_of_classes(classes)]
+    packages = {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
+    answers["message_packages"] = sorted(packages)
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
     answers["message_imports"] = [*imports_of(classes)]
     answers |= node.answers(partial(class_of, classes=classes), has_qos=is_ros2)

@@ -12,7 +12,8 @@ from typing import Any
 
 from eddi_scaffold.common.claims import State
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone, drawn
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Tone
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.watch.fleet import MonitorView, RobotView, Snapshot, VerdictView
 from eddi_scaffold.watch.following import Clock
 

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 from hypothesis import given
 from hypothesis import strategies as st
 
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, drawn
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode
 from eddi_scaffold.diagrams.layout import (
     crossings,
     label_of,
@@ -18,6 +18,7 @@ from eddi_scaffold.diagrams.layout import (
     placed,
     text_width,
 )
+from eddi_scaffold.diagrams.svg import drawn
 
 SVG = "{http://www.w3.org/2000/svg}"
 

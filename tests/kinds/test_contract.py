@@ -17,7 +17,7 @@ from eddi_runtime.inputs import InputState
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import has_errors
 from eddi_scaffold.deployments.joining import packages_of
-from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.kinds import Kind, Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.loading import read_models

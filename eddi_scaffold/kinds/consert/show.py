@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape
-from eddi_scaffold.diagrams.diagram import Tone
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.kinds.consert.consert import ConSert, Gate, Guarantee, Node
 
 DEEPEST = 30

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from eddi_scaffold.common.escaping import markdown_code, markdown_text
-from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry
-from eddi_scaffold.diagrams.diagram import Shape, Tone
+from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode, LegendEntry, Shape, Tone
 from eddi_scaffold.kinds.reliability.lowering import lower_tree
 from eddi_scaffold.kinds.reliability.system import (
     UNITS,

@@ -10,7 +10,7 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.deployments.drawing import diagram
 from eddi_scaffold.deployments.fleet import Fleet, read_whole_fleet
-from eddi_scaffold.diagrams import drawn
+from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.yaml_text.nodes import read_map
