@@ -53,10 +53,7 @@ class Range:
 
     def text(self, unit: str | None = None) -> str:
         """Return it for people: ``[0, 5] m``, ``[0, 5)``."""
-        opening, closing = (
-            "[" if self.start_inclusive else "(",
-            "]" if self.inclusive else ")",
-        )
+        opening, closing = "[" if self.start_inclusive else "(", "]" if self.inclusive else ")"
         ends = f"{opening}{self.start.text}, {self.end.text}{closing}"
         return f"{ends} {unit}" if unit else ends
 
