@@ -164,8 +164,7 @@ class InputBinder:
             self._report("K015.sources", "requires", input=entry.id, names=names)
         types = {entry.type, item.type}
         if entry.type not in (None, item.type) and not types <= {"int", "float"}:
-            given, expected = entry.type, item.type
-            self._report("K016.type", "type", input=entry.id, expected=expected, actual=given)
+            self._report("K016.type", "type", input=entry.id, expected=item.type, actual=entry.type)
         factor = self._factor()
         self._check_default(factor)
         binding = InputBinding(

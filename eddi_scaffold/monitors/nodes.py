@@ -131,9 +131,9 @@ class MonitorNode:
 def node_of(monitor: BoundMonitor) -> MonitorNode:
     """Return the node of a monitor; the configuration is there (``needs_config``)."""
     assert monitor.config is not None, "a node needs a configuration"
-    found, problems = publications(monitor, monitor.config)
-    node = MonitorNode(monitor, monitor.config, found, problems)
-    return MonitorNode(monitor, monitor.config, found, [*problems, *_check(node)])
+    topics, problems = publications(monitor, monitor.config)
+    node = MonitorNode(monitor, monitor.config, topics, problems)
+    return MonitorNode(monitor, monitor.config, topics, [*problems, *_check(node)])
 
 
 def _more(publication: Publication) -> str:

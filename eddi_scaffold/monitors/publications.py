@@ -28,7 +28,7 @@ class Publication:
         type: message type (``std_msgs/Bool``).
         place: where its topic is named.
         path: place of the value in the message; empty for all of it.
-        of: which message of the monitor: empty for the result, else a name of ``Kind.beside``.
+        of: which message of the monitor: empty for the result, else a companion message.
         message: type of the message that contains the value, or of the whole message.
     """
 

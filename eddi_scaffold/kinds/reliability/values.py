@@ -211,7 +211,7 @@ class Values:
         value = self._get(key, required=required)
         if value is None:
             return default
-        return self._converted(value, lambda given: units.number(given, low, high), key)
+        return self._converted(value, lambda content: units.number(content, low, high), key)
 
     def whole(self, key: str, low: int, high: int, *, required: bool = False) -> int | None:
         """Return a whole number between two limits."""
