@@ -128,7 +128,9 @@ class ConSertModel(Model):
         return [
             Claim(
                 self.options.published(guarantee.id),
-                frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
+                frozenset()
+                if guarantee.default
+                else frozenset(reached(sources, [guarantee.id]) & leaves),
                 self.options.hold_s(frequency),
             )
             for guarantee in self.data.guarantees

@@ -65,7 +65,8 @@ class _StaticChecks:
         sets_of_guarantees = {node.id: self.sets[node.id] for node in self.consert.guarantees}
         used = reduce(or_, (mask for sets in sets_of_guarantees.values() for mask in sets or ()), 0)
         unknown = [id_ for id_, sets in sets_of_guarantees.items() if sets is None]
-        compared = self.supporting - reached(self.consert.inputs, unknown)
+        unclear = reached(self.consert.inputs, unknown)
+        compared = self.supporting - unclear
         for index, leaf in enumerate(self.consert.leaf_nodes):
             if leaf.id in compared and not used >> index & 1:
                 yield problem("S002.element", leaf.place, id=shown(leaf.id))
