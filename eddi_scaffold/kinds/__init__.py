@@ -44,7 +44,6 @@ class ModelInput:
     """One input that a monitor needs at run time.
 
     Attributes:
-        id: as in the model (``RtE_A_E0``).
         type: Python type of the value that ``EDDIInput`` holds.
         safety: a value that stays forever when its publisher dies would be dangerous, so a
             missing ``max_age`` is a warning.
@@ -91,10 +90,8 @@ class ModelOutput:
     """A topic that a model itself asks for, in addition to ``EDDIOutputs``.
 
     Attributes:
-        id: of the value that it carries.
         topic: where one value of a message is published, as a message of ``std_msgs``.
         path: fields of the message; a pair is the element of a list by a field and its value.
-        place: where the topic is named.
         of: the additional message that contains the value (``evidence``), empty for the
             result itself.
     """
@@ -111,8 +108,6 @@ class ReadResult:
     """What a reader found: models and everything that is wrong with them.
 
     Attributes:
-        models: those that could be read.
-        problems: of the whole file.
         unread: what else is in the file, of which no monitor is made.
     """
 
@@ -182,10 +177,8 @@ class EditableMethod:
     """A method with one region in which a person may write.
 
     Attributes:
-        name: an identifier.
         about: id of the element of the model.
         arguments: names behind ``self``.
-        returns: annotation, ``None`` for none.
         comments: lines below the signature, without ``#``.
         before: lines of Python before the region.
         was: former ids, whose body moves along.
@@ -217,12 +210,8 @@ class EditableModule:
 
     Attributes:
         file: file name; it ends in ``_config.py``.
-        docstring: what the module is for, one sentence.
         class_name: its class, of which the monitor gets an instance.
-        imports: lines.
-        class_docstring: one sentence.
         plain_methods: lines of the methods without a region, indented as in the class.
-        methods: those with a region.
     """
 
     file: str
@@ -241,7 +230,6 @@ class Alias:
     Attributes:
         name: of the module, without ``.py``; it ends in ``_monitor`` (``bn_monitor``).
         module: module of the runtime (``bayesian_network``).
-        names: what it offers of it.
         monitor_names: further names under which it offers the package's ``EDDIMonitor``.
     """
 
@@ -271,10 +259,6 @@ class Model:
     The base itself stands for a model of which only its package is there: it has a name.
 
     Attributes:
-        kind: name of the kind (``consert``).
-        name: name of the model in its file.
-        source: the file it was read from.
-        place: its place in that file.
         file_stem: what the model's own file is called, empty where that has several, or is known
             by the model's name: the package of a model without a configuration.
         links: path of an element -> what is linked with it in the EDDI.

@@ -35,10 +35,6 @@ class BoundMonitor:
     """Everything a platform needs to know of one monitor.
 
     Attributes:
-        package: name of its package.
-        model: the model, configured.
-        compiled: the model as it runs.
-        facts: what others need to know of it.
         default_guarantees: marks that were given when the model was read.
         cross_check: how the compiled model compares with an independent tool, one sentence.
     """

@@ -19,7 +19,6 @@ class InputFacts:
     """One input of a monitor.
 
     Attributes:
-        id: as in the model.
         attribute: its name in ``EDDIInput``.
         requires: ids of the simulator outputs that it is made of.
         max_age: as ``InputBinding`` has it.
@@ -42,14 +41,9 @@ class MonitorFacts:
     """Content of ``config/model.json``.
 
     Attributes:
-        kind: name of the kind.
-        id: of the model.
         digest: of all that decides what the monitor computes; robots compare it.
-        file: name of the model file.
-        file_sha256: of its bytes.
         inputs: in the order of the configuration.
         path: EMF fragment path of the model in an EDDI.
-        claims: what it claims.
         acceptances: what it accepts in place of what is not known.
         elements: in the order of the model.
         links: path of an element -> what is linked with it in the EDDI.

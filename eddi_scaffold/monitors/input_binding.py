@@ -65,8 +65,6 @@ class InputBinding:
     """One input of the model, joined with its entry in the configuration.
 
     Attributes:
-        model: the input as the model has it.
-        attribute: name in ``EDDIInput``.
         requires: the simulator outputs it is made of; one of its own id without a configuration.
         arguments: a Python name for each of them.
         expression: Python expression over the arguments that gives the value, ``None`` when a
@@ -74,8 +72,6 @@ class InputBinding:
         max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
         default: value before the first message.
         factor: exact factor from the configured unit to the model's, or ``None``.
-        unit: unit in which the value is given.
-        renamed_from: former id.
         known_fields: argument -> its fields, for the messages that are known.
         computed: what ``expression:`` computes, for the runtime.
         computed_text: the same for people.

@@ -21,14 +21,7 @@ _OF_ITS_OWN = "give each output a topic of its own"
 
 @dataclass(frozen=True)
 class MonitorNode:
-    """The node of a monitor with a configuration.
-
-    Attributes:
-        monitor: what it steps.
-        config: how that is connected.
-        publications: everything that it publishes.
-        problems: what is wrong with it.
-    """
+    """The node of a monitor with a configuration."""
 
     monitor: BoundMonitor
     config: ConfigFile

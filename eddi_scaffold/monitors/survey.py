@@ -79,13 +79,7 @@ def mros_of(source: Source) -> Shown | None:
 
 @dataclass(frozen=True)
 class Configured:
-    """The model file to show, and the configurations that are shown with it.
-
-    Attributes:
-        source: of the models.
-        configs: those that could be read.
-        problems: of the configurations.
-    """
+    """The model file to show, and the configurations that are shown with it."""
 
     source: Source
     configs: tuple[ConfigFile, ...]

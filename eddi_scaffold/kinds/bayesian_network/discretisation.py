@@ -124,9 +124,6 @@ class Declaration:
     """One checked entry.
 
     Attributes:
-        node: id of the node.
-        input: id of the input.
-        type: of the input's values.
         reader: how these become states, for the runtime.
     """
 

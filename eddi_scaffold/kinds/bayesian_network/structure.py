@@ -33,8 +33,6 @@ class NumberedNetwork(NamedTuple):
     """A network with its numbers.
 
     Attributes:
-        shape: names, numbers of states, parents.
-        states: names of the states of each node.
         tables: P(node | parents) of each node: first parent slowest, own state fastest.
         attributes: identifier of each node: its method is ``node_<attribute>``.
     """

@@ -59,8 +59,6 @@ class Threshold:
     """One checked entry.
 
     Attributes:
-        id: of the evidence.
-        node: id of the node.
         states: whose probabilities are added up.
         at_least: the sum must not be below ``limit``; else it must not be above.
         limit: where it becomes active.

@@ -50,8 +50,6 @@ class Leaf(NamedTuple):
     """Evidence or a demand as it is judged, with bounds in the unit in which values arrive.
 
     Attributes:
-        id: of the input.
-        type: of the value that is read.
         judgement: the operation that judges it.
         covered: the texts or ranges that are good.
         constructor: the same for the runtime.

@@ -45,7 +45,6 @@ class SafeMLSettings:
         window_size: samples that are compared with the reference.
         reference_sample_file: CSV, relative to the configuration.
         significance_level: probability of a false violation per step, over all tests.
-        metric: the statistic.
         n_components: principal components; ``None``: the features themselves are tested.
         standardize: divide features by their standard deviation before.
         residual_test: test what the components leave out as well.
@@ -87,7 +86,6 @@ class ReferenceSample:
     """A reference sample that was read without errors.
 
     Attributes:
-        source: the file.
         rows: (rows, features), finite, in the order of the file.
     """
 
@@ -208,7 +206,6 @@ class Plan:
     Statistics and thresholds are whole numbers n m D for Kolmogorov-Smirnov.
 
     Attributes:
-        design: the tests, and the reference in their form.
         single: samples come as float32.
         level: significance level of one test.
         theoretical: threshold for independent samples.
