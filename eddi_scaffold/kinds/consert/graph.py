@@ -29,13 +29,12 @@ Value = TypeVar("Value")
 class Work:
     """What may still be spent on path sets: they can grow exponentially."""
 
-    def __init__(self) -> None:
-        self._remaining = _BUDGET
+    remaining = _BUDGET
 
     def spend(self, amount: int) -> bool:
         """Take an amount of work; ``False`` when there is not enough left."""
-        self._remaining -= amount
-        return self._remaining >= 0
+        self.remaining -= amount
+        return self.remaining >= 0
 
 
 def _values(

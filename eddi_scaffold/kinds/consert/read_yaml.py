@@ -167,10 +167,9 @@ def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
 
 
 def _or_null(read: Read) -> Read:
-    def read_or_null(reader: _Reader, node: y.Node, what: str, owner: str) -> Any:
-        return None if y.is_null(node) else read(reader, node, what, owner)
-
-    return read_or_null
+    return lambda reader, node, what, owner: (
+        None if y.is_null(node) else read(reader, node, what, owner)
+    )
 
 
 def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
@@ -197,11 +196,9 @@ def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound
 def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
     def read_word(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
         text = _text(reader, node, what, owner)
-        if text is None or text in known:
-            return text
-        assert isinstance(node, y.Scalar)
-        reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
-        return None
+        if text is not None and text not in known and isinstance(node, y.Scalar):
+            reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
+        return text if text in known else None
 
     return read_word
 
@@ -318,11 +315,8 @@ def _section(key: str, form: _Form) -> _Field:
     def read_element(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
         return reader.element(node, what, form)
 
-    def read_section(reader: _Reader, node: y.Node, _what: str, owner: str) -> Any:
-        return read_elements(reader, node, repr(key), owner)
-
-    read_elements = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
-    return _Field(key, read_section)
+    read = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
+    return _Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
 
 
 _SECTIONS = tuple(_section(key, form) for key, form in _ELEMENTS.items())
