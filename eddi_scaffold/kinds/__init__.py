@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
@@ -469,6 +470,12 @@ class Kind:
         module, _, name = self.model.rpartition(".")
         loaded = importlib.import_module(f"{__name__}.{self.name}.{module}")
         return cast("type[Model]", getattr(loaded, name))
+
+
+def messages_in(kind: str, group: str = "") -> Mapping[str, str]:
+    """Return ROS message name -> text of the ``.msg`` files in the folder of a kind."""
+    files = sorted(Path(kind, "messages", group).glob("*.msg"))
+    return {path.stem: path.read_text("utf-8") for path in files}
 
 
 @cache

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common import claims
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES
-from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds import Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -27,34 +27,6 @@ _CONFIG = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:Model|SimulatorOutputs?|EDDIInputs|EDDIOutputs)["']?\s*:"""
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-
-RELIABILITY_OUTPUT = """\
-std_msgs/Header header
-string model
-# Everything on which the numbers depend is known, and no error occurred.
-bool valid
-# Failure from now to the horizon; the worst case of what is unknown.
-float64 p_fail
-float64 p_fail_low
-float64 p_fail_high
-# No failure from now to the horizon.
-float64 reliability
-# Remaining mean time to failure; inf: failure is not certain; NaN: not computed.
-float64 mttf_hours
-float64 horizon_seconds
-string[] unknown_inputs
-# Why it is not valid; of a valid one, what was missed and still counts, or which thresholds are
-# not decided. Empty: those that are not active are known not to be.
-string reason
-ReliabilityEvidence[] evidence
-# What the configuration accepts in this step, and the result may rest on: `link: max_age: none`.
-string[] accepted
-"""
-RELIABILITY_EVIDENCE = """\
-# A threshold of p_fail with hysteresis: what the evidence of a ConSert can be made of.
-string id
-bool active
-"""
 
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
 _NUMBER = claims.Meaning(
@@ -110,10 +82,7 @@ KIND = Kind(
     title="Reliability",
     config_types=("Reliability", "DynamicReliability"),
     recognises=_recognises,
-    messages={
-        "ReliabilityEvidence": RELIABILITY_EVIDENCE,
-        "ReliabilityOutput": RELIABILITY_OUTPUT,
-    },
+    messages=messages_in(__path__[0]),
     output_message="ReliabilityOutput",
     verdicts={"ReliabilityOutput": _status_of},
     model="reliability_model.ReliabilityModel",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from eddi_runtime.reliability.component import Rule
+
 from eddi_scaffold.kinds.reliability import chains, lowering
 from eddi_scaffold.kinds.reliability.decision_diagram import FALSE, TRUE, Diagram
 from eddi_scaffold.kinds.reliability.system import DYNAMIC, MISSION_END, ReliabilitySystem
@@ -58,7 +60,7 @@ def compile_system(
     rules: dict[str, py.Part] = {}
     for input_ in inputs:
         rule = lowered.rules[input_.id]
-        usual = lowering.Rule(rule.type)._asdict()
+        usual = Rule(rule.type)._asdict()
         fields = {key: py.literal(v) for key, v in rule._asdict().items() if v != usual[key]}
         rules[input_.id] = py.call("reliability.Rule", [py.text_literal(rule.type)], **fields)
     lines += py.assignment("rules", _map(rules), 4)
@@ -85,7 +87,7 @@ def _map(entries: dict[str, py.Part]) -> py.Group:
     return py.Group("{", tuple(rows), "}")
 
 
-def _values(inputs: list[tuple[BoundInput, lowering.Rule]]) -> Iterator[str]:
+def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
     """Yield the body that reads the inputs and takes usual values as they are."""
     if not inputs:
         yield "        return {}"

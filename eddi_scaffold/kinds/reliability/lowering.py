@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
+
+from eddi_runtime.reliability.component import Rule
 
 from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rotors_chain, survived
 from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT, Diagram, build
@@ -21,17 +22,6 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.system import Chain as ChainModel
 from eddi_scaffold.kinds.reliability.system import FaultTree as TreeModel
-
-
-class Rule(NamedTuple):
-    """What an input may hold, as ``eddi_runtime.reliability.Rule``."""
-
-    type: str
-    low: float = 0.0
-    high: float = math.inf
-    slack: float = 0.0
-    length: int = 0
-
 
 _BOOL = Rule("bool")
 _LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
