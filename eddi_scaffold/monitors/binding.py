@@ -32,12 +32,7 @@ from eddi_scaffold.monitors.topic_types import check_types
 
 @dataclass(frozen=True)
 class BoundMonitor:
-    """Everything a platform needs to know of one monitor.
-
-    Attributes:
-        default_guarantees: marks that were given when the model was read.
-        cross_check: how the compiled model compares with an independent tool, one sentence.
-    """
+    """Everything a platform needs to know of one monitor."""
 
     package: str
     model: Model
@@ -46,8 +41,8 @@ class BoundMonitor:
     inputs: tuple[InputBinding, ...]
     compiled: CompiledModule
     facts: MonitorFacts
-    default_guarantees: tuple[str, ...] = ()
-    cross_check: str = ""
+    default_guarantees: tuple[str, ...] = ()  # marks that were given when the model was read
+    cross_check: str = ""  # how the compiled model compares with an independent tool, one sentence
 
     @property
     def id(self) -> str:

@@ -24,17 +24,12 @@ from eddi_scaffold.program.running import module_of
 
 @dataclass(frozen=True)
 class CompiledModule:
-    """What a package, or a program that plays it, runs.
+    """What a package, or a program that plays it, runs."""
 
-    Attributes:
-        text: of ``compiled.py`` where the runtime is installed, without the last line end.
-        tables: name -> content of the files that must lie next to it.
-        program: its step, of a kind that is compiled to one.
-    """
-
-    text: str
+    text: str  # of `compiled.py` where the runtime is installed, without the last line end
+    # name -> content of the files that must lie next to it
     tables: Mapping[str, bytes] = field(default_factory=dict)
-    program: Program | None = None
+    program: Program | None = None  # its step, of a kind that is compiled to one
 
     def monitor(self, model_id: str) -> Any:
         """Return a new monitor, as the package would load it; hand-written code is not in it."""

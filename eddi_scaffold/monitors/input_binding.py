@@ -49,51 +49,37 @@ _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 @dataclass(frozen=True)
 class UnwrittenInput(Problem):
-    """A problem that ends when a person writes a region.
+    """A problem that ends when a person writes a region."""
 
-    Attributes:
-        package: of the monitor.
-        regions: ids of the regions, one of which ends it.
-    """
-
-    package: str = ""
-    regions: tuple[str, ...] = ()
+    package: str = ""  # of the monitor
+    regions: tuple[str, ...] = ()  # ids of the regions, one of which ends it
 
 
 @dataclass(frozen=True)
 class InputBinding:
-    """One input of the model, joined with its entry in the configuration.
-
-    Attributes:
-        requires: the simulator outputs it is made of; one of its own id without a configuration.
-        arguments: a Python name for each of them.
-        expression: Python expression over the arguments that gives the value, ``None`` when a
-            person must write it.
-        max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
-        default: value before the first message.
-        factor: exact factor from the configured unit to the model's, or ``None``.
-        known_fields: argument -> its fields, for the messages that are known.
-        computed: what ``expression:`` computes, for the runtime.
-        computed_text: the same for people.
-        key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
-        reads: names of fields and inputs that it reads.
-    """
+    """One input of the model, joined with its entry in the configuration."""
 
     model: ModelInput
     attribute: str
+    # the simulator outputs it is made of; one of its own id without a configuration
     requires: tuple[SimulatorOutput, ...] = ()
-    arguments: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()  # a Python name for each of them
+    # Python expression over the arguments that gives the value, `None` when a person must write it
     expression: str | None = None
+    # seconds, `"none"` (never stale, on purpose) or `None` (never, by default)
     max_age: float | str | None = None
-    default: bool | int | float | str | None = None
+    default: bool | int | float | str | None = None  # value before the first message
+    # exact factor from the configured unit to the model's, or `None`
     factor: tuple[int, int] | None = None
     unit: str | None = None
     renamed_from: str | None = None
+    # argument -> its fields, for the messages that are known
     known_fields: Mapping[str, Sequence[str]] | None = None
-    computed: Mapping[str, JsonValue] | None = None
-    computed_text: str = ""
+    computed: Mapping[str, JsonValue] | None = None  # what `expression:` computes, for the runtime
+    computed_text: str = ""  # the same for people
+    # simulator output -> name in `expression:` with keys in brackets -> its path
     key_paths: KeyPaths = field(default_factory=dict)
-    reads: tuple[str, ...] | None = None
+    reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
 
     @property
     def is_given(self) -> bool:

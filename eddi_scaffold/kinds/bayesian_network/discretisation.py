@@ -121,16 +121,12 @@ _OF_BINS = ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_
 
 @dataclass(frozen=True)
 class Declaration:
-    """One checked entry.
-
-    Attributes:
-        reader: how these become states, for the runtime.
-    """
+    """One checked entry."""
 
     node: str
     input: str
     type: InputType
-    reader: readers.Declaration
+    reader: readers.Declaration  # how these become states, for the runtime
 
     @property
     def values_of_map(self) -> list[object] | None:

@@ -28,41 +28,26 @@ _LOOKUP_NS = 80
 
 
 class Message(NamedTuple):
-    """One message.
+    """One message."""
 
-    Attributes:
-        edge: which way it goes.
-        mask: the nodes it has an axis for.
-        inputs: observable nodes that it depends on.
-        parts: the messages it is the product of; empty for a leaf.
-        leaf: number of the leaf, -1 for a product.
-        kind: of the leaf, empty for a product.
-    """
-
-    edge: Edge
-    mask: int
-    inputs: int
-    parts: tuple[Edge, ...]
-    leaf: int
-    kind: str
+    edge: Edge  # which way it goes
+    mask: int  # the nodes it has an axis for
+    inputs: int  # observable nodes that it depends on
+    parts: tuple[Edge, ...]  # the messages it is the product of; empty for a leaf
+    leaf: int  # number of the leaf, -1 for a product
+    kind: str  # of the leaf, empty for a product
 
 
 class MessageProgram(NamedTuple):
-    """What is to be done for some outputs.
+    """What is to be done for some outputs."""
 
-    Attributes:
-        messages: by edge; each comes after its parts.
-        answers: output -> the message into its leaf.
-        evidence: for a part without outputs: the two messages whose product, summed, is the
-            probability of the evidence (one of them for a single leaf).
-        tabulated: the messages that depend on few inputs.
-        cases: of each node that may be observed: its states, and "not observed" where that may be.
-    """
-
-    messages: dict[Edge, Message]
-    answers: dict[int, Edge]
+    messages: dict[Edge, Message]  # by edge; each comes after its parts
+    answers: dict[int, Edge]  # output -> the message into its leaf
+    # for a part without outputs: the two messages whose product, summed, is the probability of the
+    # evidence (one of them for a single leaf)
     evidence: tuple[Edge, ...]
-    tabulated: set[Edge]
+    tabulated: set[Edge]  # the messages that depend on few inputs
+    # of each node that may be observed: its states, and "not observed" where that may be
     cases: dict[int, int]
 
     def joint_mask(self, message: Message) -> int:

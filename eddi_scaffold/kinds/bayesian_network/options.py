@@ -35,37 +35,23 @@ _FORM: discretisation.Form = {
 
 @dataclass(frozen=True)
 class NetworkOptions:
-    """A network's use, checked.
+    """A network's use, checked."""
 
-    Attributes:
-        outputs: nodes whose posteriors are given, in the order of the network.
-        observed: nodes that inputs feed or `observed:` names, in the order of the network.
-        foreseen: what `observed:` names, `None` without it.
-        by_hand: nodes that a person can make of inputs which feed none.
-        declarations: discretised nodes.
-        direct: node -> input that holds its state or likelihoods.
-        inputs: what the monitor reads.
-        renamed: node -> its former name; its hand-written body moves along.
-        virtual: several non-zero outcomes are likelihoods; else D7.2's rule.
-        on_inconsistent: the result on evidence of probability zero.
-        explain: the status message has the relevance of each observed node.
-        width: what inference will cost.
-        thresholds: the evidence for ConSerts.
-    """
-
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...]  # nodes whose posteriors are given, in the order of the network
+    # nodes that inputs feed or `observed:` names, in the order of the network
     observed: tuple[str, ...]
-    declarations: tuple[discretisation.Declaration, ...]
-    direct: Mapping[str, str]
-    inputs: tuple[ModelInput, ...] = field(compare=False)
-    width: Width = field(compare=False)
-    foreseen: tuple[str, ...] | None = None
+    declarations: tuple[discretisation.Declaration, ...]  # discretised nodes
+    direct: Mapping[str, str]  # node -> input that holds its state or likelihoods
+    inputs: tuple[ModelInput, ...] = field(compare=False)  # what the monitor reads
+    width: Width = field(compare=False)  # what inference will cost
+    foreseen: tuple[str, ...] | None = None  # what `observed:` names, `None` without it
+    # node -> its former name; its hand-written body moves along
     renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
-    virtual: bool = True
-    on_inconsistent: str = "silent"
-    explain: bool = False
-    thresholds: tuple[Threshold, ...] = ()
-    by_hand: tuple[str, ...] = ()
+    virtual: bool = True  # several non-zero outcomes are likelihoods; else D7.2's rule
+    on_inconsistent: str = "silent"  # the result on evidence of probability zero
+    explain: bool = False  # the status message has the relevance of each observed node
+    thresholds: tuple[Threshold, ...] = ()  # the evidence for ConSerts
+    by_hand: tuple[str, ...] = ()  # nodes that a person can make of inputs which feed none
 
     @property
     def inferred(self) -> tuple[str, ...]:

@@ -56,25 +56,16 @@ _FORM: Form = {
 
 @dataclass(frozen=True)
 class Threshold:
-    """One checked entry.
-
-    Attributes:
-        states: whose probabilities are added up.
-        at_least: the sum must not be below ``limit``; else it must not be above.
-        limit: where it becomes active.
-        release: beyond it, it is lost.
-        hold: seconds for which the limit must be kept before.
-        topic: where it is published alone, ``None`` for nowhere.
-    """
+    """One checked entry."""
 
     id: str
     node: str
-    states: tuple[str, ...]
-    at_least: bool
-    limit: float
-    release: float
-    hold: float
-    topic: str | None
+    states: tuple[str, ...]  # whose probabilities are added up
+    at_least: bool  # the sum must not be below `limit`; else it must not be above
+    limit: float  # where it becomes active
+    release: float  # beyond it, it is lost
+    hold: float  # seconds for which the limit must be kept before
+    topic: str | None  # where it is published alone, `None` for nowhere
     place: Place = field(default=Place(), compare=False)
 
     def text(self) -> str:

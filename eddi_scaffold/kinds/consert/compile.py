@@ -47,21 +47,14 @@ _RESERVED |= {"INF"}
 
 
 class Leaf(NamedTuple):
-    """Evidence or a demand as it is judged, with bounds in the unit in which values arrive.
-
-    Attributes:
-        judgement: the operation that judges it.
-        covered: the texts or ranges that are good.
-        constructor: the same for the runtime.
-        about: the same for people.
-    """
+    """Evidence or a demand as it is judged, with bounds in the unit in which values arrive."""
 
     id: str
     type: str
-    judgement: str
-    covered: tuple[str, ...] | tuple[Interval, ...] | None
-    constructor: py.Part
-    about: str
+    judgement: str  # the operation that judges it
+    covered: tuple[str, ...] | tuple[Interval, ...] | None  # the texts or ranges that are good
+    constructor: py.Part  # the same for the runtime
+    about: str  # the same for people
 
 
 def compile_consert(

@@ -24,26 +24,22 @@ Ref = tuple[str, str]
 
 @dataclass(frozen=True)
 class Composition:
-    """What came of putting ConSerts together.
+    """What came of putting ConSerts together."""
 
-    Attributes:
-        composable: every demand and required service is met, and no ConSerts wait for each other.
-        order: instance names, providers first; those that could not be accepted are missing.
-        bindings: (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which
-            depends on the instance itself.
-        unmatched_demands: ids of demands that no ConSert in the set fulfils, as ``INSTANCE/ID``
-            where several instances have a demand of that id.
-        unmatched_services: ids of required services that no ConSert in the set provides, likewise.
-        reasons: one sentence for each obstacle.
-        problems: services that a file allocates to one that does not do (X009).
-    """
-
+    # every demand and required service is met, and no ConSerts wait for each other
     composable: bool
+    # instance names, providers first; those that could not be accepted are missing
     order: tuple[str, ...]
+    # (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which depends on the
+    # instance itself
     bindings: Mapping[Ref, tuple[Ref, ...]]
+    # ids of demands that no ConSert in the set fulfils, as `INSTANCE/ID` where several instances
+    # have a demand of that id
     unmatched_demands: tuple[str, ...]
+    # ids of required services that no ConSert in the set provides, likewise
     unmatched_services: tuple[str, ...]
-    reasons: tuple[str, ...]
+    reasons: tuple[str, ...]  # one sentence for each obstacle
+    # services that a file allocates to one that does not do (X009)
     problems: tuple[Problem, ...] = ()
 
     def as_json(self) -> dict[str, object]:
@@ -77,19 +73,14 @@ class Composition:
 
 @dataclass
 class _Need:
-    """A demand or a required service.
-
-    Attributes:
-        types: of the service, and of the dimensions of a demand.
-        reason: why it is not met.
-        met_by: instance that can meet it -> guarantees of it that do.
-    """
+    """A demand or a required service."""
 
     instance: str
     id: str
     is_demand: bool
-    types: Sequence[str]
-    reason: str = ""
+    types: Sequence[str]  # of the service, and of the dimensions of a demand
+    reason: str = ""  # why it is not met
+    # instance that can meet it -> guarantees of it that do
     met_by: dict[str, list[str]] = field(default_factory=dict)
 
     @property

@@ -25,29 +25,20 @@ Read = Callable[["_Reader", y.Node, str, str], Any]
 
 
 class _Field(NamedTuple):
-    """A key of a map.
-
-    Attributes:
-        substitute: the value where a faulty one does not keep the map from being read.
-    """
+    """A key of a map."""
 
     key: str
     read: Read
     is_optional: bool = False
-    substitute: Any = None
+    substitute: Any = None  # the value where a faulty one does not keep the map from being read
 
 
 class _Form(NamedTuple):
-    """What a map holds.
+    """What a map holds."""
 
-    Attributes:
-        make: takes the values of the fields in their order, and a place.
-        kind: of an element with an id, which messages call ``<kind> '<id>'``.
-    """
-
-    make: Callable[..., Any]
+    make: Callable[..., Any]  # takes the values of the fields in their order, and a place
     fields: tuple[_Field, ...]
-    kind: str = ""
+    kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
 
 
 def read_yaml(

@@ -27,19 +27,13 @@ _TERMS = 25
 
 
 class Chain(NamedTuple):
-    """A chain of numbered states.
-
-    Attributes:
-        fail: failure is first passage.
-        arcs: (from, to, rate in 1/h); parallel ones add up.
-        age: hours that it had run, unobserved, before the start of the mission.
-    """
+    """A chain of numbered states."""
 
     states: tuple[str, ...]
     initial: int
-    fail: tuple[int, ...]
-    arcs: tuple[Arc, ...]
-    age: float = 0.0
+    fail: tuple[int, ...]  # failure is first passage
+    arcs: tuple[Arc, ...]  # (from, to, rate in 1/h); parallel ones add up
+    age: float = 0.0  # hours that it had run, unobserved, before the start of the mission
 
 
 def rates_of(chain: Chain) -> Matrix:

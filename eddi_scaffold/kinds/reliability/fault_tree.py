@@ -31,19 +31,13 @@ class Gate(NamedTuple):
 
 
 class Tree(NamedTuple):
-    """A tree that was made smaller.
+    """A tree that was made smaller."""
 
-    Attributes:
-        gates: by number, each behind those that it refers to.
-        top: number of a gate or event, ``NEVER`` or ``ALWAYS``.
-        modules: gates whose events occur nowhere else, inner ones first, the top among them.
-        origin: new gate, above all others -> the gate of the original tree.
-    """
-
-    gates: dict[int, Gate]
-    top: int
+    gates: dict[int, Gate]  # by number, each behind those that it refers to
+    top: int  # number of a gate or event, `NEVER` or `ALWAYS`
+    # gates whose events occur nowhere else, inner ones first, the top among them
     modules: tuple[int, ...]
-    origin: dict[int, int]
+    origin: dict[int, int]  # new gate, above all others -> the gate of the original tree
 
 
 def simplified(

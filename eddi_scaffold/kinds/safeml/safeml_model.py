@@ -55,14 +55,11 @@ MEANINGS["SafeMLStatus"]["in_scope"] = Meaning(
 
 @dataclass(frozen=True)
 class SafeMLModel(Model):
-    """A reference, and how what is seen is compared with it.
-
-    Attributes:
-        options: ``None`` before it is configured.
-    """
+    """A reference, and how what is seen is compared with it."""
 
     kind: ClassVar[str] = NAME
     data: SafeMLFile = field(kw_only=True)
+    # `None` before it is configured
     options: SafeMLOptions | None = field(default=None, kw_only=True)
 
     @classmethod
