@@ -15,8 +15,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 
-_FOR_PEOPLE = {"about", "at", "description"}
-"""Fields that nothing computes with."""
+_FOR_PEOPLE = {"about", "at", "description"}  # Fields that nothing computes with
 
 
 def digest_of(*parts: object) -> str:

@@ -42,8 +42,7 @@ _FITTING = {
     "float": ("float", "int"),
 }
 """Type of an input -> those that can fill it, where that are others than the same."""
-_PLAIN = frozenset({None, "", *units.RATIO.names})
-"""Units of a number that has none."""
+_PLAIN = frozenset({None, "", *units.RATIO.names})  # Units of a number that has none
 _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 

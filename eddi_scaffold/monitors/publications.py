@@ -14,8 +14,7 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.message_types import known_messages
 
 MESSAGE_PACKAGE = "eddi_messages"
-STATUS = "status"
-"""Name of the message with the facts behind a result."""
+STATUS = "status"  # Name of the message with the facts behind a result
 _OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
 
 

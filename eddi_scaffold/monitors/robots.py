@@ -18,8 +18,7 @@ from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.program.instructions import BUFFERED, STARTS, Program
 
 MESSAGE = "eddi_messages/RobotGuarantees"
-_PERIODS = 3
-"""A word is an answer to one of ours: it is as old as our period, theirs, and the way."""
+_PERIODS = 3  # A word is an answer to one of ours: it is as old as our period, theirs, and the way
 
 _OUTLIVING = frozenset((*BUFFERED, *STARTS, "once", "age"))
 """Operations that may claim something when what they claim it of has gone."""

@@ -15,8 +15,7 @@ from eddi_scaffold.kinds.bayesian_network import network
 
 LARGEST = 1_000_000
 """Entries of a table that a reader fills: it doubles with each parent of two states."""
-TOLERANCE = 1e-5
-"""A row may be off by so much: libraries write probabilities with six digits."""
+TOLERANCE = 1e-5  # A row may be off by so much: libraries write probabilities with six digits
 _ROUNDING = 1e-12
 _MOST_BY_ROUNDING = 1e-3
 """Of numbers with three digits or more: with fewer, rounding hides real faults."""

@@ -25,10 +25,8 @@ from typing import NamedTuple
 from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, bits, mask_of, size_of
 
 TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
-_SMALL = 64
-"""Entries up to which two constant tables are joined in advance in any case."""
-_LEAVES_IN_ALL_TRIALS = 1_200
-"""A large network gets fewer trials."""
+_SMALL = 64  # Entries up to which two constant tables are joined in advance in any case
+_LEAVES_IN_ALL_TRIALS = 1_200  # A large network gets fewer trials
 _PAIRS = 6_000
 _MOST, _LEAST = 24, 8
 """How many partners of a table are compared: a node with a thousand children is no reason for

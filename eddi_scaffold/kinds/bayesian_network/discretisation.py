@@ -16,8 +16,7 @@ from eddi_scaffold.kinds import InputType, Options
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
 UNOBSERVED = "unobserved"
-_TRUTH = {"true": True, "false": False}
-"""Keys of maps are texts; those that mean a bool."""
+_TRUTH = {"true": True, "false": False}  # Keys of maps are texts; those that mean a bool
 Form: TypeAlias = Mapping[str, tuple[Callable[[Any], bool], str]]
 """Key -> whether a value can be meant, and what is expected."""
 

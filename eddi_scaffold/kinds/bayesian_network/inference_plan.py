@@ -30,16 +30,13 @@ from eddi_scaffold.kinds.bayesian_network.structure import (
     with_all_observed,
 )
 
-LARGE = 100_000
-"""Entries of the largest table from which a step takes about a millisecond (B301)."""
-TOO_LARGE = 10_000_000
-"""Entries above which a network is refused (B301)."""
+LARGE = 100_000  # Entries of the largest table from which a step takes about a millisecond (B301)
+TOO_LARGE = 10_000_000  # Entries above which a network is refused (B301)
 WIDE = 200_000
 """Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
 _PATTERNS = 24
 _TRIALS = 8
-MAX_CASES = 1024
-"""Cases whose posteriors are written out."""
+MAX_CASES = 1024  # Cases whose posteriors are written out
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 

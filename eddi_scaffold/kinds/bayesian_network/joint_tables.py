@@ -19,12 +19,9 @@ from eddi_scaffold.kinds.bayesian_network.message_passing import (
     Plan,
 )
 
-MAX_NUMBERS = 16_384
-"""Numbers in the table of one output: half a megabyte."""
-MAX_SUMMED = 128
-"""Numbers of a table up to which a sum that is written out is the faster way."""
-_MAX_WORK = 100_000
-"""Multiplications for one message: 30 ms."""
+MAX_NUMBERS = 16_384  # Numbers in the table of one output: half a megabyte
+MAX_SUMMED = 128  # Numbers of a table up to which a sum that is written out is the faster way
+_MAX_WORK = 100_000  # Multiplications for one message: 30 ms
 
 
 class JointTable(NamedTuple):

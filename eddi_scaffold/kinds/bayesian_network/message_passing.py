@@ -14,13 +14,10 @@ from typing import NamedTuple
 from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree, find_tree
 from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, size_of
 
-Edge = tuple[int, int]
-"""(from, to): numbers of a tree."""
+Edge = tuple[int, int]  # (from, to): numbers of a tree
 
-MAX_CASES = 1024
-"""Cases of a tabulated message; each is a view of 100 bytes."""
-MAX_NUMBERS = 16_384
-"""Numbers in a tabulated message: 128 KiB."""
+MAX_CASES = 1024  # Cases of a tabulated message; each is a view of 100 bytes
+MAX_NUMBERS = 16_384  # Numbers in a tabulated message: 128 KiB
 _MAX_WORK = 2_000_000
 """Multiplications for one tabulated message when the model is loaded: some milliseconds."""
 _OPERATION_NS = 600

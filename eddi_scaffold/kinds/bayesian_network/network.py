@@ -82,8 +82,7 @@ class Named:
     place: Place
 
 
-Row = tuple[Sequence[str], Place]
-"""The texts of the numbers of a row, and where it stands."""
+Row = tuple[Sequence[str], Place]  # The texts of the numbers of a row, and where it stands
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,11 @@ from eddi_scaffold.kinds import Kind, messages_in
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
-OPTION_KEYS = ("guarantee_ids", "debounce", "filter")
-"""Keys of ``Model:`` in a configuration."""
+OPTION_KEYS = ("guarantee_ids", "debounce", "filter")  # Keys of `Model:` in a configuration
 
 BETWEEN_ROBOTS = messages_in(__path__[0], "between_robots")
 """Messages that a workspace has where its robot is one of a fleet, as ``MESSAGES``."""
-MESSAGES = messages_in(__path__[0])
-"""ROS message name -> text of its ``.msg`` file."""
+MESSAGES = messages_in(__path__[0])  # ROS message name -> text of its `.msg` file
 _UNKNOWN, _TRUE = 1, 2
 
 

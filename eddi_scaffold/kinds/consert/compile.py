@@ -34,8 +34,7 @@ from eddi_scaffold.program.monitor_text import (
 from eddi_scaffold.program.python_step import Printer
 
 FORMAT = 3
-MODULES = ("filters", "search")
-"""Modules of the part that a ConSert imports where it uses them."""
+MODULES = ("filters", "search")  # Modules of the part that a ConSert imports where it uses them
 
 STRAIGHT_LINE_LIMIT = 20_000
 """Inputs + edges + gates up to which the step is written out; beyond, the runtime's loop over the

@@ -18,8 +18,7 @@ from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.ranges import common, is_inside, span
 
-Ref = tuple[str, str]
-"""Instance name and id."""
+Ref = tuple[str, str]  # Instance name and id
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from typing import TypeVar
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.kinds.consert.consert import ConSert
 
-MOST_SETS = 256
-"""Most sets that are kept for one node."""
+MOST_SETS = 256  # Most sets that are kept for one node
 _BUDGET = 3_000_000
 _MOST_WRITTEN_SETS, _MOST_WRITTEN_IDS = 64, 2_000
 """Most sets of a guarantee that stand in ``compiled.py``, and a reviewer reads; ids in all sets."""

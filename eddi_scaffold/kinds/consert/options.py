@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
 
 _FILTERS = {"debounce": "regain_after", "majority": "window"}
-_MAX_SAMPLES = 100_000
-"""Longest history of a filter; at 1 kHz that is 100 s."""
+_MAX_SAMPLES = 100_000  # Longest history of a filter; at 1 kHz that is 100 s
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
-_MOST_UNKNOWN_KEYS = 100
-"""Unknown keys of one map that are compared with a missing one."""
+_MOST_UNKNOWN_KEYS = 100  # Unknown keys of one map that are compared with a missing one
 _UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 

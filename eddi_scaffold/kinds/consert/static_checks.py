@@ -18,8 +18,7 @@ from eddi_scaffold.kinds.consert import graph
 from eddi_scaffold.kinds.consert.consert import ConSert, Guarantee
 from eddi_scaffold.yaml_text.nodes import shown
 
-_MOST_GUARANTEES = 64
-"""Guarantees of one service that are compared with each other."""
+_MOST_GUARANTEES = 64  # Guarantees of one service that are compared with each other
 
 
 def static_checks(consert: ConSert) -> list[Problem]:

@@ -10,8 +10,7 @@ from eddi_scaffold.kinds import Kind, messages_in
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
-MESSAGES = messages_in(__path__[0])
-"""ROS message name -> text of its ``.msg`` file."""
+MESSAGES = messages_in(__path__[0])  # ROS message name -> text of its `.msg` file
 _FALSE, _UNKNOWN = 0, 1
 
 

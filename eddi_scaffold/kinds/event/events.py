@@ -18,8 +18,7 @@ from eddi_scaffold.kinds import InputType, ModelInput
 from eddi_scaffold.program.instructions import Program
 
 NAME = "event"
-DEFAULT_RATE = 10.0
-"""Steps per second where no configuration gives another number."""
+DEFAULT_RATE = 10.0  # Steps per second where no configuration gives another number
 _VARIABLE = re.compile(r"VAR\s+(\w+)")
 _TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
 _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}

@@ -202,10 +202,8 @@ def survived(configuration: str) -> tuple[Failed, ...]:
     return tuple(sets)
 
 
-STATES_WRITTEN_OUT = 8
-"""States up to which the sums are written out."""
-GRID = 256
-"""How many horizons are prepared when the mission's end is an input."""
+STATES_WRITTEN_OUT = 8  # States up to which the sums are written out
+GRID = 256  # How many horizons are prepared when the mission's end is an input
 
 
 @dataclass(frozen=True)

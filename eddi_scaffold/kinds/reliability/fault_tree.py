@@ -11,15 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import count, groupby
 from typing import NamedTuple
 
-NEVER, ALWAYS = -1, -2
-"""Numbers of what cannot happen, and of what is certain."""
+NEVER, ALWAYS = -1, -2  # Numbers of what cannot happen, and of what is certain
 
 
 COHERENT = frozenset({"OR", "AND", "VOTE"})
-CUT_SETS = 10_000
-"""Sets below any gate."""
-WORK = 8_000_000
-"""Sets that are made and compared for one tree, about half a second."""
+CUT_SETS = 10_000  # Sets below any gate
+WORK = 8_000_000  # Sets that are made and compared for one tree, about half a second
 
 
 class Gate(NamedTuple):

@@ -20,8 +20,7 @@ from eddi_scaffold.program.monitor_text import Declaration, module_text
 from eddi_scaffold.program.running import module_of
 
 _TOO_MANY = 300
-_STEPS = 2000
-"""Evaluations for one mean life; several times what a smooth reliability needs."""
+_STEPS = 2000  # Evaluations for one mean life; several times what a smooth reliability needs
 
 
 class _TooRoughError(Exception):

@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 from eddi_scaffold.common import units
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 
-KEY = -1
-"""Last part of a path that refers to the place of a key, not of its value."""
+KEY = -1  # Last part of a path that refers to the place of a key, not of its value
 _Read = Callable[[object], units.Quantity]
 V = TypeVar("V")
 

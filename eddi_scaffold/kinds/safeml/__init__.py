@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from eddi_scaffold.common.files import Source
 
-VIOLATION_FIELD = "violation_field"
-"""Key of ``Model:`` in a configuration."""
+VIOLATION_FIELD = "violation_field"  # Key of `Model:` in a configuration
 VIOLATION_FIELDS = ("odd_violation", "oddViolation")
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:window_size|reference_sample_file|distance_metric)["']?\s*:"""

@@ -23,8 +23,7 @@ from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
-_PERIODS = 10
-"""Steps without a sample after which a window is too old, unless ``max_age`` is given."""
+_PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
 
 
 _IN_SCOPE, _VERDICT = "`field: in_scope` of SafeMLStatus", (("omission", False),)

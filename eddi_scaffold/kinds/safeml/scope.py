@@ -21,8 +21,7 @@ NAME = "safeml"
 Rows = npt.NDArray[np.float64]
 _NEGLIGIBLE = 1e-9
 """Residuals below this part of the longest sample are rounding noise and count as 0."""
-_DECIMALS = 12
-"""Of axes: their last digits differ between machines, and a package must not."""
+_DECIMALS = 12  # Of axes: their last digits differ between machines, and a package must not
 
 Metric = Literal["ks", "cvm", "ad"]
 
