@@ -6,22 +6,24 @@ A chain of 50,000 nodes is as good as one of two, and shared nodes are visited o
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Hashable, Iterable, Mapping, Sequence
+from typing import TypeVar
 
+T = TypeVar("T", bound=Hashable)
 Graph = dict[str, tuple[str, ...]]
 """Node -> nodes next to it, without repetitions."""
 
 
-def reversed_graph(graph: Mapping[str, Sequence[str]]) -> Graph:
+def reversed_graph(graph: Mapping[T, Sequence[T]]) -> dict[T, tuple[T, ...]]:
     """Return the graph with every edge turned round."""
-    targets: dict[str, list[str]] = {id_: [] for id_ in graph}
+    targets: dict[T, list[T]] = {id_: [] for id_ in graph}
     for id_, sources in graph.items():
         for source in sources:
             targets[source].append(id_)
     return {id_: tuple(following) for id_, following in targets.items()}
 
 
-def reached(graph: Mapping[str, Sequence[str]], starts: Iterable[str]) -> set[str]:
+def reached(graph: Mapping[T, Sequence[T]], starts: Iterable[T]) -> set[T]:
     """Return every node that a walk from ``starts`` along the graph comes to, starts included."""
     seen = set(starts)
     waiting = list(seen)

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
 
 from eddi_scaffold.common.claims import Acceptance, Element, Listen, Meanings, Use
@@ -35,105 +36,76 @@ JsonValue: TypeAlias = (
     "bool | int | float | str | Sequence[JsonValue] | Mapping[str, JsonValue] | None"
 )
 """What ``json`` reads and writes."""
-JsonObject: TypeAlias = Mapping[str, JsonValue]
-"""What is written as an object."""
+JsonObject: TypeAlias = Mapping[str, JsonValue]  # What is written as an object
 
 
 @dataclass(frozen=True)
 class ModelInput:
-    """One input that a monitor needs at run time.
-
-    Attributes:
-        id: as in the model (``RtE_A_E0``).
-        type: Python type of the value that ``EDDIInput`` holds.
-        safety: a value that stays forever when its publisher dies would be dangerous, so a
-            missing ``max_age`` is a warning.
-        unit: unit of the model for a number, ``None`` otherwise.
-        units: unit -> exact factor (numerator, denominator) from that unit to ``unit``: the
-            units in which a configuration may declare the input.
-        description: one line for generated comments.
-        covered: short text that describes which values count as good (``[0, 5) m``), for comments.
-        is_good: would this value, in ``unit``, be evidence that can make an output active? Used to
-            refuse unsafe defaults; ``None`` when the kind has no such notion.
-        starts: where the ranges of good numbers begin; each of them is good unless it is empty.
-        every_message: no message may be skipped or counted twice: the attribute holds the list of
-            all values since the last step, not the latest one.
-        attribute: its name in ``EDDIInput`` where the kind keeps names apart; by default it is
-            made of the id.
-        sample: a value that it has while all is in order, for the example of a package.
-        states: names of the states of one that is a state, for a draft.
-        timeout: seconds after which the model takes it as unknown, for a draft.
-        is_demand: what other systems have to fulfil.
-        uses: how its value can bring a claim of the monitor nearer; by default any value that is
-            known may.
-    """
+    """One input that a monitor needs at run time."""
 
     id: str
-    type: InputType
+    type: InputType  # Python type of the value that `EDDIInput` holds
+    # a value that stays forever when its publisher dies would be dangerous, so a missing `max_age`
+    # is a warning
     safety: bool = True
-    unit: str | None = None
+    unit: str | None = None  # unit of the model for a number, `None` otherwise
+    # unit -> exact factor (numerator, denominator) from that unit to `unit`: the units in which a
+    # configuration may declare the input
     units: Mapping[str, tuple[int, int]] | None = None
-    description: str | None = None
+    description: str | None = None  # one line for generated comments
+    # short text that describes which values count as good (`[0, 5) m`), for comments
     covered: str | None = None
+    # would this value, in `unit`, be evidence that can make an output active? Used to refuse unsafe
+    # defaults; `None` when the kind has no such notion
     is_good: Callable[[object], bool] | None = None
+    # where the ranges of good numbers begin; each of them is good unless it is empty
     starts: tuple[float, ...] = ()
+    # no message may be skipped or counted twice: the attribute holds the list of all values since
+    # the last step, not the latest one
     every_message: bool = False
+    # its name in `EDDIInput` where the kind keeps names apart; by default it is made of the id
     attribute: str | None = None
+    # a value that it has while all is in order, for the example of a package
     sample: JsonValue = None
-    states: tuple[str, ...] = ()
-    timeout: float | None = None
-    is_demand: bool = False
+    states: tuple[str, ...] = ()  # names of the states of one that is a state, for a draft
+    timeout: float | None = None  # seconds after which the model takes it as unknown, for a draft
+    is_demand: bool = False  # what other systems have to fulfil
+    # how its value can bring a claim of the monitor nearer; by default any value that is known may
     uses: tuple[Use, ...] = (Use(),)
 
 
 @dataclass(frozen=True)
 class ModelOutput:
-    """A topic that a model itself asks for, in addition to ``EDDIOutputs``.
-
-    Attributes:
-        id: of the value that it carries.
-        topic: where one value of a message is published, as a message of ``std_msgs``.
-        path: fields of the message; a pair is the element of a list by a field and its value.
-        place: where the topic is named.
-        of: the additional message that contains the value (``evidence``), empty for the
-            result itself.
-    """
+    """A topic that a model itself asks for, in addition to ``EDDIOutputs``."""
 
     id: str
-    topic: str
+    topic: str  # where one value of a message is published, as a message of `std_msgs`
+    # fields of the message; a pair is the element of a list by a field and its value
     path: tuple[str | tuple[str, str], ...]
     place: Place
+    # the additional message that contains the value (`evidence`), empty for the result itself
     of: str = ""
 
 
 @dataclass(frozen=True)
 class ReadResult:
-    """What a reader found: models and everything that is wrong with them.
-
-    Attributes:
-        models: those that could be read.
-        problems: of the whole file.
-        unread: what else is in the file, of which no monitor is made.
-    """
+    """What a reader found: models and everything that is wrong with them."""
 
     models: tuple[Model, ...]
     problems: tuple[Problem, ...]
-    unread: tuple[Problem, ...] = ()
+    unread: tuple[Problem, ...] = ()  # what else is in the file, of which no monitor is made
 
 
 @dataclass(frozen=True)
 class DeclaredInput:
-    """One entry of ``EDDIInputs``: for kinds whose inputs are not in the model.
-
-    Attributes:
-        messages: types of the messages it is made of (``std_msgs/Float32MultiArray``).
-    """
+    """One entry of ``EDDIInputs``: for kinds whose inputs are not in the model."""
 
     id: str
     type: InputType | None
     unit: str | None
     default: JsonValue
     place: Place
+    # types of the messages it is made of (`std_msgs/Float32MultiArray`)
     messages: tuple[str, ...] = ()
 
 
@@ -143,69 +115,46 @@ def _nowhere(*_: str | int) -> Place:
 
 @dataclass(frozen=True)
 class Options:
-    """Options that a configuration gives to a kind; without a configuration, the defaults.
+    """Options that a configuration gives to a kind; without a configuration, the defaults."""
 
-    Attributes:
-        id: ``Model: id:``, for models that have no name of their own.
-        values: the keys of ``Model:`` that the kind declares, and ``parameters``; plain values.
-        inputs: the entries of ``EDDIInputs``.
-        frequency: steps per second.
-        parts: of each output, the part of the result that it publishes; ``None`` for all.
-        place: path into ``values`` (``"outputs", 0``) -> its place, or that of what encloses it.
-    """
-
-    id: str | None = None
+    id: str | None = None  # `Model: id:`, for models that have no name of their own
+    # the keys of `Model:` that the kind declares, and `parameters`; plain values
     values: Mapping[str, JsonValue] = field(default_factory=dict)
-    inputs: tuple[DeclaredInput, ...] = ()
-    frequency: float | None = None
+    inputs: tuple[DeclaredInput, ...] = ()  # the entries of `EDDIInputs`
+    frequency: float | None = None  # steps per second
+    # of each output, the part of the result that it publishes; `None` for all
     parts: tuple[str | None, ...] = ()
+    # path into `values` (`"outputs", 0`) -> its place, or that of what encloses it
     place: Callable[..., Place] = _nowhere
 
 
 @dataclass(frozen=True)
 class ModelDraft:
-    """What a configuration says of a model before a person has decided.
+    """What a configuration says of a model before a person has decided."""
 
-    Attributes:
-        inputs: what the monitor will read, as far as that is decided.
-        options: further keys of ``Model:``; those that are there already are left out.
-        notes: key path of an option -> what there is to decide, in one line.
-    """
-
-    inputs: Sequence[ModelInput]
+    inputs: Sequence[ModelInput]  # what the monitor will read, as far as that is decided
+    # further keys of `Model:`; those that are there already are left out
     options: Mapping[str, JsonValue] = field(default_factory=dict)
+    # key path of an option -> what there is to decide, in one line
     notes: Mapping[tuple[str, ...], str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class EditableMethod:
-    """A method with one region in which a person may write.
-
-    Attributes:
-        name: an identifier.
-        about: id of the element of the model.
-        arguments: names behind ``self``.
-        returns: annotation, ``None`` for none.
-        comments: lines below the signature, without ``#``.
-        before: lines of Python before the region.
-        was: former ids, whose body moves along.
-        uses: what a body may use; a change asks for a look at a hand-written one.
-        body: default lines inside the region.
-        after: lines of Python after the region.
-        is_needed: nothing else gives what it returns.
-    """
+    """A method with one region in which a person may write."""
 
     name: str
-    about: str
-    body: tuple[str, ...]
-    arguments: tuple[str, ...] = ()
+    about: str  # id of the element of the model
+    body: tuple[str, ...]  # default lines inside the region
+    arguments: tuple[str, ...] = ()  # names behind `self`
     returns: str | None = None
-    comments: tuple[str, ...] = ()
-    before: tuple[str, ...] = ()
-    was: tuple[str, ...] = ()
+    comments: tuple[str, ...] = ()  # lines below the signature, without `#`
+    before: tuple[str, ...] = ()  # lines of Python before the region
+    was: tuple[str, ...] = ()  # former ids, whose body moves along
+    # what a body may use; a change asks for a look at a hand-written one
     uses: tuple[str, ...] = ()
-    after: tuple[str, ...] = ()
-    is_needed: bool = False
+    after: tuple[str, ...] = ()  # lines of Python after the region
+    is_needed: bool = False  # nothing else gives what it returns
 
 
 @dataclass(frozen=True)
@@ -214,53 +163,35 @@ class EditableModule:
 
     Every text is Python already: checked identifiers, literals and comments by ``escaping``, in
     lines of the few forms that ``copier_templates/shapes.jinja`` takes.
-
-    Attributes:
-        file: file name; it ends in ``_config.py``.
-        docstring: what the module is for, one sentence.
-        class_name: its class, of which the monitor gets an instance.
-        imports: lines.
-        class_docstring: one sentence.
-        plain_methods: lines of the methods without a region, indented as in the class.
-        methods: those with a region.
     """
 
-    file: str
+    file: str  # file name; it ends in `_config.py`
     docstring: str
-    class_name: str
+    class_name: str  # its class, of which the monitor gets an instance
     class_docstring: str
     methods: tuple[EditableMethod, ...]
     imports: tuple[str, ...] = ()
+    # lines of the methods without a region, indented as in the class
     plain_methods: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Alias:
-    """A generated module that offers names of the runtime where SESAME D7.2 had them.
+    """A generated module that offers names of the runtime where SESAME D7.2 had them."""
 
-    Attributes:
-        name: of the module, without ``.py``; it ends in ``_monitor`` (``bn_monitor``).
-        module: module of the runtime (``bayesian_network``).
-        names: what it offers of it.
-        monitor_names: further names under which it offers the package's ``EDDIMonitor``.
-    """
-
-    name: str
-    module: str
+    name: str  # of the module, without `.py`; it ends in `_monitor` (`bn_monitor`)
+    module: str  # module of the runtime (`bayesian_network`)
     names: tuple[str, ...]
+    # further names under which it offers the package's `EDDIMonitor`
     monitor_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class CrossCheck:
-    """How the compiled model compares with an independent tool.
+    """How the compiled model compares with an independent tool."""
 
-    Attributes:
-        text: one sentence for the package's README, the same on every machine.
-        problems: what was found; an error keeps the package from being written.
-    """
-
-    text: str
+    text: str  # one sentence for the package's README, the same on every machine
+    # what was found; an error keeps the package from being written
     problems: tuple[Problem, ...] = ()
 
 
@@ -269,25 +200,19 @@ class Model:
     """One model of a kind, checked as far as it could be, and what is done with it.
 
     The base itself stands for a model of which only its package is there: it has a name.
-
-    Attributes:
-        kind: name of the kind (``consert``).
-        name: name of the model in its file.
-        source: the file it was read from.
-        place: its place in that file.
-        file_stem: what the model's own file is called, empty where that has several, or is known
-            by the model's name: the package of a model without a configuration.
-        links: path of an element -> what is linked with it in the EDDI.
-        observes: elements of the EDDI that name this model as what observes them, each with the
-            event or threshold that it names; empty for the only one.
     """
 
     kind: ClassVar[str] = ""
     name: str
     source: Source
     place: Place
+    # what the model's own file is called, empty where that has several, or is known by the model's
+    # name: the package of a model without a configuration
     file_stem: str = field(default="", compare=False)
+    # path of an element -> what is linked with it in the EDDI
     links: Links = field(default_factory=dict, compare=False)
+    # elements of the EDDI that name this model as what observes them, each with the event or
+    # threshold that it names; empty for the only one
     observes: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     @property
@@ -431,47 +356,34 @@ class Model:
 
 @dataclass(frozen=True)
 class Kind:
-    """What is known of a monitor kind before any of its models is looked at: cheap to import.
+    """What is known of a monitor kind before any of its models is looked at: cheap to import."""
 
-    Attributes:
-        name: module-like name, the same in the runtime (``consert``).
-        title: for people (``ConSert``).
-        config_types: spellings of ``Model: type:`` in a configuration, compared without case.
-        recognises: does this file, by its first bytes and name, hold a model by itself?
-        in_eddi: XPath, below a root of an EDDI, of all that its models may be read from; empty
-            for a kind of which an EDDI has none.
-        messages: ROS message name -> ``.msg`` text; field names fit ROS 1 and ROS 2.
-        between_robots: the same for what robots tell each other, of a kind that has guarantees.
-        output_message: name of the message that the monitor publishes.
-        topic: last part of the topic that a drafted configuration publishes it on.
-        options: keys of ``Model:`` in a configuration that this kind understands.
-        respelt: of these keys: message -> its text, where they ask for another one.
-        inputs_of_model: the inputs are in the model, not in the configuration.
-        without_input: what becomes of an output while an input that it needs is not known.
-        aliases: generated modules with the names of SESAME D7.2.
-        requirements: what the runtime of this kind needs from PyPI.
-        named_by_config: its files hold one model without a name; the configuration's id is one.
-        verdicts: ROS message name -> what a message of it says, for who only looks on.
-        model: module and name of the class of its models.
-    """
-
-    name: str
-    title: str
+    name: str  # module-like name, the same in the runtime (`consert`)
+    title: str  # for people (`ConSert`)
+    # spellings of `Model: type:` in a configuration, compared without case
     config_types: tuple[str, ...]
+    # does this file, by its first bytes and name, hold a model by itself?
     recognises: Callable[[Source], bool]
-    messages: Mapping[str, str]
-    output_message: str
-    model: str
-    topic: str = "result"
+    messages: Mapping[str, str]  # ROS message name -> `.msg` text; field names fit ROS 1 and ROS 2
+    output_message: str  # name of the message that the monitor publishes
+    model: str  # module and name of the class of its models
+    topic: str = "result"  # last part of the topic that a drafted configuration publishes it on
+    # XPath, below a root of an EDDI, of all that its models may be read from; empty for a kind of
+    # which an EDDI has none
     in_eddi: str = ""
-    options: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()  # keys of `Model:` in a configuration that this kind understands
+    # the same for what robots tell each other, of a kind that has guarantees
     between_robots: Mapping[str, str] = field(default_factory=dict)
+    # of these keys: message -> its text, where they ask for another one
     respelt: Callable[[Mapping[str, object]], Mapping[str, str]] = lambda _: {}
-    inputs_of_model: bool = True
+    inputs_of_model: bool = True  # the inputs are in the model, not in the configuration
+    # what becomes of an output while an input that it needs is not known
     without_input: str = "nothing that needs it becomes known"
-    aliases: tuple[Alias, ...] = ()
-    requirements: tuple[str, ...] = ()
+    aliases: tuple[Alias, ...] = ()  # generated modules with the names of SESAME D7.2
+    requirements: tuple[str, ...] = ()  # what the runtime of this kind needs from PyPI
+    # its files hold one model without a name; the configuration's id is one
     named_by_config: bool = False
+    # ROS message name -> what a message of it says, for who only looks on
     verdicts: Mapping[str, Listen] = field(default_factory=dict)
 
     @property
@@ -485,6 +397,12 @@ class Kind:
         module, _, name = self.model.rpartition(".")
         loaded = importlib.import_module(f"{__name__}.{self.name}.{module}")
         return cast("type[Model]", getattr(loaded, name))
+
+
+def messages_in(kind: str, group: str = "") -> Mapping[str, str]:
+    """Return ROS message name -> text of the ``.msg`` files in the folder of a kind."""
+    files = sorted(Path(kind, "messages", group).glob("*.msg"))
+    return {path.stem: path.read_text("utf-8") for path in files}
 
 
 @cache

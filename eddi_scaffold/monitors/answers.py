@@ -20,7 +20,7 @@ from eddi_scaffold.common.escaping import (
 )
 from eddi_scaffold.common.identifiers import attribute
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.kinds import EditableMethod, EditableModule, JsonValue
+from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
@@ -52,7 +52,18 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
         "model_sha256": source.sha256,
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
         "runtime_names": ["EDDIInputBase", *(name for name in ACCESS if f"{name}(" in called)],
-        "modules": [_module_answers(module) for module in monitor.model.editable_modules()],
+        "modules": [
+            {
+                "name": module.file.removesuffix(".py"),
+                "docstring": module.docstring,
+                "imports": list(module.imports),
+                "class_name": module.class_name,
+                "class_docstring": module.class_docstring,
+                "plain_methods": list(module.plain_methods),
+                "methods": [_method_answers(method) for method in module.methods],
+            }
+            for module in monitor.model.editable_modules()
+        ],
         "aliases": [
             {
                 "name": alias.name,
@@ -71,19 +82,6 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
             for name, data in monitor.compiled.tables.items()
         },
         "facts_json": monitor.facts.to_json(),
-    }
-
-
-def _module_answers(module: EditableModule) -> dict[str, JsonValue]:
-    name = module.file.removesuffix(".py")
-    return {
-        "name": name,
-        "docstring": module.docstring,
-        "imports": list(module.imports),
-        "class_name": module.class_name,
-        "class_docstring": module.class_docstring,
-        "plain_methods": list(module.plain_methods),
-        "methods": [_method_answers(method) for method in module.methods],
     }
 
 

@@ -5,7 +5,7 @@ What does not fit is a problem with the place in the configuration.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.claims import Acceptance
@@ -32,16 +32,7 @@ from eddi_scaffold.monitors.topic_types import check_types
 
 @dataclass(frozen=True)
 class BoundMonitor:
-    """Everything a platform needs to know of one monitor.
-
-    Attributes:
-        package: name of its package.
-        model: the model, configured.
-        compiled: the model as it runs.
-        facts: what others need to know of it.
-        default_guarantees: marks that were given when the model was read.
-        cross_check: how the compiled model compares with an independent tool, one sentence.
-    """
+    """Everything a platform needs to know of one monitor."""
 
     package: str
     model: Model
@@ -50,8 +41,8 @@ class BoundMonitor:
     inputs: tuple[InputBinding, ...]
     compiled: CompiledModule
     facts: MonitorFacts
-    default_guarantees: tuple[str, ...] = ()
-    cross_check: str = ""
+    default_guarantees: tuple[str, ...] = ()  # marks that were given when the model was read
+    cross_check: str = ""  # how the compiled model compares with an independent tool, one sentence
 
     @property
     def id(self) -> str:
@@ -91,9 +82,17 @@ def monitor_of(
     if config is not None:
         used = {source.id for binding in bindings for source in binding.requires}
         problems += check_types(config, used)
-        problems += _check_model_section(model, kind, config)
+        section, place = config.config.Model, config.place("Model", "id")
+        if section.type.casefold() not in {name.casefold() for name in kind.config_types}:
+            fields = {"kind": kind.title, "declared": section.type}
+            problems.append(problem("K010.kind", config.place("Model", "type"), **fields))
+        if package_name(section.id) != package_name(model.name):
+            problems.append(problem("K012.package", place, id=section.id, model=model.name))
+        elif section.id != model.name:
+            fields = {"id": section.id, "original": model.name, "source": model.source.name}
+            problems.append(problem("K012.spelling", place, **fields))
         place, entries = config.place("Model"), config.config.EDDIInputs
-        frequency, package = config.config.Model.frequency, package_name(config.config.Model.id)
+        frequency, package = section.frequency, package_name(section.id)
     first: dict[str, str] = {}
     for binding in bindings:
         name, other = binding.model.id, first.setdefault(binding.attribute, binding.model.id)
@@ -129,19 +128,6 @@ def bound_to(monitor: BoundMonitor, known: MessageFields) -> tuple[BoundMonitor,
     inputs, problems = bind_inputs(monitor.model, monitor.config, known)
     errors = [problem for problem in problems if problem.level == "error"]  # others are reported
     return replace(monitor, inputs=tuple(inputs)), errors
-
-
-def _check_model_section(model: Model, kind: Kind, config: ConfigFile) -> Iterable[Problem]:
-    type_, id_ = config.config.Model.type, config.config.Model.id
-    place = config.place("Model", "id")
-    if type_.casefold() not in {name.casefold() for name in kind.config_types}:
-        place_of_type = config.place("Model", "type")
-        yield problem("K010.kind", place_of_type, kind=kind.title, declared=type_)
-    if package_name(id_) != package_name(model.name):
-        yield problem("K012.package", place, id=id_, model=model.name)
-    elif id_ != model.name:
-        original, source = model.name, model.source.name
-        yield problem("K012.spelling", place, id=id_, original=original, source=source)
 
 
 def bind_inputs(

@@ -24,17 +24,12 @@ from eddi_scaffold.program.running import module_of
 
 @dataclass(frozen=True)
 class CompiledModule:
-    """What a package, or a program that plays it, runs.
+    """What a package, or a program that plays it, runs."""
 
-    Attributes:
-        text: of ``compiled.py`` where the runtime is installed, without the last line end.
-        tables: name -> content of the files that must lie next to it.
-        program: its step, of a kind that is compiled to one.
-    """
-
-    text: str
+    text: str  # of `compiled.py` where the runtime is installed, without the last line end
+    # name -> content of the files that must lie next to it
     tables: Mapping[str, bytes] = field(default_factory=dict)
-    program: Program | None = None
+    program: Program | None = None  # its step, of a kind that is compiled to one
 
     def monitor(self, model_id: str) -> Any:
         """Return a new monitor, as the package would load it; hand-written code is not in it."""
@@ -67,14 +62,30 @@ def compile_monitor(
     of_model = model.acceptances(inputs, frequency)
     hold_s = max((acceptance.seconds or 0.0 for acceptance in of_model), default=0.0)
     result = Claim("", frozenset(input_.id for input_ in inputs), hold_s)
-    timeouts = model.input_timeouts()
+    timeouts, input_facts = model.input_timeouts(), []
+    for input_ in inputs:
+        limits = [timeouts[input_.id]] if input_.id in timeouts else []
+        for part in input_.expression["parts"] if input_.expression else ():
+            of_reads = [read.timeout for read in part["program"].reads]
+            limits += [max(of_reads) / 1e9] if of_reads and None not in of_reads else []
+        input_facts.append(
+            InputFacts(
+                input_.id,
+                input_.attribute,
+                input_.requires,
+                input_.max_age,
+                min(limits, default=None),
+                input_.every_message,
+                names_read(input_.expression),
+            )
+        )
     facts = MonitorFacts(
         model.kind,
         model.name,
         digest,
         source.file_name,
         source.sha256,
-        tuple(_input_facts(input_, timeouts.get(input_.id)) for input_ in inputs),
+        tuple(input_facts),
         path,
         tuple(model.claims(inputs, frequency)) or (result,),  # one that names no claims has one
         (*of_model, *accepted),
@@ -82,23 +93,6 @@ def compile_monitor(
         dict(model.links) or None,
     )
     return module, facts
-
-
-def _input_facts(input_: BoundInput, timeout_s: float | None) -> InputFacts:
-    limits = [] if timeout_s is None else [timeout_s]
-    for part in input_.expression["parts"] if input_.expression else ():
-        timeouts = [read.timeout for read in part["program"].reads]
-        if timeouts and None not in timeouts:
-            limits.append(max(timeouts) / 1e9)
-    return InputFacts(
-        input_.id,
-        input_.attribute,
-        input_.requires,
-        input_.max_age,
-        min(limits, default=None),
-        input_.every_message,
-        names_read(input_.expression),
-    )
 
 
 def names_read(expression: Mapping[str, Any] | None) -> tuple[str, ...] | None:

@@ -13,8 +13,7 @@ from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.monitors.publications import check_path, messages_of
 
-_LONG = 100.0
-"""Seconds of a limit that are more likely meant as milliseconds."""
+_LONG = 100.0  # Seconds of a limit that are more likely meant as milliseconds
 
 
 def check_limits(config: ConfigFile) -> Iterable[Problem]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
@@ -15,8 +15,7 @@ from typing import Any
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem
 
-_FOR_PEOPLE = {"about", "at", "description"}
-"""Fields that nothing computes with."""
+_FOR_PEOPLE = {"about", "at", "description"}  # Fields that nothing computes with
 
 
 def digest_of(*parts: object) -> str:
@@ -50,7 +49,11 @@ def _text(value: Any) -> str:
     if isinstance(value, Place | Source | Problem) or callable(value):
         return ""
     if is_dataclass(value) or hasattr(value, "_fields"):
-        return f"{type(value).__name__}({', '.join(_decisive(value))})"
+        texts = [
+            (name, _text(getattr(value, name)), usual) for name, usual in _fields(value.__class__)
+        ]
+        decisive = (f"{name}={text}" for name, text, usual in texts if text not in ("", usual))
+        return f"{type(value).__name__}({', '.join(decisive)})"
     if isinstance(value, Mapping):
         rows = value.items()  # the order is that of every output
         return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows)}}}"
@@ -61,13 +64,6 @@ def _text(value: Any) -> str:
             return repr(tuple(value))
         return f"({', '.join(map(_text, value))})"
     raise TypeError(f"a model has a value of the type {type(value).__name__}")
-
-
-def _decisive(value: Any) -> Iterator[str]:
-    for name, usual in _fields(value.__class__):
-        text = _text(getattr(value, name))
-        if text not in ("", usual):
-            yield f"{name}={text}"
 
 
 @cache

@@ -24,21 +24,14 @@ EXPRESSION_KEYS = ("expression", "expression_file", "states")
 
 @dataclass(frozen=True)
 class CheckedExpression:
-    """A checked expression.
+    """A checked expression."""
 
-    Attributes:
-        requires: simulator outputs that it reads.
-        document: for ``EDDIInputBase`` of the runtime: the compiled forms, and what the names are.
-        text: canonical form, for comments; an event of a file has its name before it.
-        unit: of its value, ``None`` for none.
-        key_paths: simulator output -> name with keys in brackets -> its path.
-    """
-
-    requires: tuple[SimulatorOutput, ...]
+    requires: tuple[SimulatorOutput, ...]  # simulator outputs that it reads
+    # for `EDDIInputBase` of the runtime: the compiled forms, and what the names are
     document: dict[str, JsonValue]
-    text: str
-    unit: str | None
-    key_paths: KeyPaths
+    text: str  # canonical form, for comments; an event of a file has its name before it
+    unit: str | None  # of its value, `None` for none
+    key_paths: KeyPaths  # simulator output -> name with keys in brackets -> its path
 
 
 class ExpressionBinder:

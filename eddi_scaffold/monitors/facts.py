@@ -16,55 +16,33 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class InputFacts:
-    """One input of a monitor.
-
-    Attributes:
-        id: as in the model.
-        attribute: its name in ``EDDIInput``.
-        requires: ids of the simulator outputs that it is made of.
-        max_age: as ``InputBinding`` has it.
-        timeout_s: seconds after which its kind or its expression takes it as unknown.
-        every_message: no message is skipped.
-        reads: names that its expression reads; ``None`` without one.
-    """
+    """One input of a monitor."""
 
     id: str
-    attribute: str
-    requires: tuple[str, ...] = ()
-    max_age: float | str | None = None
+    attribute: str  # its name in `EDDIInput`
+    requires: tuple[str, ...] = ()  # ids of the simulator outputs that it is made of
+    max_age: float | str | None = None  # as `InputBinding` has it
+    # seconds after which its kind or its expression takes it as unknown
     timeout_s: float | None = None
-    every_message: bool = False
-    reads: tuple[str, ...] | None = None
+    every_message: bool = False  # no message is skipped
+    reads: tuple[str, ...] | None = None  # names that its expression reads; `None` without one
 
 
 @dataclass(frozen=True)
 class MonitorFacts:
-    """Content of ``config/model.json``.
-
-    Attributes:
-        kind: name of the kind.
-        id: of the model.
-        digest: of all that decides what the monitor computes; robots compare it.
-        file: name of the model file.
-        file_sha256: of its bytes.
-        inputs: in the order of the configuration.
-        path: EMF fragment path of the model in an EDDI.
-        claims: what it claims.
-        acceptances: what it accepts in place of what is not known.
-        elements: in the order of the model.
-        links: path of an element -> what is linked with it in the EDDI.
-    """
+    """Content of ``config/model.json``."""
 
     kind: str
     id: str
-    digest: str
+    digest: str  # of all that decides what the monitor computes; robots compare it
     file: str
     file_sha256: str
-    inputs: tuple[InputFacts, ...]
-    path: str | None = None
+    inputs: tuple[InputFacts, ...]  # in the order of the configuration
+    path: str | None = None  # EMF fragment path of the model in an EDDI
     claims: tuple[Claim, ...] = ()
-    acceptances: tuple[Acceptance, ...] = ()
-    elements: tuple[Element, ...] = ()
+    acceptances: tuple[Acceptance, ...] = ()  # what it accepts in place of what is not known
+    elements: tuple[Element, ...] = ()  # in the order of the model
+    # path of an element -> what is linked with it in the EDDI
     links: dict[str, Linked] | None = None
     format: int = FORMAT
 

@@ -42,62 +42,43 @@ _FITTING = {
     "float": ("float", "int"),
 }
 """Type of an input -> those that can fill it, where that are others than the same."""
-_PLAIN = frozenset({None, "", *units.RATIO.names})
-"""Units of a number that has none."""
+_PLAIN = frozenset({None, "", *units.RATIO.names})  # Units of a number that has none
 _MULTI_ARRAY = re.compile(r"std_msgs/(Byte|(Float|U?Int)[0-9]+)MultiArray")
 
 
 @dataclass(frozen=True)
 class UnwrittenInput(Problem):
-    """A problem that ends when a person writes a region.
+    """A problem that ends when a person writes a region."""
 
-    Attributes:
-        package: of the monitor.
-        regions: ids of the regions, one of which ends it.
-    """
-
-    package: str = ""
-    regions: tuple[str, ...] = ()
+    package: str = ""  # of the monitor
+    regions: tuple[str, ...] = ()  # ids of the regions, one of which ends it
 
 
 @dataclass(frozen=True)
 class InputBinding:
-    """One input of the model, joined with its entry in the configuration.
-
-    Attributes:
-        model: the input as the model has it.
-        attribute: name in ``EDDIInput``.
-        requires: the simulator outputs it is made of; one of its own id without a configuration.
-        arguments: a Python name for each of them.
-        expression: Python expression over the arguments that gives the value, ``None`` when a
-            person must write it.
-        max_age: seconds, ``"none"`` (never stale, on purpose) or ``None`` (never, by default).
-        default: value before the first message.
-        factor: exact factor from the configured unit to the model's, or ``None``.
-        unit: unit in which the value is given.
-        renamed_from: former id.
-        known_fields: argument -> its fields, for the messages that are known.
-        computed: what ``expression:`` computes, for the runtime.
-        computed_text: the same for people.
-        key_paths: simulator output -> name in ``expression:`` with keys in brackets -> its path.
-        reads: names of fields and inputs that it reads.
-    """
+    """One input of the model, joined with its entry in the configuration."""
 
     model: ModelInput
     attribute: str
+    # the simulator outputs it is made of; one of its own id without a configuration
     requires: tuple[SimulatorOutput, ...] = ()
-    arguments: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()  # a Python name for each of them
+    # Python expression over the arguments that gives the value, `None` when a person must write it
     expression: str | None = None
+    # seconds, `"none"` (never stale, on purpose) or `None` (never, by default)
     max_age: float | str | None = None
-    default: bool | int | float | str | None = None
+    default: bool | int | float | str | None = None  # value before the first message
+    # exact factor from the configured unit to the model's, or `None`
     factor: tuple[int, int] | None = None
     unit: str | None = None
     renamed_from: str | None = None
+    # argument -> its fields, for the messages that are known
     known_fields: Mapping[str, Sequence[str]] | None = None
-    computed: Mapping[str, JsonValue] | None = None
-    computed_text: str = ""
+    computed: Mapping[str, JsonValue] | None = None  # what `expression:` computes, for the runtime
+    computed_text: str = ""  # the same for people
+    # simulator output -> name in `expression:` with keys in brackets -> its path
     key_paths: KeyPaths = field(default_factory=dict)
-    reads: tuple[str, ...] | None = None
+    reads: tuple[str, ...] | None = None  # names of fields and inputs that it reads
 
     @property
     def is_given(self) -> bool:
@@ -164,8 +145,7 @@ class InputBinder:
             self._report("K015.sources", "requires", input=entry.id, names=names)
         types = {entry.type, item.type}
         if entry.type not in (None, item.type) and not types <= {"int", "float"}:
-            given, expected = entry.type, item.type
-            self._report("K016.type", "type", input=entry.id, expected=expected, actual=given)
+            self._report("K016.type", "type", input=entry.id, expected=item.type, actual=entry.type)
         factor = self._factor()
         self._check_default(factor)
         binding = InputBinding(

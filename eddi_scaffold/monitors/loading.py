@@ -91,38 +91,30 @@ def read_models(source: Source, default_guarantees: Sequence[str] = ()) -> ReadR
     if is_mros(source):
         return ReadResult((), (problem("F003.nodes", place),))
     if name.endswith(YAML_SUFFIXES):
-        stranger = _of_no_kind(source)
-        if stranger is not None:
-            return ReadResult((), (stranger,))
+        node, _ = read_map(source, "C001")
+        known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
+        consert = {key for key, of in known.items() if of == "a ConSert"}
+        keys = [key for key, _ in (node.entries if node else ())]
+        if keys and not any(key.text in consert for key in keys):  # of no kind
+            meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
+            key, near = next((pair for pair in meant if pair[1]), meant[0])
+            if near is not None:
+                fields = {"key": key.text, "near": near, "known": known[near]}
+                return ReadResult((), (problem("F003.no_section", key.place, **fields),))
+            hint = ", ".join(f"{of} has `{first}`" for of, (first, *_) in _YAML_KEYS.items())
+            names = shortened_list([key.text for key in keys])
+            return ReadResult((), (problem("F003.keys", key.place, hint=hint, keys=names),))
         # damaged beyond recognition: this kind best describes what such a file should look like
         return kinds()["consert"].model_class.read_file(source, default_guarantees)
     if name.endswith(".csv"):
         return ReadResult((), (problem("F003.recording", place),))
-    known = ", ".join(kind.title for kind in kinds().values())
+    titles = ", ".join(kind.title for kind in kinds().values())
     case = "F003.binary" if b"\0" in head else "F003.unknown"
     try:
         source.data.decode("utf-8-sig")
     except UnicodeDecodeError:
         case = "F003.binary"
-    return ReadResult((), (problem(case, place, known=known),))
-
-
-def _of_no_kind(source: Source) -> Problem | None:
-    """Return the error of a YAML file without a key of ours; ``None``: it may be a ConSert."""
-    node, _ = read_map(source, "C001")
-    known = {key: of for of, keys in _YAML_KEYS.items() for key in keys}
-    consert = {key for key, of in known.items() if of == "a ConSert"}
-    keys = [key for key, _ in (node.entries if node else ())]
-    if not keys or any(key.text in consert for key in keys):
-        return None
-    meant = [(key, most_similar(key.text, known.keys() - consert)) for key in keys]
-    key, near = next((pair for pair in meant if pair[1]), meant[0])
-    if near is not None:
-        return problem("F003.no_section", key.place, key=key.text, near=near, known=known[near])
-    hint = ", ".join(f"{of} has `{keys[0]}`" for of, keys in _YAML_KEYS.items())
-    return problem(
-        "F003.keys", key.place, hint=hint, keys=shortened_list([pair.text for pair, _ in meant])
-    )
+    return ReadResult((), (problem(case, place, known=titles),))
 
 
 def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:

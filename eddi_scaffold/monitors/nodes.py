@@ -21,14 +21,7 @@ _OF_ITS_OWN = "give each output a topic of its own"
 
 @dataclass(frozen=True)
 class MonitorNode:
-    """The node of a monitor with a configuration.
-
-    Attributes:
-        monitor: what it steps.
-        config: how that is connected.
-        publications: everything that it publishes.
-        problems: what is wrong with it.
-    """
+    """The node of a monitor with a configuration."""
 
     monitor: BoundMonitor
     config: ConfigFile
@@ -131,9 +124,9 @@ class MonitorNode:
 def node_of(monitor: BoundMonitor) -> MonitorNode:
     """Return the node of a monitor; the configuration is there (``needs_config``)."""
     assert monitor.config is not None, "a node needs a configuration"
-    found, problems = publications(monitor, monitor.config)
-    node = MonitorNode(monitor, monitor.config, found, problems)
-    return MonitorNode(monitor, monitor.config, found, [*problems, *_check(node)])
+    topics, problems = publications(monitor, monitor.config)
+    node = MonitorNode(monitor, monitor.config, topics, problems)
+    return MonitorNode(monitor, monitor.config, topics, [*problems, *_check(node)])
 
 
 def _more(publication: Publication) -> str:

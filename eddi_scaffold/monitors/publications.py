@@ -14,30 +14,20 @@ from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.message_types import known_messages
 
 MESSAGE_PACKAGE = "eddi_messages"
-STATUS = "status"
-"""Name of the message with the facts behind a result."""
+STATUS = "status"  # Name of the message with the facts behind a result
 _OF_STD_MSGS = {"bool": "Bool", "float": "Float64", "int": "Int64", "str": "String"}
 
 
 @dataclass(frozen=True)
 class Publication:
-    """One topic that a node publishes.
+    """One topic that a node publishes."""
 
-    Attributes:
-        output: the entry of ``EDDIOutputs``, or one that the model asks for.
-        type: message type (``std_msgs/Bool``).
-        place: where its topic is named.
-        path: place of the value in the message; empty for all of it.
-        of: which message of the monitor: empty for the result, else a name of ``Kind.beside``.
-        message: type of the message that contains the value, or of the whole message.
-    """
-
-    output: OutputEntry
-    type: str
-    place: Place
-    message: str
-    path: field_paths.FieldPath = ()
-    of: str = ""
+    output: OutputEntry  # the entry of `EDDIOutputs`, or one that the model asks for
+    type: str  # message type (`std_msgs/Bool`)
+    place: Place  # where its topic is named
+    message: str  # type of the message that contains the value, or of the whole message
+    path: field_paths.FieldPath = ()  # place of the value in the message; empty for all of it
+    of: str = ""  # which message of the monitor: empty for the result, else a companion message
 
 
 def publications(

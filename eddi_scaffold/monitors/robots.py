@@ -18,8 +18,7 @@ from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
 from eddi_scaffold.program.instructions import BUFFERED, STARTS, Program
 
 MESSAGE = "eddi_messages/RobotGuarantees"
-_PERIODS = 3
-"""A word is an answer to one of ours: it is as old as our period, theirs, and the way."""
+_PERIODS = 3  # A word is an answer to one of ours: it is as old as our period, theirs, and the way
 
 _OUTLIVING = frozenset((*BUFFERED, *STARTS, "once", "age"))
 """Operations that may claim something when what they claim it of has gone."""
@@ -41,7 +40,19 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
         if fleet.lease < least:
             lease = fleet.lease
             yield problem("K029.lease", place, lease=lease, frequency=frequency, longest=least)
-    yield from _check_memory(monitor, config)
+    # words that would count for longer than their lease, and in circles for ever
+    fed = {input_.model.id for input_ in monitor.inputs if any(s.peers for s in input_.requires)}
+    if fed and any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
+        yield problem("K083.filter", config.place("Model", "filter"))
+    peers = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
+    words = {attribute(id_) for id_ in (*peers, *fed)}
+    order = [entry.id for entry in config.config.EDDIInputs]
+    for input_ in monitor.inputs if fed else ():
+        name, operation = input_.model.id, _remembering(input_.computed or {}, words)
+        if operation is not None:
+            fields = {"remembering": operation.upper(), "model": name}
+            place = config.place("EDDIInputs", order.index(name))
+            yield problem("K083.remembering", place, **fields)
     for index, source in enumerate(config.config.SimulatorOutputs):
         place, place_of_type, place_of_topic = (
             config.place("SimulatorOutputs", index, key) for key in ("peers", "type", "topic")
@@ -60,11 +71,7 @@ def check_fleet(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
             yield problem("K081.topic", place_of_topic, topic=own, fleet_topic=others)
         if fleet.robot in source.peers.robots and source.peers.robots != "any":
             yield problem("K080.own_word", place, robot=fleet.robot)
-    yield from _check_guarantees(monitor, config)
-
-
-def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
-    """Find inputs whose value is not that of the guarantee by which their word is chosen (K081)."""
+    # inputs whose value is not that of the guarantee by which their word is chosen
     of_source = {s.id: s.peers.guarantee for s in config.config.SimulatorOutputs if s.peers}
     by_name = {attribute(id_): guarantee for id_, guarantee in of_source.items()}
     bound = {input_.model.id: input_ for input_ in monitor.inputs}
@@ -85,33 +92,18 @@ def _check_guarantees(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Pro
                 yield problem("K081.other_guarantee", place, guarantee=guarantee, input=entry.id)
 
 
-def _check_memory(monitor: BoundMonitor, config: ConfigFile) -> Iterator[Problem]:
-    """Find words that would count for longer than their lease, and in circles for ever (K083)."""
-    fed = {input_.model.id for input_ in monitor.inputs if any(s.peers for s in input_.requires)}
-    if not fed:
-        return
-    if any(claim.hold_s > 0.0 for claim in monitor.facts.claims):
-        yield problem("K083.filter", config.place("Model", "filter"))
-    sources = {entry.id for entry in config.config.SimulatorOutputs if entry.peers}
-    names = {attribute(id_) for id_ in (*sources, *fed)}
-    index = {entry.id: k for k, entry in enumerate(config.config.EDDIInputs)}
-    for input_ in monitor.inputs:
-        name, operation = input_.model.id, _remembering(input_.computed or {}, names)
-        if operation is not None:
-            place = config.place("EDDIInputs", index[name])
-            yield problem("K083.remembering", place, remembering=operation.upper(), model=name)
-
-
 def _remembering(computed: Mapping[str, Any], names: Container[str]) -> str | None:
     """Return the operation of an expression that outlives a word, ``None`` where none does."""
     for part in computed.get("parts", ()):
         program: Program = part["program"]
         of_words: list[bool] = []
         for operation in program.operations:
-            if operation.op in ("variable", "age"):
-                of_words.append(head_of(program.reads[operation.value].name) in names)
-            else:
-                of_words.append(any(of_words[arg] for arg in operation.args))
+            is_read = operation.op in ("variable", "age")
+            of_words.append(
+                head_of(program.reads[operation.value].name) in names
+                if is_read
+                else any(of_words[arg] for arg in operation.args)
+            )
             if of_words[-1] and operation.op in _OUTLIVING:
                 return operation.op
     return None
@@ -129,16 +121,13 @@ def fleet_answers(
         "sources": [
             {
                 "id": python_literal(source.id),
-                "robots": _tuple(() if source.peers.robots == "any" else source.peers.robots),
+                "robots": f"({' '.join(f'{python_literal(name)},' for name in robots)})",
                 "model": python_literal(source.peers.model),
                 "digest": python_literal(source.peers.digest),
                 "guarantee": python_literal(source.peers.guarantee),
             }
             for source in sources
             if source.peers is not None
+            for robots in [() if source.peers.robots == "any" else source.peers.robots]
         ],
     }
-
-
-def _tuple(names: Iterable[str]) -> str:
-    return "(" + " ".join(f"{python_literal(name)}," for name in names) + ")"

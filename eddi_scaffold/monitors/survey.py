@@ -48,15 +48,10 @@ def survey_of(source: Source) -> tuple[dict[str, object], list[Problem]]:
 
 @dataclass(frozen=True)
 class Shown:
-    """A ``.rossystem`` or ``.ros*`` file, as both forms of ``show`` print it.
+    """A ``.rossystem`` or ``.ros*`` file, as both forms of ``show`` print it."""
 
-    Attributes:
-        document: the JSON object.
-        tree: lines; none where the file cannot be read.
-    """
-
-    document: dict[str, JsonValue]
-    tree: tuple[str, ...]
+    document: dict[str, JsonValue]  # the JSON object
+    tree: tuple[str, ...]  # lines; none where the file cannot be read
     problems: tuple[Problem, ...]
 
 
@@ -79,13 +74,7 @@ def mros_of(source: Source) -> Shown | None:
 
 @dataclass(frozen=True)
 class Configured:
-    """The model file to show, and the configurations that are shown with it.
-
-    Attributes:
-        source: of the models.
-        configs: those that could be read.
-        problems: of the configurations.
-    """
+    """The model file to show, and the configurations that are shown with it."""
 
     source: Source
     configs: tuple[ConfigFile, ...]

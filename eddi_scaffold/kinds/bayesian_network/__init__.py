@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
 from eddi_scaffold.eddi_xml.vocabulary import NETWORKS
-from eddi_scaffold.kinds import Alias, Kind
+from eddi_scaffold.kinds import Alias, Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -33,59 +33,6 @@ def _recognises(source: Source) -> bool:
         return False
     with source.open() as stream:
         return _ROOT.search(stream.read(65536)) is not None
-
-
-_OUTPUT = "NodeOutput[] output_nodes\n"
-_NODE = "string title\nOutcomeOutput[] outcomes\n"
-_OUTCOME = "string outcome_name\nfloat32 outcome_value\n"
-_STATUS = """\
-# The facts behind a BayesianNetworkOutput.
-std_msgs/Header header
-string bayesian_network_id
-# All inputs are observed; some are not; none is; the evidence has probability zero; a hand-written
-# method failed.
-uint8 OK=0
-uint8 PARTIAL=1
-uint8 PRIOR=2
-uint8 INCONSISTENT=3
-uint8 ERROR=4
-uint8 status
-string[] unobserved
-# Every input that the network observes is known, and the state of its node as well.
-bool valid
-# Inputs without a usable value, whatever the configuration accepts in their place; a node that
-# only a hand-written method observes is listed here by its own name.
-string[] unknown_inputs
-# Nodes that may be in one of several states, because a value lies within the hysteresis after a
-# gap: `Near: Yes, No`. The posterior takes the first.
-string[] undecided
-# What the configuration accepts in this step: `human: missing: prior`.
-string[] accepted
-# How much each observed node changes the outputs (total variation), with `explain: true`.
-string[] relevance_nodes
-float32[] relevance
-"""
-_EVIDENCE = """\
-# Thresholds of posteriors: what the evidence of a ConSert can be made of.
-std_msgs/Header header
-string bayesian_network_id
-# As in BayesianNetworkStatus.
-bool valid
-string[] unknown_inputs
-BayesianNetworkThreshold[] evidence
-"""
-_THRESHOLD = """\
-# A threshold of the probability of states of one node.
-string id
-# It holds for every state that the unknown inputs may have.
-bool active
-# Bounds of the probability over these states; NaN: not computed.
-float64 low
-float64 high
-# Why it is not active: `unknown inputs`, `too many unknown inputs`, `inconsistent`, `hold`,
-# `between limits` (not known before), `no time`, `error`; empty: it is active, or known not to be.
-string reason
-"""
 
 
 def _facts(status: Any) -> StatusReading:
@@ -116,14 +63,7 @@ KIND = Kind(
     title="Bayesian network",
     config_types=("BayesianNetwork", "Bayesian Network", "bayesian_network"),
     recognises=_recognises,
-    messages={
-        "BayesianNetworkEvidence": _EVIDENCE,
-        "BayesianNetworkOutput": _OUTPUT,
-        "BayesianNetworkStatus": _STATUS,
-        "BayesianNetworkThreshold": _THRESHOLD,
-        "NodeOutput": _NODE,
-        "OutcomeOutput": _OUTCOME,
-    },
+    messages=messages_in(__path__[0]),
     output_message="BayesianNetworkOutput",
     verdicts={"BayesianNetworkEvidence": _thresholds, "BayesianNetworkStatus": _facts},
     model="network_model.NetworkModel",

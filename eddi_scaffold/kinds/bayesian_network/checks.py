@@ -11,19 +11,11 @@ from typing import Any
 
 from eddi_scaffold.common.graphs import cycles
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, has_errors, problem
-from eddi_scaffold.kinds.bayesian_network.network import (
-    Draft,
-    Named,
-    Network,
-    Node,
-    Row,
-    in_digits,
-)
+from eddi_scaffold.kinds.bayesian_network import network
 
 LARGEST = 1_000_000
 """Entries of a table that a reader fills: it doubles with each parent of two states."""
-TOLERANCE = 1e-5
-"""A row may be off by so much: libraries write probabilities with six digits."""
+TOLERANCE = 1e-5  # A row may be off by so much: libraries write probabilities with six digits
 _ROUNDING = 1e-12
 _MOST_BY_ROUNDING = 1e-3
 """Of numbers with three digits or more: with fewer, rounding hides real faults."""
@@ -32,8 +24,8 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 
 
 def check_network(
-    name: str, drafts: Sequence[Draft], place: Place
-) -> tuple[Network | None, list[Problem]]:
+    name: str, drafts: Sequence[network.Draft], place: Place
+) -> tuple[network.Network | None, list[Problem]]:
     """Check the drafts of a network's nodes (B101 to B113)."""
     if not drafts:
         return None, [problem("B101.empty", place)]
@@ -46,10 +38,12 @@ def check_network(
         problems += reader.problems
     if has_errors(problems):
         return None, problems
-    return Network(name, tuple(nodes), place), problems
+    return network.Network(name, tuple(nodes), place), problems
 
 
-def _check_structure(drafts: Sequence[Draft], known: Mapping[str, Draft]) -> Iterator[Problem]:
+def _check_structure(
+    drafts: Sequence[network.Draft], known: Mapping[str, network.Draft]
+) -> Iterator[Problem]:
     """Yield what is wrong with names, states and arcs."""
     similar = SimilarNames(known)
     for draft in drafts:
@@ -88,12 +82,12 @@ def _check_structure(drafts: Sequence[Draft], known: Mapping[str, Draft]) -> Ite
 
 
 class _TableReader:
-    def __init__(self, draft: Draft, known: Mapping[str, Draft]) -> None:
+    def __init__(self, draft: network.Draft, known: Mapping[str, network.Draft]) -> None:
         self.problems: list[Problem] = []
         self._draft = draft
         self._drafts_of_parents = [known.get(parent.text) for parent in draft.parents]
 
-    def read(self) -> list[Node]:
+    def read(self) -> list[network.Node]:
         """Return the node; nothing when its table has an error."""
         draft, count = self._draft, len(self._draft.states)
         names = tuple(parent.text for parent in draft.parents)
@@ -105,7 +99,7 @@ class _TableReader:
         are_sound = all(states and len({*states}) == len(states) for states in parents.values())
         if draft.broken or len(parents) < len(names) or (draft.rows is not None and not are_sound):
             return []  # reported before
-        rows: list[Row] = []
+        rows: list[network.Row] = []
         if draft.rows is not None:
             rows = self._rows(draft.rows, parents)
         elif draft.values is None:
@@ -119,9 +113,9 @@ class _TableReader:
             return []
         own = tuple(state.text for state in draft.states)
         title = draft.title or draft.id
-        return [Node(draft.id, title, own, names, table, draft.target, draft.place)]
+        return [network.Node(draft.id, title, own, names, table, draft.target, draft.place)]
 
-    def _cut(self, values: Sequence[str], counts: Sequence[int]) -> list[Row]:
+    def _cut(self, values: Sequence[str], counts: Sequence[int]) -> list[network.Row]:
         """Return the rows of a table that is given as a whole."""
         draft, size, width = self._draft, math.prod(counts), counts[-1]
         if len(values) != size:
@@ -131,7 +125,7 @@ class _TableReader:
                 draft.values_place,
                 draft=draft.id,
                 actual=len(values),
-                expected=in_digits(size),
+                expected=network.in_digits(size),
                 factors=factors,
             )
             return []
@@ -139,8 +133,8 @@ class _TableReader:
         return [(values[k : k + width], draft.values_place) for k in starts]
 
     def _rows(
-        self, rows: Mapping[tuple[str, ...], Row], parents: Mapping[str, Sequence[str]]
-    ) -> list[Row]:
+        self, rows: Mapping[tuple[str, ...], network.Row], parents: Mapping[str, Sequence[str]]
+    ) -> list[network.Row]:
         """Return the rows in the order of the table; none after an error."""
         draft, width = self._draft, len(self._draft.states)
         known = [(parent, {*of}, SimilarNames(of)) for parent, of in parents.items()]
@@ -158,7 +152,7 @@ class _TableReader:
                 self._report("B110.row_length", place, name=draft.id, actual=actual, expected=width)
         count = math.prod(map(len, parents.values()))
         if draft.default is not None and count * width > LARGEST:
-            name, size = draft.id, in_digits(count * width)
+            name, size = draft.id, network.in_digits(count * width)
             place = draft.values_place
             self._report("B110.table_too_large", place, name=name, size=size, limit=LARGEST)
         elif draft.default is None and not has_errors(self.problems) and count > len(rows):
@@ -180,7 +174,7 @@ class _TableReader:
         return [rows.get(case, default) for case in product(*parents.values())]
 
     def _table(
-        self, rows: Sequence[Row], parents: Mapping[str, Sequence[str]]
+        self, rows: Sequence[network.Row], parents: Mapping[str, Sequence[str]]
     ) -> tuple[float, ...]:
         draft = self._draft
         table: list[float] = []
@@ -229,10 +223,10 @@ class _TableReader:
 
 
 def unsupported(
-    nodes: Iterable[tuple[str, Named]], advice: Mapping[str, str], otherwise: str
+    nodes: Iterable[tuple[str, network.Named]], advice: Mapping[str, str], otherwise: str
 ) -> list[Problem]:
     """Return one problem for each type of nodes that no monitor can have (B202)."""
-    names: dict[str, list[Named]] = {}
+    names: dict[str, list[network.Named]] = {}
     for type_, node in nodes:
         names.setdefault(type_, []).append(node)
     problems = []

@@ -25,10 +25,8 @@ from typing import NamedTuple
 from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, bits, mask_of, size_of
 
 TABLE, EVIDENCE, UNIT = "table", "evidence", "unit"
-_SMALL = 64
-"""Entries up to which two constant tables are joined in advance in any case."""
-_LEAVES_IN_ALL_TRIALS = 1_200
-"""A large network gets fewer trials."""
+_SMALL = 64  # Entries up to which two constant tables are joined in advance in any case
+_LEAVES_IN_ALL_TRIALS = 1_200  # A large network gets fewer trials
 _PAIRS = 6_000
 _MOST, _LEAST = 24, 8
 """How many partners of a table are compared: a node with a thousand children is no reason for
@@ -38,35 +36,23 @@ _GAINS = (256, 77)
 
 
 class Leaf(NamedTuple):
-    """A leaf of the tree.
+    """A leaf of the tree."""
 
-    Attributes:
-        kind: ``table``: the probabilities of a node; ``evidence``: what was seen of it, with its
-            prior if it is a root that is no output; ``unit``: the place of an output.
-        node: number of the node.
-        mask: the nodes that it has an axis for.
-        seen: the observable nodes whose states select its numbers.
-    """
-
+    # `table`: the probabilities of a node; `evidence`: what was seen of it, with its prior if it is
+    # a root that is no output; `unit`: the place of an output
     kind: str
-    node: int
-    mask: int
-    seen: int
+    node: int  # number of the node
+    mask: int  # the nodes that it has an axis for
+    seen: int  # the observable nodes whose states select its numbers
 
 
 class Tree(NamedTuple):
-    """A binary join tree.
+    """A binary join tree."""
 
-    Attributes:
-        leaves: numbers 0 to n - 1 of the tree.
-        joins: the two below each further number.
-        masks: nodes on both sides of the edge above each number.
-        top: the two numbers that the last edge connects; equal when there is one leaf only.
-    """
-
-    leaves: tuple[Leaf, ...]
-    joins: tuple[tuple[int, int], ...]
-    masks: tuple[int, ...]
+    leaves: tuple[Leaf, ...]  # numbers 0 to n - 1 of the tree
+    joins: tuple[tuple[int, int], ...]  # the two below each further number
+    masks: tuple[int, ...]  # nodes on both sides of the edge above each number
+    # the two numbers that the last edge connects; equal when there is one leaf only
     top: tuple[int, int]
 
 

@@ -72,12 +72,12 @@ def monitor_lines(
         fields = [py.text_literal(node.id), py.literal(node.states), py.text_literal(attribute)]
         above = f"{k} {py.comment(node.place.path or '')}".rstrip()
         specs.append(py.Item(py.call(f"{_ROOM}.NodeSpec", fields), above=above))
-    given = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
+    outputs = tuple(k for k, name in enumerate(network.names()) if name in options.outputs)
     lines = [
         *module.lines(),
         *head_lines(", ".join(bases) or f"{_ROOM}.BayesianNetworkMonitor", declaration, {}),
         *py.assignment("nodes", py.tuple_of(specs), 4),
-        *py.assignment("given", py.literal(given), 4),
+        *py.assignment("given", py.literal(outputs), 4),
         *py.assignment("foreseen", main, 4),
     ]
     if general is not None:
@@ -182,8 +182,10 @@ class _Module:
                 py.Item(py.numbers(table[k : k + card]), behind=self.case_comment(parents, case))
                 for k, case in zip(starts, cases, strict=True)
             )
-        given = f" given {', '.join(self.names[parent] for parent in parents)}" if parents else ""
-        above = py.comment(f"{self.names[node]}{given}")
+        condition = (
+            f" given {', '.join(self.names[parent] for parent in parents)}" if parents else ""
+        )
+        above = py.comment(f"{self.names[node]}{condition}")
         return py.Item(py.tuple_of([py.literal(parents), rows]), prefix=f"{node}: ", above=above)
 
 

@@ -18,8 +18,7 @@ from eddi_scaffold.kinds import CrossCheck
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 
-EVERY_CASE = 2000
-"""Up to so many cases of hard and missing evidence are all tried."""
+EVERY_CASE = 2000  # Up to so many cases of hard and missing evidence are all tried
 CASES, SOFT_CASES = 200, 50
 TOLERANCE = 1e-9
 _ROUNDING = 1e-12

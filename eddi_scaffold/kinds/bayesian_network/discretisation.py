@@ -16,8 +16,7 @@ from eddi_scaffold.kinds import InputType, Options
 from eddi_scaffold.kinds.bayesian_network.network import Network, Node
 
 UNOBSERVED = "unobserved"
-_TRUTH = {"true": True, "false": False}
-"""Keys of maps are texts; those that mean a bool."""
+_TRUTH = {"true": True, "false": False}  # Keys of maps are texts; those that mean a bool
 Form: TypeAlias = Mapping[str, tuple[Callable[[Any], bool], str]]
 """Key -> whether a value can be meant, and what is expected."""
 
@@ -121,19 +120,12 @@ _OF_BINS = ("closed", "order", "scale", "offset", "range", "hysteresis", "allow_
 
 @dataclass(frozen=True)
 class Declaration:
-    """One checked entry.
-
-    Attributes:
-        node: id of the node.
-        input: id of the input.
-        type: of the input's values.
-        reader: how these become states, for the runtime.
-    """
+    """One checked entry."""
 
     node: str
     input: str
     type: InputType
-    reader: readers.Declaration
+    reader: readers.Declaration  # how these become states, for the runtime
 
     @property
     def values_of_map(self) -> list[object] | None:
@@ -188,8 +180,16 @@ class _DeclarationReader(EntryReader):
         for number, (_, state) in enumerate(values.get("sentinel", ())):
             if state != UNOBSERVED:
                 self._check_state(state, "sentinel", number)
-        if "bins" in values:
-            self._check_bins(values["bins"], values.get("order", node.states))
+        edges, order = values.get("bins", ()), values.get("order", node.states)
+        if "bins" in values and len({*order}) < len(order):
+            self.report("B404.order_twice", "order")
+        if "bins" in values and len(edges) != len(order) - 1:
+            count, number = len(edges), len(order)
+            self.report("B401.edge_count", "bins", edges=count, bins=count + 1, states=number)
+        for number, edge in enumerate(edges):
+            if not math.isfinite(edge) or (number and edge <= edges[number - 1]):
+                self.report("B401.edge_order", "bins", number)
+                break
         if has_errors(self.problems):
             return []
         pairs = [(_value_of(key, type_), state) for key, state in states.items()]
@@ -224,17 +224,6 @@ class _DeclarationReader(EntryReader):
         elif state not in states:
             hint = did_you_mean(state, states) or f"its states: {', '.join(states)}"
             self.report("B303.bin_state", *path, hint=hint, state=state)
-
-    def _check_bins(self, edges: Sequence[float], order: Sequence[str]) -> None:
-        if len({*order}) < len(order):
-            self.report("B404.order_twice", "order")
-        if len(edges) != len(order) - 1:
-            count, states = len(edges), len(order)
-            self.report("B401.edge_count", "bins", edges=count, bins=count + 1, states=states)
-        for number, edge in enumerate(edges):
-            if not math.isfinite(edge) or (number and edge <= edges[number - 1]):
-                self.report("B401.edge_order", "bins", number)
-                break
 
     def _warn(self, reader: readers.Declaration) -> None:
         """Warn of a bin that is passed over or never left, and of states that no value gives."""

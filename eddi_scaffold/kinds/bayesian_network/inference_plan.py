@@ -30,16 +30,13 @@ from eddi_scaffold.kinds.bayesian_network.structure import (
     with_all_observed,
 )
 
-LARGE = 100_000
-"""Entries of the largest table from which a step takes about a millisecond (B301)."""
-TOO_LARGE = 10_000_000
-"""Entries above which a network is refused (B301)."""
+LARGE = 100_000  # Entries of the largest table from which a step takes about a millisecond (B301)
+TOO_LARGE = 10_000_000  # Entries above which a network is refused (B301)
 WIDE = 200_000
 """Nanoseconds of a step from which arrays are made for each pattern of observed inputs."""
 _PATTERNS = 24
 _TRIALS = 8
-MAX_CASES = 1024
-"""Cases whose posteriors are written out."""
+MAX_CASES = 1024  # Cases whose posteriors are written out
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 
@@ -47,19 +44,12 @@ Posterior = tuple[tuple[float, ...], ...]
 
 
 class Width(NamedTuple):
-    """The cost of inference.
+    """The cost of inference."""
 
-    Attributes:
-        largest: entries of the largest table, the product of the states of ``nodes``.
-        nodes: names of the nodes of that table.
-        operations: numpy operations of a step when nothing can be looked up.
-        nanoseconds: rough time of these on a desk computer.
-    """
-
-    largest: int
-    nodes: tuple[str, ...]
-    operations: int
-    nanoseconds: int
+    largest: int  # entries of the largest table, the product of the states of `nodes`
+    nodes: tuple[str, ...]  # names of the nodes of that table
+    operations: int  # numpy operations of a step when nothing can be looked up
+    nanoseconds: int  # rough time of these on a desk computer
 
     @property
     def too_large(self) -> bool:
@@ -99,34 +89,22 @@ def _plans(
 
 
 class Part(NamedTuple):
-    """A part that can matter.
+    """A part that can matter."""
 
-    Attributes:
-        plan: how it is inferred.
-        tables: of its outputs; None: it is too large for tables.
-        least: lower bound of the exponent of any product of its non-zero probabilities.
-        adapted: for steps in which most inputs are observed, where the part is wide.
-    """
-
-    plan: Plan
-    tables: tuple[JointTable, ...] | None
-    least: int
+    plan: Plan  # how it is inferred
+    tables: tuple[JointTable, ...] | None  # of its outputs; None: it is too large for tables
+    least: int  # lower bound of the exponent of any product of its non-zero probabilities
+    # for steps in which most inputs are observed, where the part is wide
     adapted: Plan | None = None
 
 
 class Program(NamedTuple):
-    """Inference for some outputs and observable nodes.
+    """Inference for some outputs and observable nodes."""
 
-    Attributes:
-        outputs: nodes whose posteriors can be asked for, ascending.
-        observable: nodes that may be observed, ascending.
-        parts: all that can matter.
-        when_observed: in place of them in steps in which each observable node is observed.
-    """
-
-    outputs: tuple[int, ...]
-    observable: tuple[int, ...]
-    parts: tuple[Part, ...]
+    outputs: tuple[int, ...]  # nodes whose posteriors can be asked for, ascending
+    observable: tuple[int, ...]  # nodes that may be observed, ascending
+    parts: tuple[Part, ...]  # all that can matter
+    # in place of them in steps in which each observable node is observed
     when_observed: tuple[Part, ...]
 
     def is_short(self, cards: Sequence[int]) -> bool:

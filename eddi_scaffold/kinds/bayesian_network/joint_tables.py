@@ -19,33 +19,21 @@ from eddi_scaffold.kinds.bayesian_network.message_passing import (
     Plan,
 )
 
-MAX_NUMBERS = 16_384
-"""Numbers in the table of one output: half a megabyte."""
-MAX_SUMMED = 128
-"""Numbers of a table up to which a sum that is written out is the faster way."""
-_MAX_WORK = 100_000
-"""Multiplications for one message: 30 ms."""
+MAX_NUMBERS = 16_384  # Numbers in the table of one output: half a megabyte
+MAX_SUMMED = 128  # Numbers of a table up to which a sum that is written out is the faster way
+_MAX_WORK = 100_000  # Multiplications for one message: 30 ms
 
 
 class JointTable(NamedTuple):
-    """P(output, what is observed) of one output.
+    """P(output, what is observed) of one output."""
 
-    Attributes:
-        output: its node, -1 for the probability of the evidence alone.
-        card: number of states of the output; 1 for the evidence alone.
-        inputs: nodes that select a row, ascending.
-        counts: rows for each of them: its states, and behind them "not observed" where that may
-            be.
-        rows: one for each case, the last input fastest.
-        summed: the numbers for "not observed" are sums of others, so they can be left out.
-    """
-
-    output: int
-    card: int
-    inputs: tuple[int, ...]
+    output: int  # its node, -1 for the probability of the evidence alone
+    card: int  # number of states of the output; 1 for the evidence alone
+    inputs: tuple[int, ...]  # nodes that select a row, ascending
+    # rows for each of them: its states, and behind them "not observed" where that may be
     counts: tuple[int, ...]
-    rows: list[list[float]]
-    summed: bool
+    rows: list[list[float]]  # one for each case, the last input fastest
+    summed: bool  # the numbers for "not observed" are sums of others, so they can be left out
 
     def strides(self) -> tuple[int, ...]:
         """Return the distance between the rows of two states of each input."""

@@ -14,13 +14,10 @@ from typing import NamedTuple
 from eddi_scaffold.kinds.bayesian_network.clique_tree import TABLE, UNIT, Tree, find_tree
 from eddi_scaffold.kinds.bayesian_network.structure import Component, Shape, size_of
 
-Edge = tuple[int, int]
-"""(from, to): numbers of a tree."""
+Edge = tuple[int, int]  # (from, to): numbers of a tree
 
-MAX_CASES = 1024
-"""Cases of a tabulated message; each is a view of 100 bytes."""
-MAX_NUMBERS = 16_384
-"""Numbers in a tabulated message: 128 KiB."""
+MAX_CASES = 1024  # Cases of a tabulated message; each is a view of 100 bytes
+MAX_NUMBERS = 16_384  # Numbers in a tabulated message: 128 KiB
 _MAX_WORK = 2_000_000
 """Multiplications for one tabulated message when the model is loaded: some milliseconds."""
 _OPERATION_NS = 600
@@ -28,41 +25,26 @@ _LOOKUP_NS = 80
 
 
 class Message(NamedTuple):
-    """One message.
+    """One message."""
 
-    Attributes:
-        edge: which way it goes.
-        mask: the nodes it has an axis for.
-        inputs: observable nodes that it depends on.
-        parts: the messages it is the product of; empty for a leaf.
-        leaf: number of the leaf, -1 for a product.
-        kind: of the leaf, empty for a product.
-    """
-
-    edge: Edge
-    mask: int
-    inputs: int
-    parts: tuple[Edge, ...]
-    leaf: int
-    kind: str
+    edge: Edge  # which way it goes
+    mask: int  # the nodes it has an axis for
+    inputs: int  # observable nodes that it depends on
+    parts: tuple[Edge, ...]  # the messages it is the product of; empty for a leaf
+    leaf: int  # number of the leaf, -1 for a product
+    kind: str  # of the leaf, empty for a product
 
 
 class MessageProgram(NamedTuple):
-    """What is to be done for some outputs.
+    """What is to be done for some outputs."""
 
-    Attributes:
-        messages: by edge; each comes after its parts.
-        answers: output -> the message into its leaf.
-        evidence: for a part without outputs: the two messages whose product, summed, is the
-            probability of the evidence (one of them for a single leaf).
-        tabulated: the messages that depend on few inputs.
-        cases: of each node that may be observed: its states, and "not observed" where that may be.
-    """
-
-    messages: dict[Edge, Message]
-    answers: dict[int, Edge]
+    messages: dict[Edge, Message]  # by edge; each comes after its parts
+    answers: dict[int, Edge]  # output -> the message into its leaf
+    # for a part without outputs: the two messages whose product, summed, is the probability of the
+    # evidence (one of them for a single leaf)
     evidence: tuple[Edge, ...]
-    tabulated: set[Edge]
+    tabulated: set[Edge]  # the messages that depend on few inputs
+    # of each node that may be observed: its states, and "not observed" where that may be
     cases: dict[int, int]
 
     def joint_mask(self, message: Message) -> int:

@@ -21,37 +21,24 @@ from eddi_scaffold.common.problems import Place
 
 @dataclass(frozen=True)
 class Node:
-    """One random variable.
+    """One random variable."""
 
-    Attributes:
-        id: its name, unique in the network.
-        title: what people call it (GeNIe's name); the id where there is none.
-        states: names, in order; a node of one state is certain.
-        parents: ids, in the order of the table.
-        table: P(own state | states of the parents), each row sums to 1.
-        target: the file marks it as a node of interest.
-    """
-
-    id: str
-    title: str
-    states: tuple[str, ...]
-    parents: tuple[str, ...]
-    table: tuple[float, ...]
-    target: bool = False
+    id: str  # its name, unique in the network
+    title: str  # what people call it (GeNIe's name); the id where there is none
+    states: tuple[str, ...]  # names, in order; a node of one state is certain
+    parents: tuple[str, ...]  # ids, in the order of the table
+    table: tuple[float, ...]  # P(own state | states of the parents), each row sums to 1
+    target: bool = False  # the file marks it as a node of interest
     place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
 class Network:
-    """A checked network: acyclic, complete, every row sums to 1.
-
-    Attributes:
-        nodes: in the order of the file.
-        known: nodes that the file expects to be known, each with the event that tells, or None.
-    """
+    """A checked network: acyclic, complete, every row sums to 1."""
 
     name: str
-    nodes: tuple[Node, ...]
+    nodes: tuple[Node, ...]  # in the order of the file
+    # nodes that the file expects to be known, each with the event that tells, or None
     known: tuple[tuple[str, str | None], ...] = field(default=(), kw_only=True)
     place: Place = field(default=Place(), compare=False)
 
@@ -95,34 +82,26 @@ class Named:
     place: Place
 
 
-Row = tuple[Sequence[str], Place]
-"""The texts of the numbers of a row, and where it stands."""
+Row = tuple[Sequence[str], Place]  # The texts of the numbers of a row, and where it stands
 
 
 @dataclass(frozen=True)
 class Draft:
-    """A node as a reader found it, before any check.
+    """A node as a reader found it, before any check."""
 
-    Attributes:
-        id: empty when the file gives none.
-        values: texts of the numbers in the order of the table; ``None``: the file gives rows, or
-            no numbers.
-        rows: states of the parents -> a row, in any order; ``None``: the file gives none.
-        default: the row of all other states.
-        broken: the reader has reported what is wrong with the table.
-    """
-
-    id: str
+    id: str  # empty when the file gives none
     title: str
     states: tuple[Named, ...]
     parents: tuple[Named, ...]
+    # texts of the numbers in the order of the table; `None`: the file gives rows, or no numbers
     values: tuple[str, ...] | None
     place: Place
     values_place: Place
+    # states of the parents -> a row, in any order; `None`: the file gives none
     rows: Mapping[tuple[str, ...], Row] | None = None
-    default: Row | None = None
+    default: Row | None = None  # the row of all other states
     target: bool = False
-    broken: bool = False
+    broken: bool = False  # the reader has reported what is wrong with the table
 
 
 def in_digits(number: int) -> str:

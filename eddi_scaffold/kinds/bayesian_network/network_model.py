@@ -16,7 +16,7 @@ from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.parsing import load
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
-from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, show
+from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats, show
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import (
@@ -25,11 +25,6 @@ from eddi_scaffold.kinds.bayesian_network.options import (
 )
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
-from eddi_scaffold.kinds.bayesian_network.read_xml_formats import (
-    read_xdsl,
-    read_xmlbif,
-    without_doctype,
-)
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
@@ -79,13 +74,13 @@ class NetworkModel(kinds.Model):
             network, problems = read_bif(source)
         else:
             is_bif = suffix != ".xdsl" and b"<BIF" in source.data[:65536]
-            clean, problems = without_doctype(source) if is_bif else (source, [])
+            clean, problems = read_xml_formats.without_doctype(source) if is_bif else (source, [])
             with clean.open() as stream:
                 root, faults = load(stream, source.name)
             network, problems = None, problems or faults
             if root is not None:
                 is_xmlbif = is_bif or suffix in (".xmlbif", ".bifxml")
-                read = read_xmlbif if is_xmlbif else read_xdsl
+                read = read_xml_formats.read_xmlbif if is_xmlbif else read_xml_formats.read_xdsl
                 network, faults = read(root, source.name, source.stem)
                 problems = [*problems, *faults]
         models = []

@@ -14,18 +14,13 @@ from eddi_scaffold.common.identifiers import attribute, free_name
 from eddi_scaffold.common.problems import Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.common.units import accepted
 from eddi_scaffold.kinds import ModelInput, Options
-from eddi_scaffold.kinds.bayesian_network.discretisation import (
-    Declaration,
-    EntryReader,
-    Form,
-    read_discretisation,
-)
+from eddi_scaffold.kinds.bayesian_network import discretisation
 from eddi_scaffold.kinds.bayesian_network.inference_plan import LARGE, TOO_LARGE, Width, width_of
 from eddi_scaffold.kinds.bayesian_network.network import Network, in_digits, node_attributes
 from eddi_scaffold.kinds.bayesian_network.structure import numbered
 from eddi_scaffold.kinds.bayesian_network.thresholds import Threshold, read_thresholds
 
-_FORM: Form = {
+_FORM: discretisation.Form = {
     "outputs": (lambda value: isinstance(value, list), "a list of nodes"),
     "observed": (lambda value: isinstance(value, list), "a list of nodes"),
     "evidence_mode": (lambda value: value in ("virtual", "d7.2"), "virtual or d7.2"),
@@ -40,37 +35,23 @@ _FORM: Form = {
 
 @dataclass(frozen=True)
 class NetworkOptions:
-    """A network's use, checked.
+    """A network's use, checked."""
 
-    Attributes:
-        outputs: nodes whose posteriors are given, in the order of the network.
-        observed: nodes that inputs feed or `observed:` names, in the order of the network.
-        foreseen: what `observed:` names, `None` without it.
-        by_hand: nodes that a person can make of inputs which feed none.
-        declarations: discretised nodes.
-        direct: node -> input that holds its state or likelihoods.
-        inputs: what the monitor reads.
-        renamed: node -> its former name; its hand-written body moves along.
-        virtual: several non-zero outcomes are likelihoods; else D7.2's rule.
-        on_inconsistent: the result on evidence of probability zero.
-        explain: the status message has the relevance of each observed node.
-        width: what inference will cost.
-        thresholds: the evidence for ConSerts.
-    """
-
-    outputs: tuple[str, ...]
+    outputs: tuple[str, ...]  # nodes whose posteriors are given, in the order of the network
+    # nodes that inputs feed or `observed:` names, in the order of the network
     observed: tuple[str, ...]
-    declarations: tuple[Declaration, ...]
-    direct: Mapping[str, str]
-    inputs: tuple[ModelInput, ...] = field(compare=False)
-    width: Width = field(compare=False)
-    foreseen: tuple[str, ...] | None = None
+    declarations: tuple[discretisation.Declaration, ...]  # discretised nodes
+    direct: Mapping[str, str]  # node -> input that holds its state or likelihoods
+    inputs: tuple[ModelInput, ...] = field(compare=False)  # what the monitor reads
+    width: Width = field(compare=False)  # what inference will cost
+    foreseen: tuple[str, ...] | None = None  # what `observed:` names, `None` without it
+    # node -> its former name; its hand-written body moves along
     renamed: Mapping[str, str] = field(default_factory=dict, compare=False)
-    virtual: bool = True
-    on_inconsistent: str = "silent"
-    explain: bool = False
-    thresholds: tuple[Threshold, ...] = ()
-    by_hand: tuple[str, ...] = ()
+    virtual: bool = True  # several non-zero outcomes are likelihoods; else D7.2's rule
+    on_inconsistent: str = "silent"  # the result on evidence of probability zero
+    explain: bool = False  # the status message has the relevance of each observed node
+    thresholds: tuple[Threshold, ...] = ()  # the evidence for ConSerts
+    by_hand: tuple[str, ...] = ()  # nodes that a person can make of inputs which feed none
 
     @property
     def inferred(self) -> tuple[str, ...]:
@@ -96,12 +77,12 @@ def read_options(
     Without a configuration there are no problems, however wide the network is.
     """
     has_configuration, options = options is not None, options or Options()
-    declarations, problems = read_discretisation(network, options)
+    declarations, problems = discretisation.read_discretisation(network, options)
     declared, names = {entry.node for entry in declarations}, network.names()
     thresholds, faults = read_thresholds(network, options, declared)
     direct = inputs_named_like_nodes(network, options, declarations)
     own = {key: value for key, value in options.values.items() if key in _FORM}
-    reader = EntryReader(options, entry=own)
+    reader = discretisation.EntryReader(options, entry=own)
     values = reader.values(_FORM)
     for key in ("outputs", "observed"):
         for number, name in enumerate(values.get(key, ())):
@@ -154,7 +135,7 @@ def read_options(
 
 
 def inputs_named_like_nodes(
-    network: Network, options: Options, declarations: Sequence[Declaration]
+    network: Network, options: Options, declarations: Sequence[discretisation.Declaration]
 ) -> dict[str, str]:
     """Return node -> input of its state, which has the node's name or its Python name."""
     if not options.inputs and not declarations:  # no configuration yet: an input for each node
@@ -172,7 +153,7 @@ def inputs_named_like_nodes(
 def _inputs(
     network: Network,
     options: Options,
-    declarations: Sequence[Declaration],
+    declarations: Sequence[discretisation.Declaration],
     direct: Mapping[str, str],
     *,
     has_thresholds: bool,

@@ -35,19 +35,14 @@ class _Token(NamedTuple):
 
 @dataclass
 class _Table:
-    """What ``probability`` gives for one variable.
-
-    Attributes:
-        table: all numbers; the states of the variable itself vary slowest.
-        rows: by the states of the parents.
-        default: the numbers of all other rows.
-    """
+    """What ``probability`` gives for one variable."""
 
     place: Place
     parents: tuple[Named, ...]
+    # all numbers; the states of the variable itself vary slowest
     table: tuple[str, ...] | None = None
-    rows: dict[tuple[str, ...], Row] = field(default_factory=dict)
-    default: tuple[str, ...] | None = None
+    rows: dict[tuple[str, ...], Row] = field(default_factory=dict)  # by the states of the parents
+    default: tuple[str, ...] | None = None  # the numbers of all other rows
 
 
 def read_bif(source: Source) -> tuple[Network | None, list[Problem]]:

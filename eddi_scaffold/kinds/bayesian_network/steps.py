@@ -25,19 +25,12 @@ _GEMV, _GEMM = 9_000, 200_000
 
 
 class Operation(NamedTuple):
-    """One call of numpy.
+    """One call of numpy."""
 
-    Attributes:
-        message: number of the message that needs it.
-        function: name in numpy.
-        operands: text of each, the name of a slot and perhaps ``[`` case ``]``.
-        nodes: that the result has an axis for.
-    """
-
-    message: int
-    function: str
-    operands: tuple[str, ...]
-    nodes: tuple[int, ...]
+    message: int  # number of the message that needs it
+    function: str  # name in numpy
+    operands: tuple[str, ...]  # text of each, the name of a slot and perhaps `[` case `]`
+    nodes: tuple[int, ...]  # that the result has an axis for
 
 
 class Groups(NamedTuple):

@@ -12,16 +12,11 @@ from eddi_scaffold.kinds.bayesian_network.network import Network, node_attribute
 
 
 class Shape(NamedTuple):
-    """A network without its numbers: all that the cost of inference depends on.
+    """A network without its numbers: all that the cost of inference depends on."""
 
-    Attributes:
-        names: of the nodes, in file order.
-        cards: number of states of each node.
-        parents: numbers of the parents of each node, in the order of its table.
-    """
-
-    names: tuple[str, ...]
-    cards: tuple[int, ...]
+    names: tuple[str, ...]  # of the nodes, in file order
+    cards: tuple[int, ...]  # number of states of each node
+    # numbers of the parents of each node, in the order of its table
     parents: tuple[tuple[int, ...], ...]
 
     def family(self, node: int) -> tuple[int, ...]:
@@ -30,35 +25,23 @@ class Shape(NamedTuple):
 
 
 class NumberedNetwork(NamedTuple):
-    """A network with its numbers.
-
-    Attributes:
-        shape: names, numbers of states, parents.
-        states: names of the states of each node.
-        tables: P(node | parents) of each node: first parent slowest, own state fastest.
-        attributes: identifier of each node: its method is ``node_<attribute>``.
-    """
+    """A network with its numbers."""
 
     shape: Shape
     states: tuple[tuple[str, ...], ...]
+    # P(node | parents) of each node: first parent slowest, own state fastest
     tables: tuple[tuple[float, ...], ...]
-    attributes: tuple[str, ...]
+    attributes: tuple[str, ...]  # identifier of each node: its method is `node_<attribute>`
 
 
 class Component(NamedTuple):
-    """Nodes whose probabilities depend on each other for some evidence; nothing else does.
+    """Nodes whose probabilities depend on each other for some evidence; nothing else does."""
 
-    Attributes:
-        nodes: numbers of those whose tables belong here, ascending.
-        inputs: those that may be observed.
-        outputs: those whose posterior is asked for.
-        always_observed: nodes observed in each step: their states select numbers, tables have no
-            axis for them, and what only they connect falls apart.
-    """
-
-    nodes: tuple[int, ...]
-    inputs: tuple[int, ...]
-    outputs: tuple[int, ...]
+    nodes: tuple[int, ...]  # numbers of those whose tables belong here, ascending
+    inputs: tuple[int, ...]  # those that may be observed
+    outputs: tuple[int, ...]  # those whose posterior is asked for
+    # nodes observed in each step: their states select numbers, tables have no axis for them, and
+    # what only they connect falls apart
     always_observed: tuple[int, ...] = ()
 
 

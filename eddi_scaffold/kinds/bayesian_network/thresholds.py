@@ -56,27 +56,16 @@ _FORM: Form = {
 
 @dataclass(frozen=True)
 class Threshold:
-    """One checked entry.
-
-    Attributes:
-        id: of the evidence.
-        node: id of the node.
-        states: whose probabilities are added up.
-        at_least: the sum must not be below ``limit``; else it must not be above.
-        limit: where it becomes active.
-        release: beyond it, it is lost.
-        hold: seconds for which the limit must be kept before.
-        topic: where it is published alone, ``None`` for nowhere.
-    """
+    """One checked entry."""
 
     id: str
     node: str
-    states: tuple[str, ...]
-    at_least: bool
-    limit: float
-    release: float
-    hold: float
-    topic: str | None
+    states: tuple[str, ...]  # whose probabilities are added up
+    at_least: bool  # the sum must not be below `limit`; else it must not be above
+    limit: float  # where it becomes active
+    release: float  # beyond it, it is lost
+    hold: float  # seconds for which the limit must be kept before
+    topic: str | None  # where it is published alone, `None` for nowhere
     place: Place = field(default=Place(), compare=False)
 
     def text(self) -> str:
@@ -133,10 +122,18 @@ class _ThresholdReader(EntryReader):
         if node in discretised:
             self.report("B305.observed", "node", name=node)
         elif node in names:
-            self._check_states(node, states)
+            known = self._network.node(node).states
+            for state in states:
+                if state not in known:
+                    hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
+                    self.report("B303.threshold_state", "state", hint=hint, state=state)
+            if len({*states}) < len(states):
+                self.report("B303.state_twice", "state")
+            elif {*states} == {*known}:
+                self.report("B303.every_state", "state", node=node)
         elif "node" in values:
-            hint = did_you_mean(node, names)
-            self.report("B303.threshold_node", "node", hint=hint, value=node)
+            similar = did_you_mean(node, names)
+            self.report("B303.threshold_node", "node", hint=similar, value=node)
         keys = [key for key in ("at_least", "at_most") if key in self.entry]
         if len(keys) != 1:
             self.report("B404.one_limit", *keys[:1])
@@ -152,14 +149,3 @@ class _ThresholdReader(EntryReader):
         hold_s, topic = _hold_s(values.get("hold", 0)) or 0.0, values.get("topic")
         limits = (is_least, limit, release, hold_s, topic, self.place("id"))
         return [Threshold(values["id"], node, tuple(states), *limits)]
-
-    def _check_states(self, node: str, states: list[str]) -> None:
-        known = self._network.node(node).states
-        for state in states:
-            if state not in known:
-                hint = did_you_mean(state, known) or f"its states: {', '.join(known)}"
-                self.report("B303.threshold_state", "state", hint=hint, state=state)
-        if len({*states}) < len(states):
-            self.report("B303.state_twice", "state")
-        elif {*states} == {*known}:
-            self.report("B303.every_state", "state", node=node)

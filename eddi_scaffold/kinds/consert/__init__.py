@@ -11,88 +11,16 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds import Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
 
-OPTION_KEYS = ("guarantee_ids", "debounce", "filter")
-"""Keys of ``Model:`` in a configuration."""
+OPTION_KEYS = ("guarantee_ids", "debounce", "filter")  # Keys of `Model:` in a configuration
 
-GUARANTEE = "string id\nbool active\n"
-
-CONSERT_OUTPUT = "Guarantee[] guarantees\n"
-
-GUARANTEE_STATUS = """\
-# Why a guarantee is active or not.
-uint8 FALSE=0
-uint8 UNKNOWN=1
-uint8 TRUE=2
-# Id as in the model.
-string id
-# Active means TRUE and nothing else.
-uint8 verdict
-# Smallest set of inputs that would have to become good, empty while active.
-string[] missing
-"""
-
-CONSERT_STATUS = """\
-# The facts behind a ConSertOutput.
-std_msgs/Header header
-# Which model was evaluated: its id and the SHA-256 of its data.
-string model_id
-string model_digest
-GuaranteeStatus[] guarantees
-# What the configuration accepts in this step, and guarantees may rest on: `RtE_E0: max_age: none`.
-string[] accepted
-"""
-
-ROBOT_GUARANTEES = """\
-# The word of one robot to all others: what it guarantees, and until when that counts.
-string robot
-# Which model gives the guarantees: its id and the SHA-256 of its data.
-string model_id
-string model_digest
-# Another one after each start of the node, and the number of the word in it, from 1 on.
-string session
-uint64 sequence
-# Seconds after which this word counts as unknown, on the clock of whoever relies on it.
-float64 lease
-# The node relies on words of others: they echo the last one that they heard of it.
-bool listens
-RobotGuarantee[] guarantees
-Heard[] heard
-"""
-
-ROBOT_GUARANTEE = """\
-string id
-bool active
-# On whose words it rests, as ROBOT/MODEL, with those behind them: none of them relies on it.
-string[] rests_on
-"""
-
-HEARD = """\
-# An echo: the last word that was heard of a node.
-string robot
-string model_id
-string session
-uint64 sequence
-"""
-
-BETWEEN_ROBOTS = {
-    "Heard": HEARD,
-    "RobotGuarantee": ROBOT_GUARANTEE,
-    "RobotGuarantees": ROBOT_GUARANTEES,
-}
+BETWEEN_ROBOTS = messages_in(__path__[0], "between_robots")
 """Messages that a workspace has where its robot is one of a fleet, as ``MESSAGES``."""
-
-MESSAGES = {
-    "ConSertOutput": CONSERT_OUTPUT,
-    "ConSertStatus": CONSERT_STATUS,
-    "Guarantee": GUARANTEE,
-    "GuaranteeStatus": GUARANTEE_STATUS,
-}
-"""ROS message name -> text of its ``.msg`` file."""
+MESSAGES = messages_in(__path__[0])  # ROS message name -> text of its `.msg` file
 _UNKNOWN, _TRUE = 1, 2
 
 

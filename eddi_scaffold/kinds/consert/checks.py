@@ -81,13 +81,10 @@ def _repeated_ids(nodes: Iterable[Any]) -> Iterator[Problem]:
         before = first.setdefault(node.id, node)
         if before is not node:
             fields = {"id": shown(node.id), "kind": node.kind, "before": before.kind}
-            yield problem("C007.duplicate", node.place, **fields, there=_where(before.place))
-
-
-def _where(place: Place) -> str:
-    if place.line is None:
-        return place.path or "the same model"
-    return f"line {place.line}" + ("" if place.col is None else f", column {place.col}")
+            place = before.place
+            there = f"line {place.line}" if place.line else place.path or "the same model"
+            there += f", column {place.col}" if place.line and place.col else ""
+            yield problem("C007.duplicate", node.place, **fields, there=there)
 
 
 def _check_edges(consert: model.ConSert, kinds: dict[str, str]) -> Iterator[Problem]:

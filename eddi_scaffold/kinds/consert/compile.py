@@ -34,8 +34,7 @@ from eddi_scaffold.program.monitor_text import (
 from eddi_scaffold.program.python_step import Printer
 
 FORMAT = 3
-MODULES = ("filters", "search")
-"""Modules of the part that a ConSert imports where it uses them."""
+MODULES = ("filters", "search")  # Modules of the part that a ConSert imports where it uses them
 
 STRAIGHT_LINE_LIMIT = 20_000
 """Inputs + edges + gates up to which the step is written out; beyond, the runtime's loop over the
@@ -47,23 +46,14 @@ _RESERVED |= {"INF"}
 
 
 class Leaf(NamedTuple):
-    """Evidence or a demand as it is judged, with bounds in the unit in which values arrive.
-
-    Attributes:
-        id: of the input.
-        type: of the value that is read.
-        judgement: the operation that judges it.
-        covered: the texts or ranges that are good.
-        constructor: the same for the runtime.
-        about: the same for people.
-    """
+    """Evidence or a demand as it is judged, with bounds in the unit in which values arrive."""
 
     id: str
     type: str
-    judgement: str
-    covered: tuple[str, ...] | tuple[Interval, ...] | None
-    constructor: py.Part
-    about: str
+    judgement: str  # the operation that judges it
+    covered: tuple[str, ...] | tuple[Interval, ...] | None  # the texts or ranges that are good
+    constructor: py.Part  # the same for the runtime
+    about: str  # the same for people
 
 
 def compile_consert(

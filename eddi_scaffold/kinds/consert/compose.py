@@ -18,32 +18,27 @@ from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert.graph import constants
 from eddi_scaffold.kinds.consert.ranges import common, is_inside, span
 
-Ref = tuple[str, str]
-"""Instance name and id."""
+Ref = tuple[str, str]  # Instance name and id
 
 
 @dataclass(frozen=True)
 class Composition:
-    """What came of putting ConSerts together.
+    """What came of putting ConSerts together."""
 
-    Attributes:
-        composable: every demand and required service is met, and no ConSerts wait for each other.
-        order: instance names, providers first; those that could not be accepted are missing.
-        bindings: (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which
-            depends on the instance itself.
-        unmatched_demands: ids of demands that no ConSert in the set fulfils, as ``INSTANCE/ID``
-            where several instances have a demand of that id.
-        unmatched_services: ids of required services that no ConSert in the set provides, likewise.
-        reasons: one sentence for each obstacle.
-        problems: services that a file allocates to one that does not do (X009).
-    """
-
+    # every demand and required service is met, and no ConSerts wait for each other
     composable: bool
+    # instance names, providers first; those that could not be accepted are missing
     order: tuple[str, ...]
+    # (instance, demand) -> (instance, guarantee) pairs that fulfil it, none of which depends on the
+    # instance itself
     bindings: Mapping[Ref, tuple[Ref, ...]]
+    # ids of demands that no ConSert in the set fulfils, as `INSTANCE/ID` where several instances
+    # have a demand of that id
     unmatched_demands: tuple[str, ...]
+    # ids of required services that no ConSert in the set provides, likewise
     unmatched_services: tuple[str, ...]
-    reasons: tuple[str, ...]
+    reasons: tuple[str, ...]  # one sentence for each obstacle
+    # services that a file allocates to one that does not do (X009)
     problems: tuple[Problem, ...] = ()
 
     def as_json(self) -> dict[str, object]:
@@ -77,19 +72,14 @@ class Composition:
 
 @dataclass
 class _Need:
-    """A demand or a required service.
-
-    Attributes:
-        types: of the service, and of the dimensions of a demand.
-        reason: why it is not met.
-        met_by: instance that can meet it -> guarantees of it that do.
-    """
+    """A demand or a required service."""
 
     instance: str
     id: str
     is_demand: bool
-    types: Sequence[str]
-    reason: str = ""
+    types: Sequence[str]  # of the service, and of the dimensions of a demand
+    reason: str = ""  # why it is not met
+    # instance that can meet it -> guarantees of it that do
     met_by: dict[str, list[str]] = field(default_factory=dict)
 
     @property
@@ -137,7 +127,15 @@ class _Composer:
                 reason = f"required service {name}/{service.id} is not provided: "
                 reason += f"no other ConSert provides a service of type {type_}"
                 self.needs.append(_Need(name, service.id, False, [type_], reason, met_by))
-        self.rounds = self._rounds()
+        # What needs only what has been accepted is accepted, in rounds; instance -> its round.
+        self.rounds: dict[str, int] = {}
+        while True:
+            unmet = (n.instance for n in self.needs if self.rounds.keys().isdisjoint(n.met_by))
+            waiting = {*unmet, *self.rounds}
+            ready = [name for name, _ in instances if name not in waiting]
+            if not ready:
+                return
+            self.rounds |= dict.fromkeys(ready, len(self.rounds))
 
     def composition(self) -> Composition:
         rounds = dict.fromkeys(dict(self.instances), len(self.instances)) | self.rounds
@@ -166,7 +164,7 @@ class _Composer:
             },
             unmatched_demands=unmatched[True],
             unmatched_services=unmatched[False],
-            reasons=(*self._unmet_reasons(), *self._waiting_reasons()),
+            reasons=tuple(self._reasons()),
             problems=tuple(self._wrong_allocations()),
         )
 
@@ -190,18 +188,7 @@ class _Composer:
         need.reason = f"demand {need.name} is not fulfilled: {reason}"
         return need
 
-    def _rounds(self) -> dict[str, int]:
-        """Accept in rounds what needs only what has been accepted; instance -> its round."""
-        rounds: dict[str, int] = {}
-        while True:
-            unmet = (n.instance for n in self.needs if rounds.keys().isdisjoint(n.met_by))
-            waiting = {*unmet, *rounds}
-            ready = [name for name, _ in self.instances if name not in waiting]
-            if not ready:
-                return rounds
-            rounds |= dict.fromkeys(ready, len(rounds))
-
-    def _unmet_reasons(self) -> Iterator[str]:
+    def _reasons(self) -> Iterator[str]:
         """Yield why needs are not met; a type that nobody has may be a slip."""
         known = {type_ for type_, _ in self.provided}
         for _, guarantee, _ in self.offers:
@@ -211,11 +198,8 @@ class _Composer:
             if not need.met_by:
                 hints = [similar.hint(type_) for type_ in need.types if type_ not in known]
                 yield "; ".join(filter(None, (need.reason, *hints)))
-
-    def _waiting_reasons(self) -> Iterator[str]:
-        """Yield which ConSerts wait for others that cannot be accepted, or for each other."""
         waits: dict[str, tuple[str, ...]] = {name: () for name, _ in self.instances}
-        for need in self.needs:
+        for need in self.needs:  # they wait for others that cannot be accepted, or for each other
             if need.instance not in self.rounds and self.rounds.keys().isdisjoint(need.met_by):
                 waits[need.instance] = (*waits[need.instance], *need.met_by)
         for name, others in waits.items():
@@ -327,35 +311,25 @@ def _difference(
     if units.factor(*their_units) is None:
         texts = [f"the unit {unit}" if unit else "the ratio" for unit in their_units]
         return 2, f"{title}: {texts[0]} of {name} and {texts[1]} of {demand} do not compare"
-    relation = _wrong_relation(offered, demanded)
-    if relation is None:
-        return None
-    sides = [f"{demanded.covered_text} of {demand}", f"{offered.covered_text} of {name}"]
-    if demanded.subset == "Guarantee":
-        sides.reverse()
-    return 1, f"{title}: {sides[0]} {relation} {sides[1]}"
-
-
-def _wrong_relation(
-    offered: model.CategoricalDimension | model.NumericDimension,
-    demanded: model.CategoricalDimension | model.NumericDimension,
-) -> str | None:
-    """Return how the covered values lie to each other where the demand wants it otherwise."""
     if isinstance(demanded, model.NumericDimension) and isinstance(offered, model.NumericDimension):
         needed, covered = (  # exact, in the basic unit
-            [span(c, (units.find(d.uom) or units.RATIO).factor) for c in d.covered]
+            [span(part, (units.find(d.uom) or units.RATIO).factor) for part in d.covered]
             for d in (demanded, offered)
         )
         has_common = common(needed, covered)
         is_enough, is_allowed = is_inside(needed, covered), is_inside(covered, needed)
     else:
-        texts, others = set(demanded.covered), set(offered.covered)
-        has_common = not texts.isdisjoint(others)
-        is_enough, is_allowed = texts.issubset(others), others.issubset(texts)
-    if demanded.subset == "Intersection":
-        return None if has_common else "has nothing in common with"
-    if demanded.subset == "Demand":
-        return None if is_enough else "is not inside"
+        values, offered_values = set(demanded.covered), set(offered.covered)
+        has_common = not values.isdisjoint(offered_values)
+        is_enough, is_allowed = values <= offered_values, offered_values <= values
+    fits, relation = {
+        "Intersection": (has_common, "has nothing in common with"),
+        "Demand": (is_enough, "is not inside"),
+        "Guarantee": (is_allowed, "is not inside"),
+    }.get(demanded.subset or "", (is_enough and is_allowed, "does not equal"))
+    if fits:
+        return None
+    sides = [f"{demanded.covered_text} of {demand}", f"{offered.covered_text} of {name}"]
     if demanded.subset == "Guarantee":
-        return None if is_allowed else "is not inside"
-    return None if is_enough and is_allowed else "does not equal"
+        sides.reverse()
+    return 1, f"{title}: {sides[0]} {relation} {sides[1]}"

@@ -25,38 +25,25 @@ GateFunction = Literal["And", "Or"]
 
 @dataclass(frozen=True)
 class Bound:
-    """One end of a range.
+    """One end of a range."""
 
-    Attributes:
-        text: decimal text as written, for exact comparison and for output.
-        value: the same as a double; may be infinite, never NaN in a checked model.
-    """
-
-    text: str
-    value: float
+    text: str  # decimal text as written, for exact comparison and for output
+    value: float  # the same as a double; may be infinite, never NaN in a checked model
 
 
 @dataclass(frozen=True)
 class Range:
-    """A range of numbers in the unit of its dimension.
-
-    Attributes:
-        inclusive: the end lies inside as well (``Inclusive``), or outside (``Exclusive``).
-        start_inclusive: the start lies inside, as it always does in YAML.
-    """
+    """A range of numbers in the unit of its dimension."""
 
     start: Bound
     end: Bound
-    inclusive: bool
+    inclusive: bool  # the end lies inside as well (`Inclusive`), or outside (`Exclusive`)
     place: Place = field(default=Place(), compare=False)
-    start_inclusive: bool = True
+    start_inclusive: bool = True  # the start lies inside, as it always does in YAML
 
     def text(self, unit: str | None = None) -> str:
         """Return it for people: ``[0, 5] m``, ``[0, 5)``."""
-        opening, closing = (
-            "[" if self.start_inclusive else "(",
-            "]" if self.inclusive else ")",
-        )
+        opening, closing = "[" if self.start_inclusive else "(", "]" if self.inclusive else ")"
         ends = f"{opening}{self.start.text}, {self.end.text}{closing}"
         return f"{ends} {unit}" if unit else ends
 
@@ -71,15 +58,11 @@ class Range:
 
 @dataclass(frozen=True)
 class BinaryDimension:
-    """A property that holds or does not hold.
-
-    Attributes:
-        value: what is good, expected or guaranteed; true unless an EDDI says false.
-    """
+    """A property that holds or does not hold."""
 
     type: str
     place: Place = field(default=Place(), compare=False)
-    value: bool = True
+    value: bool = True  # what is good, expected or guaranteed; true unless an EDDI says false
 
     @property
     def text(self) -> str:
@@ -121,16 +104,12 @@ class CategoricalDimension:
 
 @dataclass(frozen=True)
 class NumericDimension:
-    """A number with a unit, expected to lie in one of the ``covered`` ranges.
-
-    Attributes:
-        uom: unit as written; ``""`` is a ratio, ``None`` means that none was given (C016).
-    """
+    """A number with a unit, expected to lie in one of the ``covered`` ranges."""
 
     type: str
     covered: tuple[Range, ...]
     subset: Subset | None
-    uom: str | None
+    uom: str | None  # unit as written; `""` is a ratio, `None` means that none was given (C016)
     place: Place = field(default=Place(), compare=False)
 
     @property
@@ -182,19 +161,14 @@ class Demand:
 
 @dataclass(frozen=True)
 class Guarantee:
-    """A property that this system assures while its support holds.
-
-    Attributes:
-        default: holds always and has no support (DEIS: the fallback of its service).
-        ranking: lowest is best; ``None`` when not given.
-    """
+    """A property that this system assures while its support holds."""
 
     kind: ClassVar[str] = "guarantee"
     id: str
     dimensions: tuple[Dimension, ...]
     description: str | None = None
-    default: bool = False
-    ranking: int | None = None
+    default: bool = False  # holds always and has no support (DEIS: the fallback of its service)
+    ranking: int | None = None  # lowest is best; `None` when not given
     place: Place = field(default=Place(), compare=False)
 
 
@@ -222,11 +196,7 @@ class Propagation:
 
 @dataclass(frozen=True)
 class RequiredService:
-    """A service expected from another system, with the ids of the demands that it groups.
-
-    Attributes:
-        allocated: places of the services that are to provide it, as the file says.
-    """
+    """A service expected from another system, with the ids of the demands that it groups."""
 
     kind: ClassVar[str] = "required service"
     member_kind: ClassVar[str] = "demand"
@@ -234,6 +204,7 @@ class RequiredService:
     functional_service_type: str
     demands: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
+    # places of the services that are to provide it, as the file says
     allocated: tuple[Place, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -248,11 +219,7 @@ class RequiredService:
 
 @dataclass(frozen=True)
 class ProvidedService:
-    """A service offered to other systems, with the ids of the guarantees that it groups.
-
-    Attributes:
-        allocated: places of the services that it is to provide, as the file says.
-    """
+    """A service offered to other systems, with the ids of the guarantees that it groups."""
 
     kind: ClassVar[str] = "provided service"
     member_kind: ClassVar[str] = "guarantee"
@@ -260,6 +227,7 @@ class ProvidedService:
     functional_service_type: str
     guarantees: tuple[str, ...]
     place: Place = field(default=Place(), compare=False)
+    # places of the services that it is to provide, as the file says
     allocated: tuple[Place, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
@@ -277,11 +245,7 @@ Service = RequiredService | ProvidedService
 
 @dataclass(frozen=True)
 class ConSert:
-    """A conditional safety certificate: a directed acyclic graph from evidence to guarantees.
-
-    Attributes:
-        system: name of the system that it is of, empty where the file does not say it.
-    """
+    """A conditional safety certificate: a directed acyclic graph from evidence to guarantees."""
 
     name: str
     guarantees: tuple[Guarantee, ...]
@@ -292,7 +256,7 @@ class ConSert:
     required_services: tuple[RequiredService, ...]
     provided_services: tuple[ProvidedService, ...]
     place: Place = field(default=Place(), compare=False)
-    system: str = ""
+    system: str = ""  # name of the system that it is of, empty where the file does not say it
 
     @property
     def leaf_nodes(self) -> tuple[Evidence | Demand, ...]:

@@ -14,18 +14,11 @@ from eddi_scaffold.common.problems import Problem, has_errors, in_order
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.kinds import InputType, Model, ModelInput, Options, ReadResult
+from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert import read_eddi, show
 from eddi_scaffold.kinds.consert.checks import check_consert
 from eddi_scaffold.kinds.consert.compile import compile_consert
 from eddi_scaffold.kinds.consert.compose import why_not_fulfilled
-from eddi_scaffold.kinds.consert.consert import (
-    NAME,
-    BinaryDimension,
-    ConSert,
-    Demand,
-    Evidence,
-    NumericDimension,
-)
 from eddi_scaffold.kinds.consert.names import published_class
 from eddi_scaffold.kinds.consert.options import (
     ConSertOptions,
@@ -63,8 +56,8 @@ MEANINGS: Meanings = {
 class ConSertModel(Model):
     """A ConSert, and what its configuration chooses."""
 
-    kind: ClassVar[str] = NAME
-    data: ConSert = field(kw_only=True)
+    kind: ClassVar[str] = model.NAME
+    data: model.ConSert = field(kw_only=True)
     options: ConSertOptions = field(default=ConSertOptions(), kw_only=True)
 
     @classmethod
@@ -128,7 +121,9 @@ class ConSertModel(Model):
         return [
             Claim(
                 self.options.published(guarantee.id),
-                frozenset() if guarantee.default else leaves & reached(sources, [guarantee.id]),
+                frozenset()
+                if guarantee.default
+                else frozenset(reached(sources, [guarantee.id]) & leaves),
                 self.options.hold_s(frequency),
             )
             for guarantee in self.data.guarantees
@@ -174,7 +169,10 @@ class ConSertModel(Model):
 
 
 def _models(
-    conserts: Sequence[ConSert], problems: Sequence[Problem], source: Source, marks: Sequence[str]
+    conserts: Sequence[model.ConSert],
+    problems: Sequence[Problem],
+    source: Source,
+    marks: Sequence[str],
 ) -> ReadResult:
     marked, unclear = with_default_guarantees(conserts, marks if conserts else (), source.name)
     models: list[ConSertModel] = []
@@ -187,12 +185,12 @@ def _models(
     return ReadResult(tuple(models), tuple(in_order(all_problems)))
 
 
-def _input_of(node: Demand | Evidence) -> ModelInput:
+def _input_of(node: model.Demand | model.Evidence) -> ModelInput:
     """Return an input, whose value is good where a dimension covers it; a demand has to hold."""
-    dimension = node.dimension if isinstance(node, Evidence) else BinaryDimension("")
+    dimension = node.dimension if isinstance(node, model.Evidence) else model.BinaryDimension("")
     number: dict[str, Any] = {}
-    type_: InputType = "bool" if isinstance(dimension, BinaryDimension) else "str"
-    if isinstance(dimension, NumericDimension):
+    type_: InputType = "bool" if isinstance(dimension, model.BinaryDimension) else "str"
+    if isinstance(dimension, model.NumericDimension):
         type_ = "float"
         number = {
             "unit": dimension.uom or "",
@@ -205,7 +203,7 @@ def _input_of(node: Demand | Evidence) -> ModelInput:
         description=node.description,
         covered="; ".join(dimension.text for dimension in node.dimensions),
         is_good=dimension.covers,
-        is_demand=isinstance(node, Demand),
+        is_demand=isinstance(node, model.Demand),
         uses=(Use(dimension.covers),),
         **number,
     )

@@ -15,8 +15,7 @@ from typing import TypeVar
 from eddi_scaffold.common.graphs import in_order
 from eddi_scaffold.kinds.consert.consert import ConSert
 
-MOST_SETS = 256
-"""Most sets that are kept for one node."""
+MOST_SETS = 256  # Most sets that are kept for one node
 _BUDGET = 3_000_000
 _MOST_WRITTEN_SETS, _MOST_WRITTEN_IDS = 64, 2_000
 """Most sets of a guarantee that stand in ``compiled.py``, and a reviewer reads; ids in all sets."""
@@ -29,13 +28,12 @@ Value = TypeVar("Value")
 class Work:
     """What may still be spent on path sets: they can grow exponentially."""
 
-    def __init__(self) -> None:
-        self._remaining = _BUDGET
+    remaining = _BUDGET
 
     def spend(self, amount: int) -> bool:
         """Take an amount of work; ``False`` when there is not enough left."""
-        self._remaining -= amount
-        return self._remaining >= 0
+        self.remaining -= amount
+        return self.remaining >= 0
 
 
 def _values(

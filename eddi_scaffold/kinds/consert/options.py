@@ -16,24 +16,17 @@ if TYPE_CHECKING:
     from eddi_scaffold.kinds import Options
 
 _FILTERS = {"debounce": "regain_after", "majority": "window"}
-_MAX_SAMPLES = 100_000
-"""Longest history of a filter; at 1 kHz that is 100 s."""
+_MAX_SAMPLES = 100_000  # Longest history of a filter; at 1 kHz that is 100 s
 
 
 @dataclass(frozen=True)
 class ConSertOptions:
-    """What a configuration chooses.
+    """What a configuration chooses."""
 
-    Attributes:
-        guarantee_ids: ``source``: messages have the ids of the model; ``class``: SESAME D7.2's
-            names of classes.
-        filter: ``debounce`` or ``majority`` of the leaves, empty for none.
-        filter_steps: over how many steps.
-    """
-
+    # `source`: messages have the ids of the model; `class`: SESAME D7.2's names of classes
     guarantee_ids: str = "source"
-    filter: str = ""
-    filter_steps: int = 1
+    filter: str = ""  # `debounce` or `majority` of the leaves, empty for none
+    filter_steps: int = 1  # over how many steps
 
     def published(self, id_: str) -> str:
         """Return the id of a guarantee in messages."""

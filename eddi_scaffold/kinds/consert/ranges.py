@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 from eddi_scaffold.kinds.consert.consert import Bound, Range
 
-Exact = Fraction | float
-"""A fraction, or an infinity."""
+Exact = Fraction | float  # A fraction, or an infinity
 _MAX_DIGITS = 1000
 
 

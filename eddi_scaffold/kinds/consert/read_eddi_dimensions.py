@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from eddi_scaffold.common import units
@@ -64,18 +64,23 @@ class DimensionReader:
         relations = self._relations(element, dimensions)
         if names.DEMANDS.accepts(feature_of(element)):
             for child, dimension in dimensions.items():
-                if not isinstance(dimension, model.BinaryDimension):
-                    dimensions[child] = self._related(child, dimension, relations.get(child))
-        return (*dimensions.values(), *self._refinements(element))
-
-    def _refinements(self, element: Element) -> Iterator[model.Dimension]:
+                if isinstance(dimension, model.BinaryDimension):
+                    continue
+                own, relation = dimension.subset, relations.get(child)
+                if own is not None and relation is not None:
+                    self.findings.report("X011.subset_or_relation", child)
+                if own is None and relation is None:
+                    self.findings.report("X014.relation", child, type=dimension.type)
+                dimensions[child] = replace(dimension, subset=own or relation or "Equals")
+        all_dimensions = [*dimensions.values()]
         for part in self.document.children(element, names.SAFETY_PROPERTIES):
             for refinement in self.document.children(part, names.REFINEMENT):
                 text = self.document.attribute(refinement, names.NAME)
                 if text is None or not text.strip():
                     self.findings.report("X010.refinement", refinement)
                 else:
-                    yield self.english(text, refinement)
+                    all_dimensions.append(self.english(text, refinement))
+        return tuple(all_dimensions)
 
     def english(self, text: str, element: Element) -> model.Dimension:
         """Read one English text."""
@@ -108,10 +113,22 @@ class DimensionReader:
             return _PLACEHOLDER
         type_, place = self._type(element), self.document.place(element)
         if shape == "binary":
-            return model.BinaryDimension(type_, place, self._binary_value(element, type_))
+            value = self.boolean(element, names.VALUE)
+            if value is None and self.document.children(element, names.PUBLIC_TYPE):
+                self.findings.report("X014.value", element, kind=type_)
+                value = False
+            return model.BinaryDimension(type_, place, value is not False)
         parts = self.document.children(element, names.COVERED)
         is_public = self._is_public(element, parts)
-        subset = self._subset(element, is_public=is_public)
+        text, subset = self.document.attribute(element, names.SUBSET), None
+        if text is not None:
+            subset = _SUBSETS.get(text.strip().casefold())
+            if subset is None:
+                self.findings.report("X011.subset", element, text=_shortened(text))
+                subset = "Guarantee"
+        elif not self.document.children(element, names.PUBLIC_TYPE) and not is_public:
+            self.findings.report("X014.subset", element)
+            subset = "Guarantee"  # else the demand says it, by a relation
         if shape == "categorical":
             spelling = names.NAME if is_public else names.VALUE
             categories = tuple(self._mandatory(part, spelling) for part in parts)
@@ -124,7 +141,13 @@ class DimensionReader:
             )
         else:
             ranges = tuple(self._range(part) for part in parts)
-        unit = self._unit(element, type_, is_public=is_public)
+        unit = self.document.attribute(element, names.PUBLIC_UNIT)
+        unit = self.document.attribute(element, names.UNIT) if unit is None else unit
+        if unit is None and is_public:
+            known = ", ".join(_PUBLIC_UNITS)
+            self.findings.report("X014.unit", element, kind=type_, units=known)
+            unit = "MPS"
+        unit = unit and _PUBLIC_UNITS.get(unit.strip(), unit)
         return model.NumericDimension(type_, ranges, subset, unit, place)
 
     def _is_public(self, element: Element, covered: Sequence[Element]) -> bool:
@@ -155,25 +178,6 @@ class DimensionReader:
             self.findings.report("X010.dimension_child", element)
         return type_
 
-    def _binary_value(self, element: Element, type_: str) -> bool:
-        value = self.boolean(element, names.VALUE)
-        if value is None and self.document.children(element, names.PUBLIC_TYPE):
-            self.findings.report("X014.value", element, kind=type_)
-            return False
-        return value is not False
-
-    def _subset(self, element: Element, *, is_public: bool) -> model.Subset | None:
-        text = self.document.attribute(element, names.SUBSET)
-        if text is not None:
-            subset = _SUBSETS.get(text.strip().casefold())
-            if subset is None:
-                self.findings.report("X011.subset", element, text=_shortened(text))
-            return subset or "Guarantee"
-        if self.document.children(element, names.PUBLIC_TYPE) or is_public:
-            return None  # the demand says it, by a relation
-        self.findings.report("X014.subset", element)
-        return "Guarantee"
-
     def _relations(
         self, owner: Element, dimensions: Mapping[Element, model.Dimension]
     ) -> dict[Element, model.Subset]:
@@ -199,28 +203,6 @@ class DimensionReader:
                     self.findings.report("X009.dimension", part, actual=self.document.describe(end))
                 relations[end] = relation
         return relations
-
-    def _related(
-        self,
-        element: Element,
-        dimension: model.CategoricalDimension | model.NumericDimension,
-        relation: model.Subset | None,
-    ) -> model.Dimension:
-        """Return a dimension of a demand with its relation to what fulfils it."""
-        if dimension.subset is not None and relation is not None:
-            self.findings.report("X011.subset_or_relation", element)
-        if dimension.subset is None and relation is None:
-            self.findings.report("X014.relation", element, type=dimension.type)
-        return replace(dimension, subset=dimension.subset or relation or "Equals")
-
-    def _unit(self, element: Element, type_: str, *, is_public: bool) -> str | None:
-        text = self.document.attribute(element, names.PUBLIC_UNIT)
-        text = self.document.attribute(element, names.UNIT) if text is None else text
-        if text is None and is_public:
-            known = ", ".join(_PUBLIC_UNITS)
-            self.findings.report("X014.unit", element, kind=type_, units=known)
-            return _PUBLIC_UNITS["MPS"]
-        return None if text is None else _PUBLIC_UNITS.get(text.strip(), text)
 
     def _boundary(
         self, element: Element, spelling: Spelling, unbounded: str
@@ -291,15 +273,12 @@ def read_english(text: str) -> tuple[model.Dimension, str | None]:
         return binary, f'the unit "{bound[2]}" is unknown'
     if not class_name(subject):
         return binary, "there is nothing before the operator"
-    covered = _english_range(operator, model.Bound(bound[1], float(bound[1])))
-    return model.NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), None
-
-
-def _english_range(operator: str, bound: model.Bound) -> model.Range:
-    if operator not in (">", ">="):
-        return model.Range(model.Bound("0.0", 0.0), bound, inclusive=operator != "<")
+    limit = model.Bound(bound[1], float(bound[1]))
     if operator == ">":
         # A range always contains its start, so it starts at the next double.
-        above = math.nextafter(bound.value, math.inf)
-        bound = model.Bound(repr(above), above)
-    return model.Range(bound, model.Bound("inf", math.inf), inclusive=True)
+        above = math.nextafter(limit.value, math.inf)
+        limit = model.Bound(repr(above), above)
+    covered = model.Range(limit, model.Bound("inf", math.inf), inclusive=True)
+    if operator not in (">", ">="):
+        covered = model.Range(model.Bound("0.0", 0.0), limit, inclusive=operator != "<")
+    return model.NumericDimension(class_name(subject), (covered,), "Guarantee", bound[2]), None

@@ -15,8 +15,7 @@ from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
 MAX_ID = 128
-_MOST_UNKNOWN_KEYS = 100
-"""Unknown keys of one map that are compared with a missing one."""
+_MOST_UNKNOWN_KEYS = 100  # Unknown keys of one map that are compared with a missing one
 _UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 
@@ -25,29 +24,20 @@ Read = Callable[["_Reader", y.Node, str, str], Any]
 
 
 class _Field(NamedTuple):
-    """A key of a map.
-
-    Attributes:
-        substitute: the value where a faulty one does not keep the map from being read.
-    """
+    """A key of a map."""
 
     key: str
     read: Read
     is_optional: bool = False
-    substitute: Any = None
+    substitute: Any = None  # the value where a faulty one does not keep the map from being read
 
 
 class _Form(NamedTuple):
-    """What a map holds.
+    """What a map holds."""
 
-    Attributes:
-        make: takes the values of the fields in their order, and a place.
-        kind: of an element with an id, which messages call ``<kind> '<id>'``.
-    """
-
-    make: Callable[..., Any]
+    make: Callable[..., Any]  # takes the values of the fields in their order, and a place
     fields: tuple[_Field, ...]
-    kind: str = ""
+    kind: str = ""  # of an element with an id, which messages call `<kind> '<id>'`
 
 
 def read_yaml(
@@ -167,10 +157,9 @@ def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
 
 
 def _or_null(read: Read) -> Read:
-    def read_or_null(reader: _Reader, node: y.Node, what: str, owner: str) -> Any:
-        return None if y.is_null(node) else read(reader, node, what, owner)
-
-    return read_or_null
+    return lambda reader, node, what, owner: (
+        None if y.is_null(node) else read(reader, node, what, owner)
+    )
 
 
 def _scalar(convert: Callable[[y.Node], Any], case: str) -> Read:
@@ -197,11 +186,9 @@ def _bound(reader: _Reader, node: y.Node, what: str, _owner: str) -> model.Bound
 def _word_of(title: str, known: tuple[str, ...], hints: Mapping[str, str] | None = None) -> Read:
     def read_word(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
         text = _text(reader, node, what, owner)
-        if text is None or text in known:
-            return text
-        assert isinstance(node, y.Scalar)
-        reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
-        return None
+        if text is not None and text not in known and isinstance(node, y.Scalar):
+            reader.unknown_word(node, title, known, (hints or {}).get(text.casefold()))
+        return text if text in known else None
 
     return read_word
 
@@ -318,11 +305,8 @@ def _section(key: str, form: _Form) -> _Field:
     def read_element(reader: _Reader, node: y.Node, what: str, _owner: str) -> Any:
         return reader.element(node, what, form)
 
-    def read_section(reader: _Reader, node: y.Node, _what: str, owner: str) -> Any:
-        return read_elements(reader, node, repr(key), owner)
-
-    read_elements = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
-    return _Field(key, read_section)
+    read = _list_of(read_element, "item {number} of {what}", may_be_empty=True)
+    return _Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
 
 
 _SECTIONS = tuple(_section(key, form) for key, form in _ELEMENTS.items())

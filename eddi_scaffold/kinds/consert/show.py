@@ -71,30 +71,24 @@ def _label(node: Node) -> str:
 
 def diagram(consert: ConSert) -> Diagram:
     """Return what a picture of the ConSert shows."""
-    counted = ", ".join(
-        f"{len(getattr(consert, group))} {group}"
-        for group in ("guarantees", "gates", "evidence", "demands")
-    )
+    groups = ("guarantees", "gates", "evidence", "demands")
+    counted = ", ".join(f"{len(getattr(consert, group))} {group}" for group in groups)
     edges = (
-        DiagramEdge(source, target)
-        for target, sources in consert.inputs.items()
-        for source in sources
+        DiagramEdge(of, target) for target, sources in consert.inputs.items() for of in sources
     )
-    groups = (consert.guarantees, consert.gates, consert.evidence, consert.demands)
+    nodes = []
+    for node in (node for group in groups for node in getattr(consert, group)):
+        is_gate = isinstance(node, Gate)
+        shape, tone, _ = _LOOKS[node.function if is_gate else node.kind]
+        texts = () if is_gate else (dimension.text for dimension in node.dimensions)
+        lines = (node.function.upper(),) if is_gate else (node.id, *texts)
+        about = node.id if is_gate else node.description or ""
+        nodes.append(DiagramNode(node.id, lines, shape, tone, about))
     return Diagram(
         f"ConSert {consert.name}",
-        tuple(_diagram_node(node) for group in groups for node in group),
+        tuple(nodes),
         tuple(edges),
         "up",
         tuple(LegendEntry(title, shape, tone) for shape, tone, title in _LOOKS.values()),
         f"{counted}; support leads upwards",
     )
-
-
-def _diagram_node(node: Node) -> DiagramNode:
-    if isinstance(node, Gate):
-        shape, tone, _ = _LOOKS[node.function]
-        return DiagramNode(node.id, (node.function.upper(),), shape, tone, node.id)
-    shape, tone, _ = _LOOKS[node.kind]
-    lines = (node.id, *(dimension.text for dimension in node.dimensions))
-    return DiagramNode(node.id, lines, shape, tone, node.description or "")

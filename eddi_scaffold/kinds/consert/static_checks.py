@@ -14,21 +14,11 @@ from operator import and_, or_
 
 from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.common.problems import Problem, problem
+from eddi_scaffold.kinds.consert import graph
 from eddi_scaffold.kinds.consert.consert import ConSert, Guarantee
-from eddi_scaffold.kinds.consert.graph import (
-    MOST_SETS,
-    Sets,
-    Work,
-    constants,
-    implies,
-    leaves_in,
-    path_sets,
-    redundant_inputs,
-)
 from eddi_scaffold.yaml_text.nodes import shown
 
-_MOST_GUARANTEES = 64
-"""Guarantees of one service that are compared with each other."""
+_MOST_GUARANTEES = 64  # Guarantees of one service that are compared with each other
 
 
 def static_checks(consert: ConSert) -> list[Problem]:
@@ -46,11 +36,11 @@ def static_checks(consert: ConSert) -> list[Problem]:
 class _StaticChecks:
     def __init__(self, consert: ConSert) -> None:
         self.consert = consert
-        self.sets = path_sets(consert)
+        self.sets = graph.path_sets(consert)
         self.supporting = reached(consert.inputs, (node.id for node in consert.guarantees))
 
     def constants(self) -> Iterator[Problem]:
-        values = constants(self.consert)
+        values = graph.constants(self.consert)
         for guarantee in self.consert.guarantees:
             value, name = values[guarantee.id], shown(guarantee.id)
             # without any input C011 is reported
@@ -59,22 +49,25 @@ class _StaticChecks:
                 fate = "always active" if value else "never active"
                 yield problem("S001", guarantee.place, guarantee=name, fate=fate)
             if self.sets[guarantee.id] is None:
-                yield problem("S000", guarantee.place, name=f"guarantee {name}", limit=MOST_SETS)
+                yield problem(
+                    "S000", guarantee.place, name=f"guarantee {name}", limit=graph.MOST_SETS
+                )
 
     def redundant_leaves(self) -> Iterator[Problem]:
         sets_of_guarantees = {node.id: self.sets[node.id] for node in self.consert.guarantees}
         used = reduce(or_, (mask for sets in sets_of_guarantees.values() for mask in sets or ()), 0)
         unknown = [id_ for id_, sets in sets_of_guarantees.items() if sets is None]
-        compared = self.supporting - reached(self.consert.inputs, unknown)
+        unclear = reached(self.consert.inputs, unknown)
+        compared = self.supporting - unclear
         for index, leaf in enumerate(self.consert.leaf_nodes):
             if leaf.id in compared and not used >> index & 1:
                 yield problem("S002.element", leaf.place, id=shown(leaf.id))
 
     def redundant_gates(self) -> Iterator[Problem]:
-        inputs, work = self.consert.inputs, Work()
+        inputs, work = self.consert.inputs, graph.Work()
         ors = {gate.id for gate in self.consert.gates if gate.function == "Or"}
         redundant = {
-            id_: redundant_inputs(sources, self.sets, self.sets[id_], id_ in ors, work)
+            id_: graph.redundant_inputs(sources, self.sets, self.sets[id_], id_ in ors, work)
             for id_, sources in inputs.items()
         }
         targets = reversed_graph(inputs)
@@ -85,7 +78,7 @@ class _StaticChecks:
                 yield problem("S002.gate", gate.place, gate=shown(gate.id))
 
     def equal_guarantees(self) -> Iterator[Problem]:
-        first: dict[Sets, Guarantee] = {}
+        first: dict[graph.Sets, Guarantee] = {}
         for guarantee in self.consert.guarantees:
             sets = self.sets[guarantee.id]
             if not sets or 0 in sets:  # unknown or constant
@@ -112,14 +105,14 @@ class _StaticChecks:
             masks = [mask for masks in sets for mask in masks or ()]
             # the leaves without which none of these guarantees is active
             common = reduce(and_, masks) if masks and None not in sets else 0
-            for id_ in leaves_in(self.consert, common):
+            for id_ in graph.leaves_in(self.consert, common):
                 yield problem("S007", service.place, service=name, id=shown(id_))
 
     def _implication(self, strong: Guarantee, weak: Guarantee) -> Iterator[Problem]:
         first, second = self.sets[strong.id], self.sets[weak.id]
         if not first or not second or first == second or 0 in second:
             return
-        if implies(first, second):
+        if graph.implies(first, second):
             ids = {"strong": shown(strong.id), "weak": shown(weak.id)}
             yield problem("S003.implies", strong.place, **ids)
             rankings = (weak.ranking, strong.ranking)

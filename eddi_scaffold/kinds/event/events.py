@@ -18,8 +18,7 @@ from eddi_scaffold.kinds import InputType, ModelInput
 from eddi_scaffold.program.instructions import Program
 
 NAME = "event"
-DEFAULT_RATE = 10.0
-"""Steps per second where no configuration gives another number."""
+DEFAULT_RATE = 10.0  # Steps per second where no configuration gives another number
 _VARIABLE = re.compile(r"VAR\s+(\w+)")
 _TYPES: Mapping[str, InputType] = {"number": "float", "bool": "bool"}
 _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
@@ -27,15 +26,10 @@ _LISTS: Mapping[str, InputType] = {"number": "float[]", "bool": "bool[]"}
 
 @dataclass(frozen=True)
 class EddiLines:
-    """Where the lines of a text stand in an EDDI.
+    """Where the lines of a text stand in an EDDI."""
 
-    Attributes:
-        lines: tag and place of each line.
-        place: of them all.
-    """
-
-    lines: tuple[tuple[str, Place], ...]
-    place: Place
+    lines: tuple[tuple[str, Place], ...]  # tag and place of each line
+    place: Place  # of them all
 
     def locate(self, text: str) -> Locate:
         """Return offset -> place of the value, with the column in its text."""
@@ -61,18 +55,12 @@ class EddiLines:
 
 @dataclass(frozen=True)
 class Events:
-    """A file of events.
+    """A file of events."""
 
-    Attributes:
-        text: of the file.
-        analysis: of the text, at the rate if it is known already.
-        rate: steps per second.
-        placed: where the lines stand, ``None`` in a file of events.
-    """
-
-    text: str = field(compare=False)
-    analysis: Analysis
-    rate: float
+    text: str = field(compare=False)  # of the file
+    analysis: Analysis  # of the text, at the rate if it is known already
+    rate: float  # steps per second
+    # where the lines stand, `None` in a file of events
     placed: EddiLines | None = field(default=None, compare=False)
 
 

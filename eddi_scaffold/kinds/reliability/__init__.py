@@ -9,16 +9,9 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from eddi_scaffold.common.claims import (
-    Meaning,
-    Meanings,
-    StatusReading,
-    ValidityField,
-    Verdict,
-    state_of,
-)
+from eddi_scaffold.common import claims
 from eddi_scaffold.eddi_xml.vocabulary import CHAINS_AND_TREES
-from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds import Kind, messages_in
 
 if TYPE_CHECKING:
     from eddi_scaffold.common.files import Source
@@ -35,54 +28,26 @@ _CONFIG = re.compile(
 )
 _KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
 
-RELIABILITY_OUTPUT = """\
-std_msgs/Header header
-string model
-# Everything on which the numbers depend is known, and no error occurred.
-bool valid
-# Failure from now to the horizon; the worst case of what is unknown.
-float64 p_fail
-float64 p_fail_low
-float64 p_fail_high
-# No failure from now to the horizon.
-float64 reliability
-# Remaining mean time to failure; inf: failure is not certain; NaN: not computed.
-float64 mttf_hours
-float64 horizon_seconds
-string[] unknown_inputs
-# Why it is not valid; of a valid one, what was missed and still counts, or which thresholds are
-# not decided. Empty: those that are not active are known not to be.
-string reason
-ReliabilityEvidence[] evidence
-# What the configuration accepts in this step, and the result may rest on: `link: max_age: none`.
-string[] accepted
-"""
-RELIABILITY_EVIDENCE = """\
-# A threshold of p_fail with hysteresis: what the evidence of a ConSert can be made of.
-string id
-bool active
-"""
-
 _THRESHOLD = "`field: evidence[ID].active` of a threshold"
-_NUMBER = Meaning(
-    valid_where=(ValidityField("ReliabilityOutput", "valid", value=True),),
+_NUMBER = claims.Meaning(
+    valid_where=(claims.ValidityField("ReliabilityOutput", "valid", value=True),),
     refused="the numbers mean something only where `valid` is true",
     instead=f"{_THRESHOLD}, or `valid AND ...`",
     known=(("valid", True),),
 )
-MEANINGS: Meanings = {
+MEANINGS: claims.Meanings = {
     "ReliabilityOutput": {
-        "valid": Meaning(
+        "valid": claims.Meaning(
             (False,), refused="`valid` is false when something is unknown", instead=_THRESHOLD
         ),
-        "evidence[].active": Meaning(
+        "evidence[].active": claims.Meaning(
             (False,),
             refused="`active` of a threshold is false also when it is unknown",
             instead="a threshold on the other side",
             known=(("reason", ""),),
         ),
         **dict.fromkeys(("p_fail", "p_fail_high", "reliability", "mttf_hours"), _NUMBER),
-        "p_fail_low": Meaning(
+        "p_fail_low": claims.Meaning(
             refused="`p_fail_low` is what is certain at least, not the worst case",
             instead=_THRESHOLD,
             known=(("valid", True),),
@@ -102,14 +67,14 @@ def _recognises(source: Source) -> bool:
     return is_own and _CONFIG.search(data) is None
 
 
-def _status_of(output: Any) -> StatusReading:
+def _status_of(output: Any) -> claims.StatusReading:
     reasons = tuple(output.unknown_inputs) or ((output.reason,) if output.reason else ())
-    state, text = state_of(active=output.valid, known=False), f"p_fail {output.p_fail:.3g}"
-    verdicts = [Verdict("valid", state, reasons, text)]
+    state, text = claims.state_of(active=output.valid, known=False), f"p_fail {output.p_fail:.3g}"
+    verdicts = [claims.Verdict("valid", state, reasons, text)]
     for evidence in output.evidence:
-        state = state_of(active=evidence.active, known=not output.reason)
-        verdicts.append(Verdict(evidence.id, state, () if evidence.active else reasons))
-    return StatusReading(tuple(verdicts), output.model, accepted=tuple(output.accepted))
+        state = claims.state_of(active=evidence.active, known=not output.reason)
+        verdicts.append(claims.Verdict(evidence.id, state, () if evidence.active else reasons))
+    return claims.StatusReading(tuple(verdicts), output.model, accepted=tuple(output.accepted))
 
 
 KIND = Kind(
@@ -117,10 +82,7 @@ KIND = Kind(
     title="Reliability",
     config_types=("Reliability", "DynamicReliability"),
     recognises=_recognises,
-    messages={
-        "ReliabilityEvidence": RELIABILITY_EVIDENCE,
-        "ReliabilityOutput": RELIABILITY_OUTPUT,
-    },
+    messages=messages_in(__path__[0]),
     output_message="ReliabilityOutput",
     verdicts={"ReliabilityOutput": _status_of},
     model="reliability_model.ReliabilityModel",

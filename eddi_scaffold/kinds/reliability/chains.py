@@ -18,6 +18,7 @@ from functools import cache
 from math import fsum, inf
 from typing import NamedTuple
 
+from eddi_scaffold.common import graphs
 from eddi_scaffold.program import python_text as py
 
 Arc = tuple[int, int, float]
@@ -26,19 +27,13 @@ _TERMS = 25
 
 
 class Chain(NamedTuple):
-    """A chain of numbered states.
-
-    Attributes:
-        fail: failure is first passage.
-        arcs: (from, to, rate in 1/h); parallel ones add up.
-        age: hours that it had run, unobserved, before the start of the mission.
-    """
+    """A chain of numbered states."""
 
     states: tuple[str, ...]
     initial: int
-    fail: tuple[int, ...]
-    arcs: tuple[Arc, ...]
-    age: float = 0.0
+    fail: tuple[int, ...]  # failure is first passage
+    arcs: tuple[Arc, ...]  # (from, to, rate in 1/h); parallel ones add up
+    age: float = 0.0  # hours that it had run, unobserved, before the start of the mission
 
 
 def rates_of(chain: Chain) -> Matrix:
@@ -115,30 +110,24 @@ def certain(chain: Chain) -> set[int]:
 
 def reaching(chain: Chain, targets: Iterable[int]) -> set[int]:
     """Return the states from which one of the targets can be reached."""
-    return _closure(((target, source) for source, target, _ in _used_arcs(chain)), targets)
+    return graphs.reached(graphs.reversed_graph(_following(chain)), targets)
 
 
 def reached(chain: Chain) -> set[int]:
     """Return the states that can be reached from the initial one."""
-    return _closure(((source, target) for source, target, _ in _used_arcs(chain)), [chain.initial])
+    return graphs.reached(_following(chain), [chain.initial])
+
+
+def _following(chain: Chain) -> dict[int, list[int]]:
+    following: dict[int, list[int]] = {state: [] for state in range(len(chain.states))}
+    for source, target, _ in _used_arcs(chain):
+        following[source].append(target)
+    return following
 
 
 def _used_arcs(chain: Chain) -> Iterable[Arc]:
     fail = set(chain.fail)
     return (arc for arc in chain.arcs if arc[0] not in fail and arc[0] != arc[1] and arc[2] > 0.0)
-
-
-def _closure(pairs: Iterable[tuple[int, int]], starts: Iterable[int]) -> set[int]:
-    after: dict[int, set[int]] = {}
-    for source, target in pairs:
-        after.setdefault(source, set()).add(target)
-    states = set(starts)
-    waiting = list(states)
-    while waiting:
-        new = after.get(waiting.pop(), set()) - states
-        states |= new
-        waiting += new
-    return states
 
 
 def _product(matrix: Matrix, other: Matrix) -> Matrix:
@@ -182,21 +171,9 @@ CONFIGURATIONS: Mapping[str, Sequence[set[int]]] = {
     "PPNNPPNN": [{0, 1}, {2, 3}, {4, 5}, {6, 7}],
 }
 """Direction of rotation of each motor (P and N) -> least sets of motors whose loss is fatal."""
-
-
-def is_configuration(configuration: str) -> bool:
-    """Return whether a frame is known, or its mirror image, where P and N are exchanged."""
-    return _usual(configuration) in CONFIGURATIONS
-
-
-def operational(configuration: str, failed: Failed) -> bool:
-    """Return whether a frame flies with these motors failed."""
-    return not any(fatal <= failed for fatal in CONFIGURATIONS[_usual(configuration)])
-
-
-def _usual(configuration: str) -> str:
-    mirrored = configuration.translate(str.maketrans("PN", "NP"))
-    return configuration if configuration in CONFIGURATIONS else mirrored
+_MIRROR = str.maketrans("PN", "NP")
+FATAL = {**CONFIGURATIONS, **{c.translate(_MIRROR): of for c, of in CONFIGURATIONS.items()}}
+"""The same, with the mirror image of each frame, where P and N are exchanged."""
 
 
 def rotors_chain(configuration: str, rates: Sequence[float]) -> Chain:
@@ -216,18 +193,17 @@ def rotors_chain(configuration: str, rates: Sequence[float]) -> Chain:
 
 @cache
 def survived(configuration: str) -> tuple[Failed, ...]:
-    """Return the sets of failed motors that one failure after the other can lead to."""
+    """Return the sets of failed motors that one failure after the other can lead to in flight."""
     sets: list[Failed] = [frozenset()]
     for failed in sets:
-        after = (failed | {motor} for motor in range(len(configuration)))
-        sets += [s for s in after if s not in sets and operational(configuration, s)]
+        after = [failed | {motor} for motor in range(len(configuration)) if motor not in failed]
+        flying = (s for s in after if not any(fatal <= s for fatal in FATAL[configuration]))
+        sets += [s for s in flying if s not in sets]
     return tuple(sets)
 
 
-STATES_WRITTEN_OUT = 8
-"""States up to which the sums are written out."""
-GRID = 256
-"""How many horizons are prepared when the mission's end is an input."""
+STATES_WRITTEN_OUT = 8  # States up to which the sums are written out
+GRID = 256  # How many horizons are prepared when the mission's end is an input
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,7 @@ from eddi_scaffold.kinds.reliability.system import (
 MAX_STATES = 2000
 _LARGE = 500
 _LARGEST_RATE = 1e12
-_ALL = "\0"
-"""Stands above all models; no model is called so."""
+_ALL = "\0"  # Stands above all models; no model is called so
 _IN_EDDI = (
     "give its failure a failureRate or a failureProbDistribution, or make it a failState "
     '(docs/reference/reliability.md, "From an EDDI")'

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from eddi_runtime.reliability.component import Rule
+
 from eddi_scaffold.kinds.reliability import chains, lowering
 from eddi_scaffold.kinds.reliability.decision_diagram import FALSE, TRUE, Diagram
 from eddi_scaffold.kinds.reliability.system import DYNAMIC, MISSION_END, ReliabilitySystem
@@ -52,42 +54,32 @@ def compile_system(
         constructor = classes.constructor(component)
         lines += classes.lines
         models.append(py.Item(constructor, f"{py.text_literal(name)}: ", above=about))
-    lines += [*_monitor(system, lowered, declaration), "", "    def _models(self):"]
+    owners = {key: lowered.places[name] for key, name in lowered.owners.items()}
+    lines += head_lines("reliability.Reliability", declaration, owners)
+    inputs = [input_ for input_ in declaration.inputs if input_.id in lowered.rules]
+    rules: dict[str, py.Part] = {}
+    for input_ in inputs:
+        rule = lowered.rules[input_.id]
+        usual = Rule(rule.type)._asdict()
+        fields = {key: py.literal(v) for key, v in rule._asdict().items() if v != usual[key]}
+        rules[input_.id] = py.call("reliability.Rule", [py.text_literal(rule.type)], **fields)
+    lines += py.assignment("rules", _map(rules), 4)
+    lines.append(f"    top = {py.text_literal(system.top)}")
+    lines += py.assignment("uses", py.literal(lowered.uses[system.top]), 4)
+    lines.append(f"    horizon = {py.number(system.horizon)}  # h")
+    lines += [f"    moving = True  # {MISSION_END}"] if system.mission_end else []
+    lines.append(f"    quantum_ns = {round(system.quantum * 1e9)}")
+    lines.append(f"    max_gap_ns = {round(system.usual_gap * 1e9)}")
+    if system.thresholds:
+        rows = ((t.id, t.activate, t.release, round(t.hold * 1e9)) for t in system.thresholds)
+        thresholds = (py.call("reliability.Threshold", map(py.literal, row)) for row in rows)
+        lines += py.assignment("thresholds", py.tuple_of(thresholds), 4)
+    lines += ["    worst_case = True"] if system.worst_case else []
+    lines += ["", "    def _read(self, source):"]
+    lines += _values([(input_, lowered.rules[input_.id]) for input_ in inputs])
+    lines += ["", "    def _models(self):"]
     lines += py.returned(py.Group("{", tuple(models), "}"), 8)
     return CompiledMonitor(FORMAT, lines, MODULES)
-
-
-def _monitor(
-    system: ReliabilitySystem, lowered: lowering.LoweredSystem, declaration: Declaration
-) -> Iterator[str]:
-    owners = {key: lowered.places[name] for key, name in lowered.owners.items()}
-    yield from head_lines("reliability.Reliability", declaration, owners)
-    inputs = [input_ for input_ in declaration.inputs if input_.id in lowered.rules]
-    rules = {input_.id: _rule(lowered.rules[input_.id]) for input_ in inputs}
-    yield from py.assignment("rules", _map(rules), 4)
-    yield f"    top = {py.text_literal(system.top)}"
-    yield from py.assignment("uses", py.literal(lowered.uses[system.top]), 4)
-    yield f"    horizon = {py.number(system.horizon)}  # h"
-    if system.mission_end:
-        yield f"    moving = True  # {MISSION_END}"
-    yield f"    quantum_ns = {round(system.quantum * 1e9)}"
-    yield f"    max_gap_ns = {round(system.usual_gap * 1e9)}"
-    if system.thresholds:
-        fields = ((t.id, t.activate, t.release, round(t.hold * 1e9)) for t in system.thresholds)
-        thresholds = (
-            py.call("reliability.Threshold", map(py.literal, values)) for values in fields
-        )
-        yield from py.assignment("thresholds", py.tuple_of(thresholds), 4)
-    if system.worst_case:
-        yield "    worst_case = True"
-    yield from ("", "    def _read(self, source):")
-    yield from _values([(input_, lowered.rules[input_.id]) for input_ in inputs])
-
-
-def _rule(rule: lowering.Rule) -> py.Part:
-    usual = lowering.Rule(rule.type)._asdict()
-    fields = {key: py.literal(v) for key, v in rule._asdict().items() if v != usual[key]}
-    return py.call("reliability.Rule", [py.text_literal(rule.type)], **fields)
 
 
 def _map(entries: dict[str, py.Part]) -> py.Group:
@@ -95,7 +87,7 @@ def _map(entries: dict[str, py.Part]) -> py.Group:
     return py.Group("{", tuple(rows), "}")
 
 
-def _values(inputs: list[tuple[BoundInput, lowering.Rule]]) -> Iterator[str]:
+def _values(inputs: list[tuple[BoundInput, Rule]]) -> Iterator[str]:
     """Yield the body that reads the inputs and takes usual values as they are."""
     if not inputs:
         yield "        return {}"
@@ -270,6 +262,10 @@ def table(diagram: Diagram) -> tuple[object, ...]:
     )
 
 
+def _about(name: str, place: str) -> str:
+    return py.comment(f"{name}: {place}" if place else name)
+
+
 def _law(event: lowering.Event) -> str:
     before = py.number(event.age)
     if event.law == "exponential":
@@ -284,10 +280,6 @@ def _law(event: lowering.Event) -> str:
             return f"tree.weibull(0.0, {age} + horizon, {scale}, {shape})"
         return f"tree.weibull({age}, horizon, {scale}, {shape})"
     return py.number(event.values[0]) if event.law == "fixed" else "0.0"
-
-
-def _about(name: str, place: str) -> str:
-    return py.comment(f"{name}: {place}" if place else name)
 
 
 def _sums_of_products(

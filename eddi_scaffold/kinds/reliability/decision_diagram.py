@@ -39,14 +39,10 @@ class TooLargeError(ValueError):
 
 
 class Module(NamedTuple):
-    """The diagram of one independent part of a tree.
+    """The diagram of one independent part of a tree."""
 
-    Attributes:
-        variable: number of the pseudo-event that it gives.
-        nodes: (event or pseudo-event, high, low), lower ones first, those of a variable together.
-    """
-
-    variable: int
+    variable: int  # number of the pseudo-event that it gives
+    # (event or pseudo-event, high, low), lower ones first, those of a variable together
     nodes: tuple[tuple[int, int, int], ...]
     root: int
 

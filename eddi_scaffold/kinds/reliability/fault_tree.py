@@ -11,15 +11,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import count, groupby
 from typing import NamedTuple
 
-NEVER, ALWAYS = -1, -2
-"""Numbers of what cannot happen, and of what is certain."""
+NEVER, ALWAYS = -1, -2  # Numbers of what cannot happen, and of what is certain
 
 
 COHERENT = frozenset({"OR", "AND", "VOTE"})
-CUT_SETS = 10_000
-"""Sets below any gate."""
-WORK = 8_000_000
-"""Sets that are made and compared for one tree, about half a second."""
+CUT_SETS = 10_000  # Sets below any gate
+WORK = 8_000_000  # Sets that are made and compared for one tree, about half a second
 
 
 class Gate(NamedTuple):
@@ -31,19 +28,13 @@ class Gate(NamedTuple):
 
 
 class Tree(NamedTuple):
-    """A tree that was made smaller.
+    """A tree that was made smaller."""
 
-    Attributes:
-        gates: by number, each behind those that it refers to.
-        top: number of a gate or event, ``NEVER`` or ``ALWAYS``.
-        modules: gates whose events occur nowhere else, inner ones first, the top among them.
-        origin: new gate, above all others -> the gate of the original tree.
-    """
-
-    gates: dict[int, Gate]
-    top: int
+    gates: dict[int, Gate]  # by number, each behind those that it refers to
+    top: int  # number of a gate or event, `NEVER` or `ALWAYS`
+    # gates whose events occur nowhere else, inner ones first, the top among them
     modules: tuple[int, ...]
-    origin: dict[int, int]
+    origin: dict[int, int]  # new gate, above all others -> the gate of the original tree
 
 
 def simplified(
@@ -274,25 +265,24 @@ class _Search:
         by_lowest: dict[int, list[int]] = {}
         ordered = sorted(set(sets), key=lambda cut_set: (cut_set.bit_count(), cut_set))
         for _, same_size in groupby(ordered, int.bit_count):  # none of them contains another
-            new = [s for s in same_size if not self._contains_another(s, by_lowest)]
+            new = []
+            for cut_set in same_size:
+                rest, is_minimal = cut_set, True
+                while is_minimal:  # whether it contains another one, by its lowest event
+                    lowest = rest & -rest
+                    others = by_lowest.get(lowest, ())
+                    self._spend(1 + len(others))
+                    is_minimal = not any(other & cut_set == other for other in others)
+                    if not rest:
+                        break
+                    rest ^= lowest
+                new += [cut_set] if is_minimal else []
             kept += new
             for cut_set in new:
                 by_lowest.setdefault(cut_set & -cut_set, []).append(cut_set)
         if len(kept) > CUT_SETS:
             raise _TooMuchError
         return kept
-
-    def _contains_another(self, cut_set: int, by_lowest: Mapping[int, list[int]]) -> bool:
-        rest = cut_set
-        while True:
-            lowest = rest & -rest
-            others = by_lowest.get(lowest, ())
-            self._spend(1 + len(others))
-            if any(other & cut_set == other for other in others):
-                return True
-            if not rest:
-                return False
-            rest ^= lowest
 
 
 def _members(cut_set: int) -> list[int]:

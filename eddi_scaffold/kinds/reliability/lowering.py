@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
+
+from eddi_runtime.reliability.component import Rule
 
 from eddi_scaffold.kinds.reliability.chains import Chain, battery_chain, rotors_chain, survived
 from eddi_scaffold.kinds.reliability.decision_diagram import NODE_LIMIT, Diagram, build
@@ -21,17 +22,6 @@ from eddi_scaffold.kinds.reliability.system import (
 )
 from eddi_scaffold.kinds.reliability.system import Chain as ChainModel
 from eddi_scaffold.kinds.reliability.system import FaultTree as TreeModel
-
-
-class Rule(NamedTuple):
-    """What an input may hold, as ``eddi_runtime.reliability.Rule``."""
-
-    type: str
-    low: float = 0.0
-    high: float = math.inf
-    slack: float = 0.0
-    length: int = 0
-
 
 _BOOL = Rule("bool")
 _LEVEL = Rule("float", 0.0, 100.0, slack=0.5)
@@ -101,22 +91,16 @@ class Series(NamedTuple):
 
 
 class Event(NamedTuple):
-    """A basic event, as in ``system``, or a dynamic gate: the law ``PAND`` or ``POR``.
-
-    Attributes:
-        values: numbers of the law; of a dynamic gate the rates of its inputs, 1/h.
-        model: of which it is the failure.
-        input: id of the input that reports whether it has happened; None: not observed.
-        place: fragment path of its element in the EDDI, empty where it came from none.
-    """
+    """A basic event, as in ``system``, or a dynamic gate: the law ``PAND`` or ``POR``."""
 
     name: str
     law: str
-    values: tuple[float, ...]
-    model: str = ""
+    values: tuple[float, ...]  # numbers of the law; of a dynamic gate the rates of its inputs, 1/h
+    model: str = ""  # of which it is the failure
+    # id of the input that reports whether it has happened; None: not observed
     input: str | None = None
     age: float = 0.0
-    place: str = ""
+    place: str = ""  # fragment path of its element in the EDDI, empty where it came from none
 
 
 class Named(NamedTuple):
@@ -128,21 +112,15 @@ class Named(NamedTuple):
 
 @dataclass(frozen=True)
 class FaultTree:
-    """A fault tree by numbers: its diagram, or all minimal cut sets, which then give bounds.
-
-    Attributes:
-        gates: those that are no events; their numbers follow those of the events.
-        bounded: bounds by minimal cut sets are asked for.
-        limit: nodes that the diagram may have.
-    """
+    """A fault tree by numbers: its diagram, or all minimal cut sets, which then give bounds."""
 
     events: tuple[Event, ...]
-    gates: tuple[Gate, ...]
+    gates: tuple[Gate, ...]  # those that are no events; their numbers follow those of the events
     names: tuple[Named, ...]
     top: int
     repair: bool = False
-    bounded: bool = False
-    limit: int = NODE_LIMIT
+    bounded: bool = False  # bounds by minimal cut sets are asked for
+    limit: int = NODE_LIMIT  # nodes that the diagram may have
 
     @cached_property
     def certain(self) -> Mapping[int, bool]:
@@ -178,20 +156,14 @@ Component = Markov | Propulsion | Battery | Processor | KOutOfN | Series | Fault
 
 
 class LoweredSystem(NamedTuple):
-    """What the top of a system uses.
+    """What the top of a system uses."""
 
-    Attributes:
-        components: by name; each behind those that it uses.
-        places: name -> fragment path of the element in the EDDI, empty where it came from none.
-        rules: input id -> what it may hold.
-        owners: input id -> the first model that reads it.
-        uses: model -> inputs on which it depends, with those of the models that it uses.
-    """
-
-    components: Mapping[str, Component]
+    components: Mapping[str, Component]  # by name; each behind those that it uses
+    # name -> fragment path of the element in the EDDI, empty where it came from none
     places: Mapping[str, str]
-    rules: Mapping[str, Rule]
-    owners: Mapping[str, str]
+    rules: Mapping[str, Rule]  # input id -> what it may hold
+    owners: Mapping[str, str]  # input id -> the first model that reads it
+    # model -> inputs on which it depends, with those of the models that it uses
     uses: Mapping[str, tuple[str, ...]]
 
 

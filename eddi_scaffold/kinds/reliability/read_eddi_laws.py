@@ -142,7 +142,6 @@ class Laws:
         return None
 
 
-_CLASS = "commoncausefailure"
 _RELATED = "descendant-or-self::*[@ccfFailures or @causedBy or ccfFailures or causedBy]"
 
 
@@ -161,6 +160,14 @@ class CommonCauses:
                 self._causes.setdefault(member, []).append(cause)
                 self._related |= {member, cause}
 
+    def warn_alone(self, failure: Element, subject: str) -> None:
+        """Warn of a common cause of which the file does not say what it causes."""
+        document = self._findings.document
+        is_stated = (document.attribute(failure, word.IS_CCF) or "").strip().lower() == "true"
+        is_ccf = is_stated or document.class_of(failure).name == "commoncausefailure"
+        if is_ccf and failure not in self._related:
+            self._findings.report("R013.common_causes", failure, subject=subject)
+
     def of(self, failure: Element) -> list[Element]:
         """Return the common causes of a failure, and theirs."""
         causes = dict.fromkeys(self._causes.get(failure, ()))
@@ -170,11 +177,3 @@ class CommonCauses:
             waiting += new
         causes.pop(failure, None)
         return list(causes)
-
-    def warn_alone(self, failure: Element, subject: str) -> None:
-        """Warn of a common cause of which the file does not say what it causes."""
-        document = self._findings.document
-        is_stated = (document.attribute(failure, word.IS_CCF) or "").strip().lower() == "true"
-        is_ccf = is_stated or document.class_of(failure).name == _CLASS
-        if is_ccf and failure not in self._related:
-            self._findings.report("R013.common_causes", failure, subject=subject)

@@ -47,8 +47,7 @@ _OPERATIONS: dict[str, Callable[[Sequence[float]], float]] = {
     "beta-deviate": lambda of: of[0] / (of[0] + of[1]),
 }
 _DEEPEST = 100
-_Path = tuple[str, ...]
-"""Names of the containers around something."""
+_Path = tuple[str, ...]  # Names of the containers around something
 
 
 class _Definition(NamedTuple):

@@ -12,7 +12,7 @@ from eddi_runtime.reliability.component import ReliabilityResult
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import is_ros_name
 from eddi_scaffold.common.problems import Problem, did_you_mean
-from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, is_configuration
+from eddi_scaffold.kinds.reliability.chains import CONFIGURATIONS, FATAL
 from eddi_scaffold.kinds.reliability.read_components import read_chain, read_tree
 from eddi_scaffold.kinds.reliability.system import (
     TYPES,
@@ -229,7 +229,7 @@ def _propulsion(entry: Values, name: str) -> Mapping[str, Any]:
     fields: dict[str, Any] = {"configuration": configuration, "motors": motors}
     if configuration is None:
         pass  # it was reported
-    elif not is_configuration(configuration):
+    elif configuration not in FATAL:
         entry.report(
             "R001.configuration", "configuration", **fields, known=", ".join(CONFIGURATIONS)
         )

@@ -50,7 +50,20 @@ def _time(hours: float) -> str:
 def _content(component: ComponentModel) -> Iterator[str]:
     content = component.content
     if isinstance(content, FaultTree):
-        yield from _tree(content)
+        if content.age:
+            yield f"age {content.age:g} h"
+        seen: set[str] = set()
+        waiting = [(content.top, "")]
+        while waiting:
+            name, indent = waiting.pop()
+            gate = content.gates.get(name)
+            if gate is None:
+                yield f"{indent}{name}  {law_text(content.events[name])}"
+                continue
+            is_again = name in seen
+            yield f"{indent}{_kind(gate)} {name}{' (see above)' * (is_again and bool(gate.of))}"
+            seen.add(name)
+            waiting += [] if is_again else [(of, f"{indent}  ") for of in reversed(gate.of)]
     elif isinstance(content, Chain):
         if content.age:
             yield f"age {_time(content.age)}"
@@ -79,24 +92,6 @@ def _quantity(key: str, value: Any) -> str:
         return "yes" if value else "no"
     shown = f"{value:g}" if isinstance(value, float) else str(value)
     return f"{shown} {UNITS.get(key, '')}".rstrip()
-
-
-def _tree(tree: FaultTree) -> Iterator[str]:
-    if tree.age:
-        yield f"age {tree.age:g} h"
-    seen: set[str] = set()
-    waiting = [(tree.top, "")]
-    while waiting:
-        name, indent = waiting.pop()
-        gate = tree.gates.get(name)
-        if gate is None:
-            yield f"{indent}{name}  {law_text(tree.events[name])}"
-        elif name in seen:
-            yield f"{indent}{_kind(gate)} {name}{' (see above)' if gate.of else ''}"
-        else:
-            yield f"{indent}{_kind(gate)} {name}"
-            seen.add(name)
-            waiting += [(below, f"{indent}  ") for below in reversed(gate.of)]
 
 
 def _kind(gate: Gate) -> str:
@@ -143,24 +138,20 @@ def readme(system: ReliabilitySystem) -> list[str]:
         lines += ["", f"While an input is unknown, {unknown}.", ""]
     for name, component in system.components.items():
         if isinstance(component.content, FaultTree):
-            lines += [*_cut_sets(name, component.content), ""]
+            sets, shown = cut_sets(name, component.content), f"`{markdown_code(name)}`"
+            if sets is None:
+                reason = "has NOT or XOR, more than 10,000 minimal cut sets"
+                lines += [f"{shown} {reason}, or they take too long to find.", ""]
+                continue
+            lines += [f"Minimal cut sets of {shown}: {len(sets)}", ""]
+            lines += [f"- {markdown_text(', '.join(names))}" for names in sets[:_MOST_CUT_SETS]]
+            more = len(sets) - _MOST_CUT_SETS
+            lines += [*([f"- and {more} more"] if more > 0 else []), ""]
     lines.append(
         "Assumed: failures of different models and basic events are independent, rates of chains "
         "are constant."
     )
     return lines
-
-
-def _cut_sets(name: str, tree: FaultTree) -> Iterator[str]:
-    sets, shown = cut_sets(name, tree), f"`{markdown_code(name)}`"
-    if sets is None:
-        reason = "has NOT or XOR, more than 10,000 minimal cut sets, or they take too long to find"
-        yield f"{shown} {reason}."
-        return
-    yield from (f"Minimal cut sets of {shown}: {len(sets)}", "")
-    yield from (f"- {markdown_text(', '.join(names))}" for names in sets[:_MOST_CUT_SETS])
-    if len(sets) > _MOST_CUT_SETS:
-        yield f"- and {len(sets) - _MOST_CUT_SETS} more"
 
 
 def cut_sets(name: str, tree: FaultTree) -> list[list[str]] | None:

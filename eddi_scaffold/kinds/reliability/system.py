@@ -30,13 +30,10 @@ T = TypeVar("T", bound=Hashable)
 
 @dataclass(frozen=True)
 class Law:
-    """How probable a basic event is.
+    """How probable a basic event is."""
 
-    Attributes:
-        kind: ``exponential`` (rate in 1/h), ``weibull`` (scale in h, shape), ``fixed``
-            (probability), ``model`` (that of another model).
-    """
-
+    # `exponential` (rate in 1/h), `weibull` (scale in h, shape), `fixed` (probability), `model`
+    # (that of another model)
     kind: str
     values: tuple[float, ...] = ()
     model: str = ""
@@ -44,56 +41,42 @@ class Law:
 
 @dataclass(frozen=True)
 class BasicEvent:
-    """A basic event, whose id is its key in the tree; no law: no probability was given.
-
-    Attributes:
-        observed: an input reports whether it has happened.
-        age: hours that it had run before the mission; None: as long as the tree.
-    """
+    """A basic event, whose id is its key in the tree; no law: no probability was given."""
 
     name: str
     law: Law | None
-    observed: bool = False
-    age: float | None = None
+    observed: bool = False  # an input reports whether it has happened
+    age: float | None = None  # hours that it had run before the mission; None: as long as the tree
     place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
 class Gate:
-    """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given).
-
-    Attributes:
-        is_port: it passes on what other models of an EDDI may provide; it may be unconnected.
-    """
+    """A gate; ``of`` are ids of events and gates, ``k`` only for VOTE (None: not given)."""
 
     name: str
     type: str
     of: tuple[str, ...]
     k: int | None = None
     place: Place = field(default=Place(), compare=False)
+    # it passes on what other models of an EDDI may provide; it may be unconnected
     is_port: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True)
 class FaultTree:
-    """A fault tree: the events and gates below one top event, by id.
-
-    Attributes:
-        cut_sets: minimal cut sets that the file states, names of events; None: none stated.
-        age: hours that its events had run before the mission.
-        approximate: bounds by minimal cut sets in place of the diagram.
-        bounds_place: where that is asked for.
-    """
+    """A fault tree: the events and gates below one top event, by id."""
 
     top: str
     events: Mapping[str, BasicEvent]
     gates: Mapping[str, Gate]
     repair: bool = False
     node_limit: int | None = None
+    # minimal cut sets that the file states, names of events; None: none stated
     cut_sets: frozenset[frozenset[str]] | None = None
-    age: float = 0.0
-    approximate: bool = False
-    bounds_place: Place = field(default=Place(), compare=False)
+    age: float = 0.0  # hours that its events had run before the mission
+    approximate: bool = False  # bounds by minimal cut sets in place of the diagram
+    bounds_place: Place = field(default=Place(), compare=False)  # where that is asked for
 
     def reached(self) -> tuple[list[str], tuple[str, ...]]:
         """Return what the top reaches, as ``order`` does."""
@@ -125,38 +108,27 @@ class Observation:
 
 @dataclass(frozen=True)
 class Chain:
-    """A Markov chain; how many initial and fail states it may have is checked later.
-
-    Attributes:
-        age: hours that it had run, unobserved, before the mission.
-        repair: after it was seen to have failed it may work again.
-    """
+    """A Markov chain; how many initial and fail states it may have is checked later."""
 
     states: tuple[str, ...]
     initial: tuple[str, ...]
     fail: tuple[str, ...]
     arcs: tuple[Arc, ...]
     observe: tuple[Observation, ...] = ()
-    age: float = 0.0
-    repair: bool = False
+    age: float = 0.0  # hours that it had run, unobserved, before the mission
+    repair: bool = False  # after it was seen to have failed it may work again
 
 
 @dataclass(frozen=True)
 class ComponentModel:
-    """One model of a monitor.
-
-    Attributes:
-        type: one of ``TYPES``.
-        content: of a chain or a tree.
-        values: the numbers of the other types, in ``UNITS``.
-        uses: models that it is made of (those of a tree are in its events).
-    """
+    """One model of a monitor."""
 
     name: str
-    type: str
-    content: FaultTree | Chain | None = None
+    type: str  # one of `TYPES`
+    content: FaultTree | Chain | None = None  # of a chain or a tree
+    # the numbers of the other types, in `UNITS`
     values: Mapping[str, Any] = field(default_factory=dict)
-    uses: tuple[str, ...] = ()
+    uses: tuple[str, ...] = ()  # models that it is made of (those of a tree are in its events)
     place: Place = field(default=Place(), compare=False)
 
     @property
@@ -170,42 +142,30 @@ class ComponentModel:
 
 @dataclass(frozen=True)
 class Threshold:
-    """Evidence that is active while the probability of failure is small.
-
-    Attributes:
-        hold: seconds.
-        topic: where it is published by itself; None: only within the whole result.
-    """
+    """Evidence that is active while the probability of failure is small."""
 
     id: str
     activate: float
     release: float
-    hold: float = 0.0
-    topic: str | None = None
+    hold: float = 0.0  # seconds
+    topic: str | None = None  # where it is published by itself; None: only within the whole result
     place: Place = field(default=Place(), compare=False)
 
 
 @dataclass(frozen=True)
 class ReliabilitySystem:
-    """Models with a horizon: all that a monitor needs.
-
-    Attributes:
-        top: model whose numbers are published.
-        horizon: hours; the longest one when the mission's end is an input.
-        mission_end: the mission's end is an input.
-        worst_case: evidence follows the worst case of unknown inputs instead of going away.
-        max_gap: seconds between two steps that are still usual; None: the value of ``usual_gap``.
-        quantum: seconds of one step of the chains.
-    """
+    """Models with a horizon: all that a monitor needs."""
 
     components: Mapping[str, ComponentModel]
-    top: str
-    horizon: float = 1.0
-    mission_end: bool = False
+    top: str  # model whose numbers are published
+    horizon: float = 1.0  # hours; the longest one when the mission's end is an input
+    mission_end: bool = False  # the mission's end is an input
     thresholds: tuple[Threshold, ...] = ()
+    # evidence follows the worst case of unknown inputs instead of going away
     worst_case: bool = False
+    # seconds between two steps that are still usual; None: the value of `usual_gap`
     max_gap: float | None = None
-    quantum: float = 0.1
+    quantum: float = 0.1  # seconds of one step of the chains
     place: Place = field(default=Place(), compare=False)
 
     @property

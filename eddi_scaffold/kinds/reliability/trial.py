@@ -20,8 +20,7 @@ from eddi_scaffold.program.monitor_text import Declaration, module_text
 from eddi_scaffold.program.running import module_of
 
 _TOO_MANY = 300
-_STEPS = 2000
-"""Evaluations for one mean life; several times what a smooth reliability needs."""
+_STEPS = 2000  # Evaluations for one mean life; several times what a smooth reliability needs
 
 
 class _TooRoughError(Exception):
@@ -36,7 +35,8 @@ def at_start(
     Where the mission's end is an input, it is ``seconds_left`` away; None: as long as it can be.
     """
     monitor: Reliability = _module(system).Monitor()
-    values = _in_order(system) if known else {}
+    inputs = inputs_of(system.without_unused()) if known else ()
+    values: dict[str, Any] = {input_.id: input_.sample for input_ in inputs}
     if seconds_left is not None:
         values[MISSION_END] = seconds_left
     return monitor.execute_step(SimpleNamespace(**values), 0)
@@ -54,7 +54,8 @@ def mean_life(system: ReliabilitySystem) -> float | None:
     counts = system.without_unused().counts()
     if sum(counts.values()) - counts["models"] > _TOO_MANY:
         return None
-    values = SimpleNamespace(**_in_order(system))
+    inputs = inputs_of(system.without_unused())
+    values = SimpleNamespace(**{input_.id: input_.sample for input_ in inputs})
     compiled = _module(replace(system, mission_end=False, thresholds=()), states=0)
     if hasattr(compiled, "battery"):  # what a battery prepares is the same for every horizon
         batteries = vars(compiled)["battery"].Battery
@@ -124,7 +125,3 @@ def _module(system: ReliabilitySystem, states: int = STATES_WRITTEN_OUT) -> Modu
     compiled = compile_system(system, declaration, states=states)
     text = module_text(NAME, compiled, declaration.model_id)
     return module_of(text, declaration.model_id)
-
-
-def _in_order(system: ReliabilitySystem) -> dict[str, Any]:
-    return {input_.id: input_.sample for input_ in inputs_of(system.without_unused())}

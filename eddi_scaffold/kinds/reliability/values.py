@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 from eddi_scaffold.common import units
 from eddi_scaffold.common.problems import Place, Problem, SimilarNames, problem
 
-KEY = -1
-"""Last part of a path that refers to the place of a key, not of its value."""
+KEY = -1  # Last part of a path that refers to the place of a key, not of its value
 _Read = Callable[[object], units.Quantity]
 V = TypeVar("V")
 
@@ -211,7 +210,7 @@ class Values:
         value = self._get(key, required=required)
         if value is None:
             return default
-        return self._converted(value, lambda given: units.number(given, low, high), key)
+        return self._converted(value, lambda content: units.number(content, low, high), key)
 
     def whole(self, key: str, low: int, high: int, *, required: bool = False) -> int | None:
         """Return a whole number between two limits."""

@@ -15,49 +15,19 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from eddi_scaffold.common.claims import StatusReading, Verdict, state_of
-from eddi_scaffold.kinds import Kind
+from eddi_scaffold.kinds import Kind, messages_in
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from eddi_scaffold.common.files import Source
 
-VIOLATION_FIELD = "violation_field"
-"""Key of ``Model:`` in a configuration."""
+VIOLATION_FIELD = "violation_field"  # Key of `Model:` in a configuration
 VIOLATION_FIELDS = ("odd_violation", "oddViolation")
 _OWN_KEY = re.compile(
     rb"""(?m)^(?:\{\s*)?["']?(?:window_size|reference_sample_file|distance_metric)["']?\s*:"""
 )
-_OUTPUT = "bool omission\nbool odd_violation\nfloat32 significance_level\n"
-_STATUS = """\
-# The facts behind a SafeMLOutput. Numbers that do not exist are NaN.
-std_msgs/Header header
-bool omission
-bool odd_violation
-# There is no verdict now, odd_violation is the last one.
-bool held
-string metric
-# The largest distance of all tests, and from which on it is a violation.
-float64 statistic
-float64 threshold
-# The same for independent samples.
-float64 threshold_theoretical
-# Which test that was, -1 for none.
-int32 component
-# Bound on the probability of such a distance without a change, all tests together.
-float64 p_value_bound
-# Samples since the start that entered the window, and that did not; how many it holds now.
-uint64 accepted
-uint64 rejected
-uint32 filled
-uint32 window_size
-# Of an omission: filling, empty, not_finite, wrong_length or stale.
-string reason
-# Neither an omission nor a violation: what the evidence of a ConSert can be made of.
-bool in_scope
-# What the configuration accepts in this step: `sample: max_age: none`.
-string[] acceptances
-"""
+_MESSAGES = messages_in(__path__[0])
 _WORDS = {
     "empty": "a message has no samples",
     "filling": "the window is not full yet",
@@ -78,7 +48,7 @@ def _respelt(options: Mapping[str, object]) -> Mapping[str, str]:
     usual, printed = VIOLATION_FIELDS
     if options.get(VIOLATION_FIELD) != printed:
         return {}
-    return {"SafeMLOutput": _OUTPUT.replace(usual, printed)}
+    return {"SafeMLOutput": _MESSAGES["SafeMLOutput"].replace(usual, printed)}
 
 
 def _status(status: Any) -> StatusReading:
@@ -98,7 +68,7 @@ KIND = Kind(
     title="SafeML",
     config_types=("SafeML",),
     recognises=_recognises,
-    messages={"SafeMLOutput": _OUTPUT, "SafeMLStatus": _STATUS},
+    messages=_MESSAGES,
     output_message="SafeMLOutput",
     options=(VIOLATION_FIELD,),
     respelt=_respelt,

@@ -6,13 +6,7 @@ import hashlib
 import math
 from collections.abc import Callable, Iterator, Sequence
 
-from eddi_scaffold.kinds.safeml.scope import (
-    METRIC_NAMES,
-    Plan,
-    ReferenceSample,
-    Rows,
-    SafeMLOptions,
-)
+from eddi_scaffold.kinds.safeml import scope
 from eddi_scaffold.kinds.safeml.thresholds import critical_values
 from eddi_scaffold.program import python_text as py
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration, head_lines
@@ -23,7 +17,7 @@ MOST_IN_TEXT = 2000
 
 
 def compile_safeml(
-    reference: ReferenceSample, options: SafeMLOptions, declaration: Declaration
+    reference: scope.ReferenceSample, options: scope.SafeMLOptions, declaration: Declaration
 ) -> CompiledMonitor:
     """Compile a configured SafeML monitor."""
     plan, settings, design = options.plan, options.plan.settings, options.plan.design
@@ -31,7 +25,7 @@ def compile_safeml(
     lines = head_lines("safeml.SafeML", declaration, {})
     lines += _constants(
         metric=settings.metric,
-        metric_name=METRIC_NAMES[settings.metric],
+        metric_name=scope.METRIC_NAMES[settings.metric],
         window_size=settings.window_size,
         stride=settings.stride,
         significance_level=settings.significance_level,
@@ -61,7 +55,7 @@ def _constants(**values: object) -> list[str]:
     ]
 
 
-def _thresholds(plan: Plan) -> Iterator[str]:
+def _thresholds(plan: scope.Plan) -> Iterator[str]:
     """Yield the thresholds: those of Kolmogorov-Smirnov are whole numbers, n m D."""
     metric, n, m = plan.settings.metric, plan.n, plan.settings.window_size
     scaled = f": {n * m} D" if metric == "ks" else ""
@@ -89,7 +83,9 @@ def upwards(value: float, digits: int = 9) -> float:
     return float(f"{value + unit / 2:.{digits - 1}e}")
 
 
-def _table(file: str, rows: Rows, tables: dict[str, bytes], names: Sequence[str] = ()) -> py.Part:
+def _table(
+    file: str, rows: scope.Rows, tables: dict[str, bytes], names: Sequence[str] = ()
+) -> py.Part:
     """Return a table, or where its file is, which goes to the others."""
     if rows.size > MOST_IN_TEXT:
         # Doubles, least significant byte first, row by row.

@@ -12,18 +12,8 @@ from eddi_runtime.safeml.arrays import rounded
 from eddi_runtime.safeml.comparison import Comparison
 
 from eddi_scaffold.common.problems import Problem, has_errors, problem
-from eddi_scaffold.kinds.safeml import thresholds
+from eddi_scaffold.kinds.safeml import scope, thresholds
 from eddi_scaffold.kinds.safeml.calibration import autocorrelation, calibrate
-from eddi_scaffold.kinds.safeml.scope import (
-    METRIC_NAMES,
-    Design,
-    Plan,
-    ReferenceSample,
-    Rows,
-    SafeMLSettings,
-    principal_axes,
-    split,
-)
 
 ROWS_PER_WINDOW = 20
 """Windows that a reference must hold for calibration to be worth it (``calibration: auto``)."""
@@ -38,8 +28,8 @@ _LISTED = 10
 
 @lru_cache(maxsize=8)
 def plan(
-    settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
-) -> tuple[Plan | None, tuple[Problem, ...]]:
+    settings: scope.SafeMLSettings, reference: scope.ReferenceSample, *, single: bool
+) -> tuple[scope.Plan | None, tuple[Problem, ...]]:
     """Find tests and thresholds (L004 to L013); ``single``: samples come as float32."""
     planner = _Planner(settings, reference, single=single)
     return planner.plan(), tuple(planner.problems)
@@ -47,25 +37,25 @@ def plan(
 
 class _Planner:
     def __init__(
-        self, settings: SafeMLSettings, reference: ReferenceSample, *, single: bool
+        self, settings: scope.SafeMLSettings, reference: scope.ReferenceSample, *, single: bool
     ) -> None:
         self.settings, self.single = settings, single
         self.problems: list[Problem] = []
-        self.rows: Rows = rounded(reference.rows, single=single)
+        self.rows: scope.Rows = rounded(reference.rows, single=single)
         self.needed_rows = ROWS_PER_WINDOW * settings.window_size
         is_long = len(self.rows) >= self.needed_rows
         self.streams = settings.calibration == "stream" or (
             settings.calibration == "auto" and is_long
         )
 
-    def plan(self) -> Plan | None:
+    def plan(self) -> scope.Plan | None:
         """Return the plan, ``None`` after an error; either way what was found is reported."""
         settings, m = self.settings, self.settings.window_size
         if not np.isfinite(self.rows).all():
             self._report("L004.float32", "input_dtype")
             return None
         halves = self.streams or settings.n_components is not None
-        _, other = split(self.rows, halves=halves)
+        _, other = scope.split(self.rows, halves=halves)
         self._check_features()
         if self.streams and len(other) < (needed := max(2 * m, (m - 1) * settings.stride + 1)):
             self._report("L008", "calibration", needed=2 * needed, rows=len(self.rows))
@@ -76,7 +66,7 @@ class _Planner:
         if has_errors(self.problems):
             return None
         leaves_something = components is not None and components < self.rows.shape[1]
-        design = Design(
+        design = scope.Design(
             self.rows,
             components=components,
             standardize=settings.standardize,
@@ -114,7 +104,7 @@ class _Planner:
         if threshold > thresholds.largest_possible(settings.metric, n, m):
             self._report("L007.drift", "reference_sample_file")
             return None
-        plan = Plan(
+        plan = scope.Plan(
             settings, design, self.single, level, critical, calibration, threshold, method,
             autocorrelation(design.series(self.rows)),
         )  # fmt: skip
@@ -140,7 +130,7 @@ class _Planner:
             shown = ", ".join(pairs[:_LISTED])
             self._report("L010.equal", key, pairs=shown, same=_more(pairs))
 
-    def _components(self, other: Rows) -> int | None:
+    def _components(self, other: scope.Rows) -> int | None:
         settings, requested = self.settings, self.settings.n_components
         if requested is None:
             if settings.standardize:
@@ -154,7 +144,7 @@ class _Planner:
         if np.abs(self.rows).max() > _LARGEST_SQUARED:
             self._report("L004.overflow", "reference_sample_file")
             return None
-        _, singular = principal_axes(other, requested, standardize=settings.standardize)
+        _, singular = scope.principal_axes(other, requested, standardize=settings.standardize)
         if singular[0] == 0.0:
             self._report("L006.no_axis", "n_components")
             return None
@@ -170,11 +160,11 @@ class _Planner:
             self._report("L010.dropped", "n_components", features=dropped, kept=kept)
         return kept
 
-    def _warn(self, plan: Plan) -> None:
+    def _warn(self, plan: scope.Plan) -> None:
         """Warn of thresholds that are less exact or less powerful than they look."""
         settings, metric = self.settings, self.settings.metric
         if metric != "ks" and settings.window_size < _FEWEST_FOR_LIMITS:
-            self._report("L009.short_window", "window_size", metrics=METRIC_NAMES[metric])
+            self._report("L009.short_window", "window_size", metrics=scope.METRIC_NAMES[metric])
         if metric != "ks" and plan.level > _HIGHEST_LEVEL:
             value = thresholds.limit_quantile(metric, _HIGHEST_LEVEL)
             self._report("L009.level", "significance_level", level=plan.level, value=value)

@@ -18,16 +18,13 @@ from eddi_scaffold.common.problems import EddiError, Place, Problem, plural, pro
 from eddi_scaffold.kinds.safeml.scope import ReferenceSample, Rows, SafeMLSettings
 
 MAX_BYTES = 512 * 1024 * 1024
-MAX_PROBLEMS = 20
-"""Rows of a wrong length that are listed of one file."""
-_BLANKS = " \t\v\f"
-"""Characters allowed around a number, as in ``float`` for ASCII."""
+MAX_PROBLEMS = 20  # Rows of a wrong length that are listed of one file
+_BLANKS = " \t\v\f"  # Characters allowed around a number, as in `float` for ASCII
 _LINE_END = re.compile(r"\r\n|\r|\n")  # not splitlines(), which sees ends that editors do not
 _NUMBER = re.compile(
     r"[-+]?((\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?|nan|inf|infinity)", re.ASCII | re.IGNORECASE
 )
-_FEWEST_COUNTED = 10
-"""Rows from which on equal steps are no chance."""
+_FEWEST_COUNTED = 10  # Rows from which on equal steps are no chance
 _TIME = re.compile(r"\d\d?:\d\d|\d{4}-\d\d-\d\d")
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 Lines = Sequence[tuple[int, str]]

@@ -23,8 +23,7 @@ from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.monitor_text import CompiledMonitor, Declaration
 
 DEFAULT_INPUT = "sample"
-_PERIODS = 10
-"""Steps without a sample after which a window is too old, unless ``max_age`` is given."""
+_PERIODS = 10  # Steps without a sample after which a window is too old, unless `max_age` is given
 
 
 _IN_SCOPE, _VERDICT = "`field: in_scope` of SafeMLStatus", (("omission", False),)
@@ -55,14 +54,11 @@ MEANINGS["SafeMLStatus"]["in_scope"] = Meaning(
 
 @dataclass(frozen=True)
 class SafeMLModel(Model):
-    """A reference, and how what is seen is compared with it.
-
-    Attributes:
-        options: ``None`` before it is configured.
-    """
+    """A reference, and how what is seen is compared with it."""
 
     kind: ClassVar[str] = NAME
     data: SafeMLFile = field(kw_only=True)
+    # `None` before it is configured
     options: SafeMLOptions | None = field(default=None, kw_only=True)
 
     @classmethod

@@ -21,8 +21,7 @@ NAME = "safeml"
 Rows = npt.NDArray[np.float64]
 _NEGLIGIBLE = 1e-9
 """Residuals below this part of the longest sample are rounding noise and count as 0."""
-_DECIMALS = 12
-"""Of axes: their last digits differ between machines, and a package must not."""
+_DECIMALS = 12  # Of axes: their last digits differ between machines, and a package must not
 
 Metric = Literal["ks", "cvm", "ad"]
 
@@ -39,42 +38,27 @@ METRIC_NAMES: Mapping[Metric, str] = {short: long for long, short in METRICS.ite
 
 @dataclass(frozen=True)
 class SafeMLSettings:
-    """``safeml_config.yml`` (SESAME D7.2 Fig 23 and our own keys).
+    """``safeml_config.yml`` (SESAME D7.2 Fig 23 and our own keys)."""
 
-    Attributes:
-        window_size: samples that are compared with the reference.
-        reference_sample_file: CSV, relative to the configuration.
-        significance_level: probability of a false violation per step, over all tests.
-        metric: the statistic.
-        n_components: principal components; ``None``: the features themselves are tested.
-        standardize: divide features by their standard deviation before.
-        residual_test: test what the components leave out as well.
-        calibration: thresholds for dependent samples from the reference (``stream``), or
-            theoretical ones (``iid``), or as the length of the reference allows (``auto``).
-        calibration_stride: distance of successive calibration windows.
-        stride: only every so manieth sample enters the window.
-        on_omission: whether the last verdict is kept while there is none (``hold``).
-        max_age: seconds without a sample after which the window is emptied; ``None``: ten periods
-            of the monitor.
-        input_dtype: ``auto``: by the type of the message.
-        array_backend: library of the arrays at run time.
-        places: key -> place of its value; ``""``: of the file.
-    """
-
-    window_size: int
-    reference_sample_file: str = field(compare=False)
-    significance_level: float
+    window_size: int  # samples that are compared with the reference
+    reference_sample_file: str = field(compare=False)  # CSV, relative to the configuration
+    significance_level: float  # probability of a false violation per step, over all tests
     metric: Metric
+    # principal components; `None`: the features themselves are tested
     n_components: int | None = None
-    standardize: bool = False
-    residual_test: bool = True
+    standardize: bool = False  # divide features by their standard deviation before
+    residual_test: bool = True  # test what the components leave out as well
+    # thresholds for dependent samples from the reference (`stream`), or theoretical ones (`iid`),
+    # or as the length of the reference allows (`auto`)
     calibration: str = "auto"
-    calibration_stride: int | None = None
-    stride: int = 1
-    on_omission: str = "hold"
+    calibration_stride: int | None = None  # distance of successive calibration windows
+    stride: int = 1  # only every so manieth sample enters the window
+    on_omission: str = "hold"  # whether the last verdict is kept while there is none (`hold`)
+    # seconds without a sample after which the window is emptied; `None`: ten periods of the monitor
     max_age: float | None = None
-    input_dtype: str = "auto"
-    array_backend: str = "numpy"
+    input_dtype: str = "auto"  # `auto`: by the type of the message
+    array_backend: str = "numpy"  # library of the arrays at run time
+    # key -> place of its value; `""`: of the file
     places: Mapping[str, Place] = field(default_factory=dict, compare=False, hash=False)
 
     def place(self, key: str) -> Place:
@@ -84,15 +68,10 @@ class SafeMLSettings:
 
 @dataclass(frozen=True, eq=False)
 class ReferenceSample:
-    """A reference sample that was read without errors.
-
-    Attributes:
-        source: the file.
-        rows: (rows, features), finite, in the order of the file.
-    """
+    """A reference sample that was read without errors."""
 
     source: Source
-    rows: Rows
+    rows: Rows  # (rows, features), finite, in the order of the file
 
 
 @dataclass(frozen=True)
@@ -188,17 +167,11 @@ class Design:
 
 
 class Calibration(NamedTuple):
-    """Thresholds from windows of the reference itself.
+    """Thresholds from windows of the reference itself."""
 
-    Attributes:
-        windows: how many windows were compared.
-        quantile: of the largest statistics of each (n m D for Kolmogorov-Smirnov).
-        is_last: the quantile is the largest of them, so the level is not resolved.
-    """
-
-    windows: int
-    quantile: float
-    is_last: bool
+    windows: int  # how many windows were compared
+    quantile: float  # of the largest statistics of each (n m D for Kolmogorov-Smirnov)
+    is_last: bool  # the quantile is the largest of them, so the level is not resolved
 
 
 @dataclass(frozen=True)
@@ -206,26 +179,17 @@ class Plan:
     """All that generation finds out.
 
     Statistics and thresholds are whole numbers n m D for Kolmogorov-Smirnov.
-
-    Attributes:
-        design: the tests, and the reference in their form.
-        single: samples come as float32.
-        level: significance level of one test.
-        theoretical: threshold for independent samples.
-        calibration: ``None`` when samples count as independent.
-        threshold: what is used; never below the theoretical one.
-        method: how the theoretical threshold was found: ``exact``, ``asymptotic`` or ``limit``.
-        autocorrelation: the largest of neighbouring reference values, and the test it is of.
     """
 
     settings: SafeMLSettings
     design: Design = field(compare=False)  # made of settings and reference
-    single: bool
-    level: float
-    theoretical: float
-    calibration: Calibration | None
-    threshold: float
-    method: str
+    single: bool  # samples come as float32
+    level: float  # significance level of one test
+    theoretical: float  # threshold for independent samples
+    calibration: Calibration | None  # `None` when samples count as independent
+    threshold: float  # what is used; never below the theoretical one
+    method: str  # how the theoretical threshold was found: `exact`, `asymptotic` or `limit`
+    # the largest of neighbouring reference values, and the test it is of
     autocorrelation: tuple[float, int]
 
     @property
@@ -251,16 +215,9 @@ class Plan:
 
 @dataclass(frozen=True)
 class SafeMLOptions:
-    """What the eddi_config.yml adds.
+    """What the eddi_config.yml adds."""
 
-    Attributes:
-        plan: thresholds for the type of the messages.
-        input_id: id of the one input.
-        max_age: seconds, ``None`` for never.
-        frequency: steps per second, ``None`` without a configuration.
-    """
-
-    plan: Plan
-    input_id: str
-    max_age: float | None
-    frequency: float | None
+    plan: Plan  # thresholds for the type of the messages
+    input_id: str  # id of the one input
+    max_age: float | None  # seconds, `None` for never
+    frequency: float | None  # steps per second, `None` without a configuration

@@ -83,13 +83,9 @@ def _integer(node: y.Node, low: int, high: int) -> int:
     return int(value)
 
 
-def _components(node: y.Node) -> int | None:
-    return None if y.is_null(node) else _integer(node, 0, 10**9) or None
-
-
-def _between_0_and(high: float, node: y.Node) -> float:
+def _above_0(node: y.Node, below: float) -> float:
     value = _number(node)
-    if not 0.0 < value < high:
+    if not 0.0 < value < below:
         raise ValueError
     return float(value)
 
@@ -120,7 +116,6 @@ def _one_of(*known: str) -> tuple[Callable[[y.Node], str], str]:
     return partial(_choice, dict(zip(known, known, strict=True))), expected
 
 
-_BOOLEAN = (_boolean, "true or false")
 _FROM_1 = "a whole number from 1 on"
 KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
     "window_size": (
@@ -128,21 +123,21 @@ KEYS: Mapping[str, tuple[Callable[[y.Node], Any], str]] = {
         f"a whole number of samples from 1 to {MAX_WINDOW}",
     ),
     "reference_sample_file": (_text, "the name of a CSV file"),
-    "significance_level": (partial(_between_0_and, 1.0), "a probability between 0 and 1"),
+    "significance_level": (partial(_above_0, below=1.0), "a probability between 0 and 1"),
     "distance_metric": (partial(_choice, METRICS), "a metric"),
     "n_components": (
-        _components,
+        lambda node: None if y.is_null(node) else _integer(node, 0, 10**9) or None,
         "a whole number of components, or null to test the features themselves,",
     ),
-    "standardize": _BOOLEAN,
-    "residual_test": _BOOLEAN,
+    "standardize": (_boolean, "true or false"),
+    "residual_test": (_boolean, "true or false"),
     "calibration": _one_of("auto", "stream", "iid"),
     "stride": (partial(_integer, low=1, high=10**6), _FROM_1),
     "on_omission": _one_of("hold", "clear"),
     "input_dtype": _one_of("auto", "float32", "float64"),
     "array_backend": _one_of("numpy", "torch"),
     "calibration_stride": (partial(_integer, low=1, high=10**9), _FROM_1),
-    "max_age": (partial(_between_0_and, 1e18), "a number of seconds above 0"),
+    "max_age": (partial(_above_0, below=1e18), "a number of seconds above 0"),
 }
 """Each key, in the order of an export: what reads its value, and what is expected of it."""
 

@@ -160,13 +160,28 @@ def limit_quantile(metric: str, level: float) -> float:
 
 
 def moments(metric: str, n: int, m: int) -> tuple[float, float]:
-    """Return mean and variance of ``cvm`` or ``ad`` for samples of n and m, without ties."""
+    """Return mean and variance of ``cvm`` or ``ad`` for samples of n and m, without ties.
+
+    Anderson-Darling: Scholz and Stephens (1987), section 2, for two samples; the variance is 0
+    where they give none (N < 4).
+    """
     total = n + m
     if metric == "cvm":
         spread = 4.0 * n * m * total - 3.0 * (n * n + m * m) - 2.0 * n * m
         variance = (total + 1.0) * spread / (180.0 * n * m * float(total) ** 2)
         return (1.0 + 1.0 / total) / 6.0, variance
-    return 1.0, _anderson_darling_variance(n, m)
+    if total < 4:
+        return 1.0, 0.0
+    harmonic = list(accumulate(1.0 / i for i in range(1, total)))
+    h = harmonic[-1]
+    g = math.fsum((h - harmonic[i - 1]) / (total - i) for i in range(1, total - 1))
+    ratio = 1.0 / n + 1.0 / m
+    a = (4 * g - 6) + (10 - 6 * g) * ratio
+    b = 4 * (2 * g - 4) + 16 * h + (2 * g - 14 * h - 4) * ratio - 8 * h + 4 * g - 6
+    c = 4 * (6 * h + 2 * g - 2) + 2 * (4 * h - 4 * g + 6) + (2 * h - 6) * ratio + 4 * h
+    d = 4 * (2 * h + 6) - 8 * h
+    n3 = float(total)
+    return 1.0, (a * n3**3 + b * n3**2 + c * n3 + d) / ((n3 - 1) * (n3 - 2) * (n3 - 3))
 
 
 def critical_value(metric: str, level: float, n: int, m: int) -> float:
@@ -187,20 +202,3 @@ def critical_values(metric: str, n: int, m: int) -> tuple[list[tuple[float, floa
         return [], 0.0
     points = [(critical_value(metric, level, n, m), level) for level in _LEVELS]
     return points, _SLOPES[metric] * math.sqrt(variance / _LIMIT_VARIANCE[metric])
-
-
-def _anderson_darling_variance(n: int, m: int) -> float:
-    """Scholz and Stephens (1987), section 2, for two samples; 0 where they give none (N < 4)."""
-    total = n + m
-    if total < 4:
-        return 0.0
-    harmonic = list(accumulate(1.0 / i for i in range(1, total)))
-    h = harmonic[-1]
-    g = math.fsum((h - harmonic[i - 1]) / (total - i) for i in range(1, total - 1))
-    ratio = 1.0 / n + 1.0 / m
-    a = (4 * g - 6) + (10 - 6 * g) * ratio
-    b = 4 * (2 * g - 4) + 16 * h + (2 * g - 14 * h - 4) * ratio - 8 * h + 4 * g - 6
-    c = 4 * (6 * h + 2 * g - 2) + 2 * (4 * h - 4 * g + 6) + (2 * h - 6) * ratio + 4 * h
-    d = 4 * (2 * h + 6) - 8 * h
-    n3 = float(total)
-    return (a * n3**3 + b * n3**2 + c * n3 + d) / ((n3 - 1) * (n3 - 2) * (n3 - 3))
