@@ -130,10 +130,11 @@ class Peers:
         while now - self._told[0][1] > LONGEST_LEASE:
             self._told.popleft()
         robot, model, session = self.name
-        told: list[Tree] = [
-            ("RobotGuarantee", {"id": id_, "active": active, "rests_on": self._all(robots)})
-            for id_, active, robots in guarantees
-        ]
+        told: list[Tree] = []
+        for id_, active, robots in guarantees:
+            # the monitors behind the words of the robots
+            behind = sorted({one for name in robots for one in self._behind.get(name, ())})
+            told.append(("RobotGuarantee", {"id": id_, "active": active, "rests_on": behind}))
         return "RobotGuarantees", {
             "robot": robot,
             "model_id": model,
@@ -150,9 +151,6 @@ class Peers:
             ],
         }
 
-    def _all(self, robots: Iterable[str]) -> list[str]:
-        return sorted({one for robot in robots for one in self._behind.get(robot, ())})
-
     def hear(self, message: Any, now: float) -> None:
         """Take a word over, of whatever age and in whatever order it comes."""
         name = (str(message.robot), str(message.model_id), str(message.session))
@@ -166,11 +164,10 @@ class Peers:
         if before is not None:  # a later word was made later
             made_after, received = max(made_after, before.made_after), before.received + 1
         self._speakers[name] = _Speaker(message, made_after, now, received)
-        while len(self._speakers) > _MOST or self._oldest() < now - LONGEST_LEASE:
-            del self._speakers[next(iter(self._speakers))]
-
-    def _oldest(self) -> float:
-        return next(iter(self._speakers.values())).heard_at
+        for oldest, speaker in [*self._speakers.items()]:
+            if len(self._speakers) <= _MOST and speaker.heard_at >= now - LONGEST_LEASE:
+                break
+            del self._speakers[oldest]
 
     def _echoed(self, message: Any) -> float:
         """Return when the word that a message echoes was told, ``-inf`` for none of ours."""
@@ -209,16 +206,14 @@ class Peers:
                 known = session.made_after > -math.inf
                 found = Found(Word(robot, why), receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
-        if candidates:
-            _, found = min(candidates)
-            if not found.word.unfit and found.receipt is not None:
-                self._rely(found.receipt.message, source.guarantee)
-            return found
-        return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
-
-    def _rely(self, message: Any, guarantee: str) -> None:
-        behind = {_monitor(message.robot, message.model_id), *_of(message, guarantee)[0].rests_on}
-        self._behind[message.robot] = self._behind.get(message.robot, frozenset()) | behind
+        if not candidates:
+            return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
+        _, found = min(candidates)
+        if not found.word.unfit and found.receipt is not None:  # these stand behind it
+            one: Any = found.receipt.message
+            behind = {_monitor(one.robot, one.model_id), *_of(one, source.guarantee)[0].rests_on}
+            self._behind[one.robot] = self._behind.get(one.robot, frozenset()) | behind
+        return found
 
     def _unfit(
         self,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from operator import eq
-from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 Rows = Sequence[Sequence[float]]
 States = Sequence[int]
@@ -62,13 +62,8 @@ class _Slot(NamedTuple):
     card: int  # number of its states
 
 
-class _Inference(NamedTuple):
-    """What infers one part, the positions of its inputs, and where its rows go."""
-
-    running: Any
-    positions: frozenset[int]
-    slots: tuple[_Slot, ...]
-    least: int
+_Inference = Tuple[Any, FrozenSet[int], Tuple[_Slot, ...], int]
+"""What infers one part, the positions of its inputs, where its rows go, its least exponent."""
 
 
 class Engine:
@@ -145,14 +140,13 @@ class Engine:
         wanted = [k for k, node in enumerate(part.outputs) if node in self.outputs]
         if part.outputs and not wanted:
             wanted = [0]  # any of them tells whether the evidence is possible
-        slots = tuple(self._slot(part.outputs[k]) for k in wanted) or (_Slot(-1, -1, 1),)
+        slots = [_Slot(-1, -1, 1)] if not wanted else []
+        for node in [part.outputs[k] for k in wanted]:
+            place = self.outputs.index(node) if node in self.outputs else -1
+            card = len(self._nodes[node].states)
+            slots.append(_Slot(place, self._cards.get(node, (-1, card))[0], card))
         running = part.made.running(self._cards, wanted)
-        return _Inference(running, frozenset(part.inputs), slots, part.least)
-
-    def _slot(self, node: int) -> _Slot:
-        place = self.outputs.index(node) if node in self.outputs else -1
-        card = len(self._nodes[node].states)
-        return _Slot(place, self._cards.get(node, (-1, card))[0], card)
+        return running, frozenset(part.inputs), tuple(slots), part.least
 
 
 def _weighted(

@@ -122,11 +122,6 @@ def settings(
     expected.update((name, " or ".join(choices[name])) for name in unknown)
     both = {**values, **words}
     wrong = [f"parameter ~{n}: {text} expected, got {both[n]!r}" for n, text in expected.items()]
-    if given.get("model"):
-        wrong.append(
-            "parameter ~model: the model is compiled into the package; take the parameter out of"
-            " the launch file, and run `eddi-scaffold upgrade -m MODEL` for another model"
-        )
     if wrong:
         raise StartError("; ".join(wrong))
     for name in ("frequency", "watchdog_period", "startup_grace"):

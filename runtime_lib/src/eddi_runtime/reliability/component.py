@@ -168,11 +168,9 @@ def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
     if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
         return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
     items = [plain(one) for one in raw]
-    if not items:
-        return None, ""
-    if len(items) != rule.length:
+    if len(items) not in (0, rule.length):
         return None, f"{rule.length} statuses are expected, not {len(items)}"
-    return [item if isinstance(item, bool) else None for item in items], ""
+    return [item if isinstance(item, bool) else None for item in items] or None, ""
 
 
 def _wrong(expected: str, raw: object) -> str:

@@ -112,8 +112,8 @@ def domain_id(text: str) -> int:
 
 
 DISTROS = {"ros_distro": ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")}
-_OWN = {*Settings._fields, *DISTROS, "use_sim_time", "partition", "model"} - {"words"}
-"""Parameters that are read; that of a former release is refused."""
+_OWN = {*Settings._fields, *DISTROS, "use_sim_time", "partition"} - {"words"}
+"""Parameters that are read."""
 _DEPTH = 5
 
 
@@ -158,10 +158,6 @@ class MonitorNode(Node):
     def simulated_ns(self) -> int | None:
         return self._clock
 
-    def _tick(self, message: Any, _: bool) -> None:
-        if not isinstance(message, Unreadable):
-            self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
-
     def check_serialises(self, message: Any) -> None:
         message.serialize()
 
@@ -195,7 +191,12 @@ class MonitorNode(Node):
         partition = str(given.parameters.get("partition", ""))
         self._domain = joined = Graph(domain, given.namespace, given.name, distro, partition)
         if self._clock is not None:
-            joined.reader("/clock", OWN.rosgraph_msgs_Clock, self._tick, reading({}, 1))
+
+            def tick(message: Any, _: bool) -> None:
+                if not isinstance(message, Unreadable):
+                    self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
+
+            joined.reader("/clock", OWN.rosgraph_msgs_Clock, tick, reading({}, 1))
         self.ending.install()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self.ending.begin())
