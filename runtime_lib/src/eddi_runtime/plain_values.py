@@ -97,8 +97,7 @@ def read(source: object, attribute: str, input_id: str) -> object:
 
 
 T = TypeVar("T")
-UNTOLD = "unknown there"
-"""Why an input is not known where another monitor does not know it."""
+UNTOLD = "unknown there"  # why an input is not known where another monitor does not know it
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""
 

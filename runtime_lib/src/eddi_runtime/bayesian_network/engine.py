@@ -12,8 +12,7 @@ Weights = Mapping[int, Sequence[float]]
 Posteriors = List[List[float]]
 Cases = Mapping[Tuple[int, ...], Optional[Rows]]
 
-_TINY = 1e-200
-"""A sum below this may have lost terms to underflow."""
+_TINY = 1e-200  # a sum below this may have lost terms to underflow
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 _NO_WEIGHTS: Weights = {}

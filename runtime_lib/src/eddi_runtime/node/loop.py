@@ -124,8 +124,7 @@ class Log:
             self._busy = False
 
 
-LOG = Log()
-"""One per process."""
+LOG = Log()  # one per process
 
 
 GRACE_S = 1.5

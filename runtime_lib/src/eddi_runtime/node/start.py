@@ -63,8 +63,7 @@ def write_to_stderr(node: str, text: str) -> None:
 
 
 STARTUP_GRACE_S = 10.0
-FREQUENCIES = (1e-6, 1e6)
-"""Least and most steps per second: periods that every clock can count."""
+FREQUENCIES = (1e-6, 1e6)  # least and most steps per second: periods that every clock can count
 
 
 class Settings(NamedTuple):

@@ -39,8 +39,7 @@ class Estimate(NamedTuple):
     reason: str = ""  # why the result cannot be trusted for another reason; empty otherwise
 
 
-Known = Mapping[str, Estimate]
-"""Model -> what it reported in this step."""
+Known = Mapping[str, Estimate]  # model -> what it reported in this step
 
 _new = tuple.__new__
 

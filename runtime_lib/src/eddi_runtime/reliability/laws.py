@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from .component import Component, Values
 
-BOLTZMANN = 8.617333262e-5
-"""eV/K."""
+BOLTZMANN = 8.617333262e-5  # eV/K
 _KELVIN = 273.15
 _HOTTEST = 700.0
 

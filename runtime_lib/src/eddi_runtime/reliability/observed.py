@@ -86,10 +86,8 @@ def independent(possible: Iterable[AbstractSet[int]]) -> list[frozenset[int]]:
     return found
 
 
-KEPT = 64
-"""How many different observations of a chain are kept."""
-_ALL_VALUES = 10
-"""Unknown inputs of a chain of which all values are tried."""
+KEPT = 64  # how many different observations of a chain are kept
+_ALL_VALUES = 10  # unknown inputs of a chain of which all values are tried
 _LARGEST = 64
 """States up to which the beliefs are followed that a missed observation may have left."""
 

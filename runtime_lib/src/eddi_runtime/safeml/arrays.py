@@ -13,8 +13,7 @@ import numpy as np
 
 from ..monitor import ModelError
 
-Array = Any
-"""An array of the backend: ``numpy.ndarray`` or ``torch.Tensor``."""
+Array = Any  # an array of the backend: ``numpy.ndarray`` or ``torch.Tensor``
 
 
 class Backend:
@@ -44,8 +43,7 @@ class Backend:
         return self._module.stack(found).astype(self._module.int64)
 
 
-NUMPY = Backend()
-"""The backend that is always there."""
+NUMPY = Backend()  # the backend that is always there
 
 
 def rounded(values: Array, *, single: bool) -> Array:

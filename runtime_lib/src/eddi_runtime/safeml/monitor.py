@@ -18,8 +18,7 @@ from .statistics import Tail
 
 FILLING = "filling"
 STALE = "stale"
-OMITTED = -1
-"""Index of no test."""
+OMITTED = -1  # index of no test
 
 
 class SafeMLResult(NamedTuple):
