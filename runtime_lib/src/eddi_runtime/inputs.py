@@ -184,11 +184,10 @@ class EDDIInputBase:
         self.__begun = False
 
     def __keep_time(self, t_ns: int | None) -> None:
-        own = t_ns is None
-        if own is not self.__own:
+        if (t_ns is None) is not self.__own:
             self.__arrivals = {name: (one, None) for name, (one, _) in self.__arrivals.items()}
             self.__doubt_time()
-        self.__own, self.__now, self.__arrived = own, step_time(t_ns), set()
+        self.__own, self.__now, self.__arrived = t_ns is None, step_time(t_ns), set()
 
     def __doubt_time(self) -> None:
         for name in [*self.__due]:

@@ -51,10 +51,9 @@ def sure(p: float, reliability: float, mttf: float, reason: str = "") -> Estimat
 
 def reader(names: Sequence[str]) -> Callable[[Values], tuple[object, ...]]:
     """Return what reads the values of some inputs as a tuple."""
-    if len(names) == 1:
-        (name,) = names
-        return lambda values: (values[name],)
-    return itemgetter(*names) if names else lambda _: ()
+    if len(names) > 1:
+        return itemgetter(*names)
+    return lambda values: tuple([values[name] for name in names])
 
 
 class Importance(NamedTuple):

@@ -81,13 +81,13 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
 
 def _pairs(words: Sequence[str]) -> list[list[str]]:
     """Return option and value of all between ``--ros-args`` and ``--``."""
-    given = list(words)
-    begin = given.index("--ros-args") if "--ros-args" in given else len(given)
+    given = [*words, "--ros-args"]
+    begin = given.index("--ros-args")
     for word in given[:begin]:
         if word.startswith("-"):  # such as --help, or -p: to ignore it would be to start otherwise
             raise StartError(f"{word}: --ros-args -r NAME:=NAME -p NAME:=VALUE is expected")
-    given = given[begin + 1 :]
-    given = given[: given.index("--")] if "--" in given else given
+    given = [*given[begin + 1 : -1], "--"]
+    given = given[: given.index("--")]
     pairs = [given[k : k + 2] for k in range(0, len(given), 2)]
     for pair in pairs:
         if pair[0] not in ("-p", "--param", "-r", "--remap") or len(pair) < 2:
