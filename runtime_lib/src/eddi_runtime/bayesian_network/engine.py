@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from operator import eq
-from typing import Any, FrozenSet, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 Rows = Sequence[Sequence[float]]
 States = Sequence[int]
@@ -61,8 +61,13 @@ class _Slot(NamedTuple):
     card: int  # number of its states
 
 
-_Inference = Tuple[Any, FrozenSet[int], Tuple[_Slot, ...], int]
-"""What infers one part, the positions of its inputs, where its rows go, its least exponent."""
+class _Inference(NamedTuple):
+    """What infers one part, the positions of its inputs, and where its rows go."""
+
+    running: Any
+    positions: frozenset[int]
+    slots: tuple[_Slot, ...]
+    least: int
 
 
 class Engine:
@@ -145,7 +150,7 @@ class Engine:
             card = len(self._nodes[node].states)
             slots.append(_Slot(place, self._cards.get(node, (-1, card))[0], card))
         running = part.made.running(self._cards, wanted)
-        return running, frozenset(part.inputs), tuple(slots), part.least
+        return _Inference(running, frozenset(part.inputs), tuple(slots), part.least)
 
 
 def _weighted(

@@ -71,13 +71,14 @@ def outcomes_finding(
     """Return the finding in state -> number (SESAME D7.2 Fig 15), or EvidenceError."""
     if tuple(outcomes) == states:  # as generated
         return finding(list(outcomes.values()), states, virtual=virtual)
-    absent = [state for state in states if state not in outcomes]
-    unknown = sorted(str(outcome) for outcome in outcomes if outcome not in states)
-    if absent:
-        raise EvidenceError(f"there is no outcome for the state {absent[0]!r}")
-    if unknown:
+    try:
+        values = [outcomes[state] for state in states]
+    except KeyError as problem:
+        raise EvidenceError(f"there is no outcome for the state {problem.args[0]!r}") from None
+    if len(outcomes) != len(states):
+        unknown = sorted(str(outcome) for outcome in outcomes if outcome not in states)
         raise EvidenceError(f"there is no state {', '.join(unknown)}")
-    return finding([outcomes[state] for state in states], states, virtual=virtual)
+    return finding(values, states, virtual=virtual)
 
 
 def _number(value: object, state: str) -> float:
