@@ -14,7 +14,6 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place
 from eddi_scaffold.kinds import Model
 from eddi_scaffold.kinds.bayesian_network import cross_check as crosscheck
-from eddi_scaffold.kinds.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from eddi_scaffold.kinds.bayesian_network.method_module import proposed_bins
 from eddi_scaffold.kinds.bayesian_network.network import Network, identifiers, xdsl_ids
 from eddi_scaffold.kinds.bayesian_network.network_model import NetworkModel

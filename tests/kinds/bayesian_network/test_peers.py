@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 
-from eddi_scaffold.kinds.bayesian_network.asking import posteriors
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.write import to_xdsl, to_xmlbif
 from tests.kinds.bayesian_network.networks import networks, read, read_path
