@@ -68,7 +68,9 @@ def _entry(name: str, module: str, folder: Path) -> Iterator[str]:
     match node:
         case ast.ClassDef():
             for method in node.body:
-                if isinstance(method, ast.FunctionDef) and not method.name.startswith("_"):
+                if not isinstance(method, ast.FunctionDef) or method.name.startswith("_"):
+                    continue
+                if ast.get_docstring(method):  # else its base class says what it is
                     yield f"#### `{name}.{method.name}`\n"
                     yield _code(path, _head(method))
                     yield _prose(ast.get_docstring(method))

@@ -11,7 +11,6 @@ from eddi_scaffold.common.graphs import reached
 PARTS: Mapping[str, tuple[str, ...]] = {
     "bayesian_network": (),
     "bayesian_network/arrays": ("bayesian_network",),
-    "bayesian_network/asking": ("bayesian_network",),
     "bayesian_network/claims": ("bayesian_network", "thresholds"),
     "bayesian_network/direct": ("bayesian_network",),
     "bayesian_network/explain": ("bayesian_network",),
@@ -53,8 +52,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 }
 """Part of ``eddi_runtime``, a folder or a module -> other parts that it imports.
 
-``testing`` and ``bayesian_network/asking`` are for people who have the distribution; no monitor
-needs them.
+``testing`` is for people who have the distribution; no monitor needs it.
 """
 
 PEERS = "peers"

@@ -24,7 +24,7 @@ for words in (
         main()
     except SystemExit as end:
         assert end.code == 0, words
-import eddi_runtime.transports.dds, eddi_runtime.bayesian_network.asking
+import eddi_runtime.transports.dds, eddi_scaffold.kinds.bayesian_network.asking
 import of_the_workspace  # message classes, for watch
 """
 

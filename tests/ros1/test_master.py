@@ -230,7 +230,6 @@ def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
     nodes["rate"] = world.node(
         master, "tester", model, "_frequency:=0", "_queue_size:=none", "__name:=rate"
     )
-    nodes["other"] = world.node(master, "tester", model, "_model:=other.json", "__name:=other")
     for name, node in nodes.items():
         assert node.wait() == 1, node.text
         assert master.call("lookupNode", f"/{name}") is None
@@ -242,4 +241,3 @@ def test_models_that_cannot_be_used(world, master, model_files, tmp_path):
     assert "copier recopy --trust" in nodes["absent"].text
     assert "~frequency: 0.000001 to 1000000 Hz expected, got 0" in nodes["rate"].text
     assert "~queue_size" in nodes["rate"].text
-    assert "~model: the model is compiled into the package" in nodes["other"].text

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from eddi_runtime.bayesian_network import BayesianNetworkMonitor
-from eddi_runtime.bayesian_network.asking import InconsistentEvidenceError, posteriors
 
 from eddi_scaffold.common.problems import Place, problem
 from eddi_scaffold.kinds import CrossCheck
+from eddi_scaffold.kinds.bayesian_network.asking import InconsistentEvidenceError, posteriors
 from eddi_scaffold.kinds.bayesian_network.network import Network
 from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions
 

@@ -12,8 +12,6 @@ from .inputs import accepted, look_again, step_time
 from .monitor import Monitor, Standing, Tree, rows_of
 from .plain_values import Absent, is_nan, plain, read, show
 
-__all__ = ["FORMAT", "Event", "EventMonitor"]
-
 FORMAT = 1
 
 Rows = List[Dict[str, Any]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import Any, Callable, Mapping, NamedTuple, Sequence
 
 from .plain_values import UNTOLD, Absent, NotGivenError, one_line, plain, read
@@ -85,15 +86,13 @@ def accepted(specs: Sequence[InputSpec], eddi_input: object) -> tuple[str, ...]:
     states = states_of(eddi_input)
     for spec in specs:
         limitless = spec.max_age == "none"
-        if not (limitless or spec.accepts) or spec.id not in states:
-            continue
-        value = read(eddi_input, spec.attribute, spec.id)
-        if value is None or type(value) is Absent:
-            continue
-        default = states[spec.id].state == "missing"  # is what it holds
-        keys = [key for key in spec.accepts if (key == UNSAFE_DEFAULT) == default]
-        keys = ["max_age: none", *keys] if limitless and not default else keys
-        found += [f"{spec.id}: {key}" for key in keys]
+        if (limitless or spec.accepts) and spec.id in states:
+            value = read(eddi_input, spec.attribute, spec.id)
+            if value is not None and type(value) is not Absent:
+                default = states[spec.id].state == "missing"  # is what it holds
+                keys = [key for key in spec.accepts if (key == UNSAFE_DEFAULT) == default]
+                keys = ["max_age: none", *keys] if limitless and not default else keys
+                found += [f"{spec.id}: {key}" for key in keys]
     return tuple(found)
 
 
@@ -127,8 +126,9 @@ class EDDIInputBase:
 
     def __init__(self, specs: Sequence[InputSpec] = ()) -> None:
         self.states = {}
-        self.__ages: Mapping[str, float] | None = None  # as told for this step
-        self.__new: Mapping[str, Sequence[object]] | None = None  # the same
+        # as told for this step
+        self.__ages: Mapping[str, float] | None = None
+        self.__new: Mapping[str, Sequence[object]] | None = None
         self.__words: Mapping[str, Word] = {}
         self.__begun = False  # a step for which ``processing`` has not been called
         self.__own = True  # is the clock the machine's own
@@ -184,11 +184,10 @@ class EDDIInputBase:
         self.__begun = False
 
     def __keep_time(self, t_ns: int | None) -> None:
-        own = t_ns is None
-        if own is not self.__own:
+        if (t_ns is None) is not self.__own:
             self.__arrivals = {name: (one, None) for name, (one, _) in self.__arrivals.items()}
             self.__doubt_time()
-        self.__own, self.__now, self.__arrived = own, step_time(t_ns), set()
+        self.__own, self.__now, self.__arrived = t_ns is None, step_time(t_ns), set()
 
     def __doubt_time(self) -> None:
         for name in [*self.__due]:
@@ -271,8 +270,12 @@ class EDDIInputBase:
         messages = [simulator_outputs.get(name) for name in requires]
         ages = [self.__age(name, message) for name, message in zip(requires, messages)]
         absent = [name for name, message in zip(requires, messages) if message is None]
+        unfit = [self.__words[name].unfit for name in absent if name in self.__words]
+        if unfit:
+            told = all(name in self.__words and name in (self.__ages or ()) for name in absent)
+            return messages, ages, InputState("stale" if told else "missing", "; ".join(unfit))
         if absent:
-            return messages, ages, self.__absence(absent)
+            return messages, ages, InputState("missing", f"no message of {', '.join(absent)}")
         state = aged(ages, self.__spec(input_id)[1])
         if state.age == UNKNOWN_AGE and self.__ages is None and state.state != "ok":
             state = state._replace(reason=TWO_CLOCKS)
@@ -291,13 +294,6 @@ class EDDIInputBase:
         if now is None or then is None or now < then:
             return UNKNOWN_AGE
         return (now - then) / 1e9
-
-    def __absence(self, absent: Sequence[str]) -> InputState:
-        unfit = [self.__words[name].unfit for name in absent if name in self.__words]
-        if not unfit:
-            return InputState("missing", f"no message of {', '.join(absent)}")
-        heard = all(name in self.__words and name in (self.__ages or ()) for name in absent)
-        return InputState("stale" if heard else "missing", "; ".join(unfit))
 
     def __robots(self, requires: Sequence[str]) -> tuple[str, ...]:
         return tuple(self.__words[name].robot for name in requires if name in self.__words)
@@ -323,16 +319,11 @@ def invalid(problem: Exception, before: InputState | None) -> InputState:
     """Return the state of an input whose method raised; its traceback is made once."""
     if isinstance(problem, NotGivenError):
         return InputState("untold", UNTOLD)
-    reason = one_line(problem)
+    reason, lines = one_line(problem), []
     if before is not None and before.state == "invalid" and before.reason == reason:
         return before._replace(age=None)
-    return InputState("invalid", reason, None, _traceback(problem))
-
-
-def _traceback(problem: BaseException) -> str:
     import traceback  # noqa: PLC0415 - 3 ms of every start, for what rarely happens
 
-    try:
-        return "".join(traceback.format_exception(type(problem), problem, problem.__traceback__))
-    except Exception:  # noqa: BLE001 - an exception may fail to print itself
-        return ""
+    with suppress(Exception):  # an exception may fail to print itself
+        lines = traceback.format_exception(type(problem), problem, problem.__traceback__)
+    return InputState("invalid", reason, None, "".join(lines))

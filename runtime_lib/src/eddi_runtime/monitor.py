@@ -52,11 +52,9 @@ Tree = Tuple[str, Mapping[str, Field]]
 Json = Union[str, bool, int, float, None, Sequence["Json"], Mapping[str, "Json"]]
 """What ``json`` can write."""
 
-Output = TypeVar("Output")
-"""What a step of one kind of monitor gives."""
+Output = TypeVar("Output")  # what a step of one kind of monitor gives
 
-Value = Union[bool, float, str, None]
-"""A named result for people and plots; None is unknown."""
+Value = Union[bool, float, str, None]  # a named result for people and plots; None is unknown
 
 
 def rows_of(output: object) -> Sequence[Any] | None:

@@ -21,17 +21,14 @@ from .node.receipts import Input, Receipt
 
 __all__ = ["Fleet", "Found", "Name", "Peers", "Source"]
 
-_WORDS = "~peers"
-"""Id of the subscription to all words; none of a configuration is like it."""
+_WORDS = "~peers"  # id of the subscription to all words; none of a configuration is like it
 LONGEST_LEASE = 60.0
 """Seconds: a node that was silent for longer is forgotten, and so is when a word was told."""
-_MOST_TOLD = 10_000
-"""Own words of which it is remembered when they were told."""
+_MOST_TOLD = 10_000  # own words of which it is remembered when they were told
 _MOST = 1_000
 """Nodes that are remembered, and that a word may rest on: no sender can fill memory or network."""
 
-Name = Tuple[str, str, str]
-"""Robot, model and session of a node; a restart begins a new session."""
+Name = Tuple[str, str, str]  # robot, model and session of a node; a restart begins a new session
 
 
 class Source(NamedTuple):
@@ -115,9 +112,9 @@ class Peers:
 
     def told(self, message: object, monitor: Any, now: float) -> Tree:
         """Return the word about a message that was published, as ``word`` does."""
-        given = getattr(message, "guarantees", ())
-        robots = ((one, monitor.robots(one.id) if one.active else ()) for one in given)
-        return self.word([(one.id, one.active, by) for one, by in robots], now)
+        rows = getattr(message, "guarantees", ())
+        by = [monitor.robots(one.id) if one.active else () for one in rows]
+        return self.word([(one.id, one.active, robots) for one, robots in zip(rows, by)], now)
 
     def word(self, guarantees: Iterable[tuple[str, bool, Iterable[str]]], now: float) -> Tree:
         """Return the next word as a ``RobotGuarantees`` tree; it must be told after ``now``.
@@ -130,28 +127,20 @@ class Peers:
         while now - self._told[0][1] > LONGEST_LEASE:
             self._told.popleft()
         robot, model, session = self.name
-        told: list[Tree] = [
-            ("RobotGuarantee", {"id": id_, "active": active, "rests_on": self._all(robots)})
-            for id_, active, robots in guarantees
+        told: list[Tree] = []
+        for id_, active, robots in guarantees:
+            # the monitors behind the words of the robots
+            behind = sorted({one for name in robots for one in self._behind.get(name, ())})
+            told.append(("RobotGuarantee", {"id": id_, "active": active, "rests_on": behind}))
+        speakers = self._speakers.items()
+        heard = [
+            ("Heard", dict(zip(_HEARD, (*name, speaker.message.sequence))))
+            for name, speaker in speakers
+            if speaker.message.listens and now - speaker.heard_at <= self._lease
         ]
-        return "RobotGuarantees", {
-            "robot": robot,
-            "model_id": model,
-            "model_digest": self._digest,
-            "session": session,
-            "sequence": self._number,
-            "lease": self._lease,
-            "listens": bool(self._sources),
-            "guarantees": told,
-            "heard": [
-                ("Heard", dict(zip(_HEARD, (*name, speaker.message.sequence))))
-                for name, speaker in self._speakers.items()
-                if speaker.message.listens and now - speaker.heard_at <= self._lease
-            ],
-        }
-
-    def _all(self, robots: Iterable[str]) -> list[str]:
-        return sorted({one for robot in robots for one in self._behind.get(robot, ())})
+        own = {"robot": robot, "model_id": model, "model_digest": self._digest, "session": session}
+        more = {"sequence": self._number, "lease": self._lease, "listens": bool(self._sources)}
+        return "RobotGuarantees", {**own, **more, "guarantees": told, "heard": heard}
 
     def hear(self, message: Any, now: float) -> None:
         """Take a word over, of whatever age and in whatever order it comes."""
@@ -166,11 +155,10 @@ class Peers:
         if before is not None:  # a later word was made later
             made_after, received = max(made_after, before.made_after), before.received + 1
         self._speakers[name] = _Speaker(message, made_after, now, received)
-        while len(self._speakers) > _MOST or self._oldest() < now - LONGEST_LEASE:
-            del self._speakers[next(iter(self._speakers))]
-
-    def _oldest(self) -> float:
-        return next(iter(self._speakers.values())).heard_at
+        for oldest, speaker in [*self._speakers.items()]:
+            if len(self._speakers) <= _MOST and speaker.heard_at >= now - LONGEST_LEASE:
+                break
+            del self._speakers[oldest]
 
     def _echoed(self, message: Any) -> float:
         """Return when the word that a message echoes was told, ``-inf`` for none of ours."""
@@ -198,39 +186,29 @@ class Peers:
             if model != source.model or (robot not in order if order else robot == self.name[0]):
                 continue
             for session in sessions:
-                told = _of(session.message, source.guarantee)
-                why = self._unfit(source, session, told, sessions, now)
-                granted = not why and told[0].active is True
-                freshest = (
-                    -session.made_after if why else 0.0
-                )  # among good ones, the same in each step
+                why = self._unfit(source, session, sessions, now)
+                granted = not why and _of(session.message, source.guarantee)[0].active is True
+                freshest = -session.made_after if why else 0.0  # of good ones always the same
                 place = (order.get(robot, 0), freshest, robot, session.message.session)
                 receipt = Receipt(session.message, max(session.made_after, 0.0), session.received)
                 known = session.made_after > -math.inf
                 found = Found(Word(robot, why), receipt if known else None)
                 candidates.append(((not granted, bool(why), *place), found))
-        if candidates:
-            _, found = min(candidates)
-            if not found.word.unfit and found.receipt is not None:
-                self._rely(found.receipt.message, source.guarantee)
-            return found
-        return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
-
-    def _rely(self, message: Any, guarantee: str) -> None:
-        behind = {_monitor(message.robot, message.model_id), *_of(message, guarantee)[0].rests_on}
-        self._behind[message.robot] = self._behind.get(message.robot, frozenset()) | behind
+        if not candidates:
+            return Found(Word("", f"no word of {source.model} on {_robots(source)} was heard"))
+        _, found = min(candidates)
+        if not found.word.unfit and found.receipt is not None:  # these stand behind it
+            one: Any = found.receipt.message
+            behind = {_monitor(one.robot, one.model_id), *_of(one, source.guarantee)[0].rests_on}
+            self._behind[one.robot] = self._behind.get(one.robot, frozenset()) | behind
+        return found
 
     def _unfit(
-        self,
-        source: Source,
-        one: _Speaker,
-        told: Sequence[Any],
-        sessions: Sequence[_Speaker],
-        now: float,
+        self, source: Source, one: _Speaker, sessions: Sequence[_Speaker], now: float
     ) -> str:
         """Return why the word of a node does not count, empty when it does."""
         message, age = one.message, now - one.made_after
-        robot = message.robot
+        robot, told = message.robot, _of(message, source.guarantee)
         limit = min(self._lease, message.lease)
         if message.model_digest != source.digest:
             digest = str(message.model_digest)[:12]

@@ -24,26 +24,20 @@ def plain(raw: object) -> bool | int | float | str | None:
     if type(raw) is bytes and len(raw) == 1:
         return raw[0]
     kind = type(raw)
-    numpy = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
+    item: Any = raw
+    numpy: Any = sys.modules.get("numpy")  # a numpy scalar cannot exist before numpy is imported
     if issubclass(kind, getattr(numpy, "generic", ())):  # nor while another thread imports it
-        return _plain_numpy(raw, kind, numpy)
-    # "isinstance" also believes "__class__": it only tells mypy what "issubclass" has found.
-    if issubclass(kind, float) and isinstance(raw, float):
-        return float.__float__(raw)
-    if issubclass(kind, int) and isinstance(raw, int):
-        return int.__int__(raw)
-    if issubclass(kind, str):
-        return str.__str__(raw)
-    return None
-
-
-def _plain_numpy(raw: Any, kind: type, numpy: Any) -> bool | int | float | str | None:
-    if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
-        return None
-    item = numpy.generic.item(raw)
-    if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
-        item = float(item)
-    return item if type(item) in (bool, int, float, str) else None
+        if issubclass(kind, numpy.timedelta64):  # a duration, though numpy calls it an integer
+            return None
+        item = numpy.generic.item(raw)
+        if type(item) is numpy.longdouble:  # it has no Python twin and is its own item
+            item = float(item)
+        return item if type(item) in (bool, int, float, str) else None
+    if issubclass(kind, float):
+        return float.__float__(item)
+    if issubclass(kind, int):
+        return int.__int__(item)
+    return str.__str__(item) if issubclass(kind, str) else None
 
 
 def is_nan(raw: object) -> bool:
@@ -103,8 +97,7 @@ def read(source: object, attribute: str, input_id: str) -> object:
 
 
 T = TypeVar("T")
-UNTOLD = "unknown there"
-"""Why an input is not known where another monitor does not know it."""
+UNTOLD = "unknown there"  # why an input is not known where another monitor does not know it
 Step = Union[str, int, Sequence[Union[str, int]]]
 """One step of a path into a message, see ``follow``."""
 

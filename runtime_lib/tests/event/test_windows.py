@@ -8,6 +8,7 @@ import statistics
 
 import pytest
 from eddi_runtime.expressions import stacks, windows
+from eddi_runtime.expressions import window as windows_of
 
 STEP = 10**7
 
@@ -80,7 +81,7 @@ def test_every_buffer_keeps_to_its_capacity(name):
 
 def test_coverage_counts_what_is_known():
     window, length = made("Average", 4)
-    covered = windows.Covered(window, 0.5)
+    covered = windows_of.Covered(window, 0.5)
     nan = math.nan
     values = [
         covered.push(k * STEP, k * STEP, x)

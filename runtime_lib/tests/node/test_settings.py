@@ -22,7 +22,7 @@ def test_everything_can_be_given():
 
 def test_all_that_is_wrong_is_told_at_once():
     bad = {"frequency": float("nan"), "diagnostics": 1, "watchdog_period": -1, "queue_size": 0}
-    bad.update(startup_grace=-1, on_loss=[], model=3)
+    bad.update(startup_grace=-1, on_loss=[])
     with pytest.raises(StartError) as caught:
         settings({**bad, "frequency": "fast"}, 10.0, choices=CHOICES)
     wrong = str(caught.value).split("; p")

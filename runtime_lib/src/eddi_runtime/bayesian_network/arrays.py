@@ -79,11 +79,9 @@ class Numbers:
     def _product(self, message: Message, of: Mapping[int, Any], *, cases: bool) -> Any:
         """Multiply two messages and sum over the nodes that the product has no axis for."""
         first, second = (self.messages[part] for part in message.parts)
-        axes = [
-            *sorted({*first.nodes, *second.nodes}),
-            *(-1 - input_ for input_ in message.inputs),
-        ]
+        inputs = [-1 - input_ for input_ in message.inputs]
         # einsum knows 52 axes only, so they are counted anew for each pair.
+        axes = [*sorted({*first.nodes, *second.nodes}), *inputs]
         number = {axis: k for k, axis in enumerate(axes)}
 
         def numbers(part: Message) -> list[int]:
@@ -157,7 +155,13 @@ class Running(Numbers):
             step: Callable[[States], Posteriors] = steps.bind(np, slots)
             return step
         answers = [slots[steps.answers[k]] for k in self._wanted]
-        needed = self._needed()
+        needed: set[int] = set()  # messages that the answers are made of
+        waiting = list(self._answers)
+        while waiting:
+            number = waiting.pop()
+            if number not in needed and self.messages[number].kind == "product":
+                needed.add(number)
+                waiting += self.messages[number].parts
         operations = [
             (getattr(np, name), [slots[operand] for operand in operands])
             for message, name, *operands in steps.operations
@@ -170,16 +174,6 @@ class Running(Numbers):
             return [answer if type(answer) is list else answer.tolist() for answer in answers]
 
         return run
-
-    def _needed(self) -> set[int]:
-        found: set[int] = set()
-        waiting = list(self._answers)
-        while waiting:
-            number = waiting.pop()
-            if number not in found and self.messages[number].kind == "product":
-                found.add(number)
-                waiting += self.messages[number].parts
-        return found
 
     def _slot(self, row: Sequence[Any], slots: Sequence[Any]) -> Any:
         kind, source, *rest = row

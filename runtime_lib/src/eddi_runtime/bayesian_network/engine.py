@@ -12,8 +12,7 @@ Weights = Mapping[int, Sequence[float]]
 Posteriors = List[List[float]]
 Cases = Mapping[Tuple[int, ...], Optional[Rows]]
 
-_TINY = 1e-200
-"""A sum below this may have lost terms to underflow."""
+_TINY = 1e-200  # a sum below this may have lost terms to underflow
 _LEAST_EXPONENT = -900
 """Powers of two down to which a product stays an exact double, with some room."""
 _NO_WEIGHTS: Weights = {}
@@ -145,14 +144,13 @@ class Engine:
         wanted = [k for k, node in enumerate(part.outputs) if node in self.outputs]
         if part.outputs and not wanted:
             wanted = [0]  # any of them tells whether the evidence is possible
-        slots = tuple(self._slot(part.outputs[k]) for k in wanted) or (_Slot(-1, -1, 1),)
+        slots = [_Slot(-1, -1, 1)] if not wanted else []
+        for node in [part.outputs[k] for k in wanted]:
+            place = self.outputs.index(node) if node in self.outputs else -1
+            card = len(self._nodes[node].states)
+            slots.append(_Slot(place, self._cards.get(node, (-1, card))[0], card))
         running = part.made.running(self._cards, wanted)
-        return _Inference(running, frozenset(part.inputs), slots, part.least)
-
-    def _slot(self, node: int) -> _Slot:
-        place = self.outputs.index(node) if node in self.outputs else -1
-        card = len(self._nodes[node].states)
-        return _Slot(place, self._cards.get(node, (-1, card))[0], card)
+        return _Inference(running, frozenset(part.inputs), tuple(slots), part.least)
 
 
 def _weighted(

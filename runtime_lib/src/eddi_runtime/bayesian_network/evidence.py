@@ -99,11 +99,10 @@ class Answer:
 
     __slots__ = ("findings", "outputs", "problems")
 
-    def __init__(self, known: Answer | None = None) -> None:
+    def __init__(self) -> None:
         # node -> its evidence; nodes that were left at zero are not in it
-        self.findings: dict[int, Reading] = {} if known is None else known.findings.copy()
-        # nodes that were flagged as outputs
-        self.outputs: set[int] = set() if known is None else known.outputs.copy()
+        self.findings: dict[int, Reading] = {}
+        self.outputs: set[int] = set()  # nodes that were flagged as outputs
         self.problems: dict[int, str] = {}  # node -> why its method gave nothing
 
     def put(
@@ -148,14 +147,14 @@ class Methods:
             if method is None:
                 continue
             function: Any = getattr(method, "__func__", None)
-            code = getattr(function, "__code__", None)
+            code: Any = getattr(function, "__code__", None)
             # Asked without its object: a method that uses that alone may change its result, too.
             if code is not None and _reads_nothing(code):
                 self._ask([(node, name, spec.states, partial(function, _NOBODY))], self._constant)
                 if self._constant.problems.pop(node, None) is None:
                     continue
             self._asked.append((node, name, spec.states, None))
-            if code is not None and any(co_const is True for co_const in code.co_consts):
+            if code is not None and any(constant is True for constant in code.co_consts):
                 self.outputs.add(node)
         # nodes that a method observes, or may observe
         self.observed = {*self._constant.findings, *(node for node, *_ in self._asked)}
@@ -165,7 +164,9 @@ class Methods:
         """Call every method that may change its result; what one raises is noted."""
         if not self._asked:
             return self._constant
-        answer = Answer(self._constant)
+        answer = Answer()
+        answer.findings.update(self._constant.findings)
+        answer.outputs |= self._constant.outputs
         self._data.data = eddi_input
         try:
             self._hooks.update_dra_data(self._data)

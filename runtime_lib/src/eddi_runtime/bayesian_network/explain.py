@@ -66,12 +66,7 @@ class Explaining(BayesianNetworkMonitor):
             if not weights.pop(position, None) and states == last.states:
                 continue
             without = self._tried(states, weights)
-            if without is not None and all_known is not None:  # never None: less is claimed
-                found[self.nodes[node].id] = max(
-                    (
-                        0.5 * sum(abs(p - q) for p, q in zip(*rows))
-                        for rows in zip(all_known, without)
-                    ),
-                    default=0.0,
-                )
+            pairs = zip(all_known or (), without or ())  # never None: less is claimed
+            moved = [0.5 * sum(abs(p - q) for p, q in zip(*rows)) for rows in pairs]
+            found[self.nodes[node].id] = max(moved, default=0.0)
         return found

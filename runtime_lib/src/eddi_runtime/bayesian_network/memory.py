@@ -89,7 +89,11 @@ class Remembering(Discretiser):
     def _read(self, raw: object, now: float) -> int:
         state, number = self._judged(raw)
         if number is not None:
-            state = self._binned(number)
+            place, self.possible = self._search(self._edges, number), ()
+            if self._bands is not None:
+                place = self._bands.take(number, place)
+                self.possible = [self._order[one] for one in self._bands.possible]
+            state = self._order[place]
         elif state == ABSENT:
             return self.absent(now)
         elif state == self._declared.missing or self._bands is None:
@@ -99,12 +103,3 @@ class Remembering(Discretiser):
             self.possible = ()
         self._last = state, now, self.possible
         return state
-
-    def _binned(self, number: float) -> int:
-        place = self._search(self._edges, number)
-        if self._bands is None:
-            self.possible = ()
-            return self._order[place]
-        place = self._bands.take(number, place)
-        self.possible = [self._order[one] for one in self._bands.possible]
-        return self._order[place]

@@ -125,7 +125,11 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
             rows = self._tried(self._missing, {})
         elif self.on_inconsistent == "hold" and self._good is not None:
             rows, flagged = self._good
-        return [] if rows is None else self._output(rows, flagged)
+        if rows is None:
+            return []
+        shown = self._shown_with(flagged) if flagged else self._shown
+        given = [Node(title, list(map(Outcome, names, rows[k]))) for k, title, names in shown]
+        return [BayesianNetworkOutput(_ACTOR, self.model_id, given)]
 
     def _tried(self, states: States, weights: Weights) -> Rows | None:
         """Return the posteriors of a case that is only thought of: it is not worth remembering."""
@@ -298,11 +302,6 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         pairs = [*enumerate(self.engine.outputs)]
         shown = [(k, self.nodes[one]) for k, one in pairs if one in self.given or one in flagged]
         return [(place, node.id, node.states) for place, node in shown]
-
-    def _output(self, rows: Rows, flagged: set[int]) -> Output:
-        shown = self._shown_with(flagged) if flagged else self._shown
-        nodes = [Node(title, list(map(Outcome, states, rows[k]))) for k, title, states in shown]
-        return [BayesianNetworkOutput(_ACTOR, self.model_id, nodes)]
 
     def _evidence(self) -> tuple[dict[str, Known], list[str]]:
         """Return observed node -> its state or likelihoods; and the nodes that are not."""

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from .direct import DirectReader
     from .readers import Discretiser
 
-Known = Union[str, Tuple[float, ...]]
-"""A state, or likelihoods of which the largest is 1."""
+Known = Union[str, Tuple[float, ...]]  # a state, or likelihoods of which the largest is 1
 NO_ANSWER = Answer()
 
 

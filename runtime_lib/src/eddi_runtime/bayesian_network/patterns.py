@@ -17,8 +17,7 @@ from .schedule import Schedule, Steps
 if TYPE_CHECKING:
     from .arrays import Numbers
 
-_REMEMBERED = 256
-"""Patterns that are known at most."""
+_REMEMBERED = 256  # patterns that are known at most
 _GEMV = 9_000
 """Multiplications of a product with a vector from which OpenBLAS uses threads, which may wait."""
 
@@ -121,8 +120,7 @@ class _Arrays:
         import numpy as np  # noqa: PLC0415 - as above
 
         self._numbers, self._steps, self._cards, self._sizes = numbers, steps, cards, sizes
-        self._observed, self._absent, self._shared = observed, absent, shared
-        self._numpy = np
+        self._observed, self._absent, self._shared, self._numpy = observed, absent, shared, np
         self._slots: dict[int, Any] = {}
         self._home: dict[int, int] = {}  # slot -> the one whose memory it is
         self._changing: set[int] = set()  # of these, those that are written in each step
@@ -195,9 +193,8 @@ class _Arrays:
         self._add(out, self._reshaped(kept, self._shape(self._steps.slots[out][1])), kept)
         return True
 
-    def _own(self, slot: int) -> tuple[int, ...]:
-        shape: tuple[int, ...] = self._slots[slot].shape
-        return shape[self._cases(slot) :]
+    def _own(self, slot: int) -> Any:
+        return self._slots[slot].shape[self._cases(slot) :]
 
     def _cases(self, slot: int) -> int:
         return self._chosen[slot][0] if slot in self._chosen else 0
@@ -250,9 +247,9 @@ class _Arrays:
                 shape = [*turned.shape[: len(seen)], *self._shape(groups)]
                 self._shared[key] = turned.reshape(shape).copy()
             self._add(slot, self._shared[key])
-            if seen:
-                choose = itemgetter(*[self._cards[nodes[k]][0] for k in seen])
-                self._chosen[slot] = len(seen), choose
+            places = [self._cards[nodes[k]][0] for k in seen]
+            if places:
+                self._chosen[slot] = len(places), itemgetter(*places)
 
     def _evidence(self, slot: int, node: int, shape: Sequence[int]) -> None:
         position = self._cards[node][0]

@@ -46,7 +46,11 @@ class JointTables:
         self._vectors = {
             input_: _vectors(made.priors.get(input_) or [1.0] * cards[input_]) for input_ in inputs
         }
-        tables = [self._filled(table) for table in made.tables]
+        tables = [*made.tables]
+        for k, table in enumerate(tables):
+            if table.total is not None and not table.rows:
+                cases = itertools.product(*(self._vectors[place] for place, _ in table.strides))
+                tables[k] = table._replace(rows=[table.total(case) for case in cases])
         look_up = made.bind(*[table.rows for table in tables])
         self._tables = [tables[k] for k in wanted]
         self.hard = look_up
@@ -93,12 +97,6 @@ class JointTables:
             slices = [row[k * block : (k + 1) * block] for k in range(len(vector))]
             row = [sum(map(mul, vector, column)) for column in zip(*slices)]
         return row
-
-    def _filled(self, table: Table) -> Table:
-        if table.total is None or table.rows:
-            return table
-        cases = itertools.product(*(self._vectors[position] for position, _ in table.strides))
-        return table._replace(rows=[table.total(case) for case in cases])
 
 
 def _vectors(prior: Sequence[float]) -> Posteriors:

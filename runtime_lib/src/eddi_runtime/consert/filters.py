@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Sequence
+from typing import Callable, Sequence, Tuple
 
 from .verdicts import FALSE, TRUE, UNKNOWN
 
@@ -13,18 +13,12 @@ class LeafFilter:
 
     accepts = ""  # the acceptance that it is, because a loss is late; empty for none
     values: tuple[int, ...]  # what ``apply`` returned last; UNKNOWN before the first step
-
-    def apply(self, raw: Sequence[int]) -> tuple[int, ...]:
-        """Take one sample of each leaf and return the filtered values."""
-        raise NotImplementedError
+    apply: Callable[[Sequence[int]], Tuple[int, ...]]  # takes a sample of each leaf, filters them
+    waiting: Callable[[int], str]  # why a leaf whose raw value is TRUE is not TRUE yet, for people
 
     def reset(self, leaves: int) -> None:
         """Forget all samples; ``leaves`` are filtered from now on."""
         self.values = (UNKNOWN,) * leaves
-
-    def waiting(self, leaf: int) -> str:
-        """Return why a leaf whose raw value is TRUE is not TRUE yet, for people."""
-        raise NotImplementedError
 
 
 class Debounce(LeafFilter):

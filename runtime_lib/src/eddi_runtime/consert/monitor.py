@@ -49,6 +49,7 @@ class ConSert(Monitor[Rows]):
         self.guarantee_ids = tuple(one.id for one in self.guarantees)
         self.published_ids = tuple(one.published or one.id for one in self.guarantees)
         self._input_ids = tuple(spec.id for spec in self.inputs)
+        self._places = {name: k for k, name in enumerate(self._input_ids)}
         self._named = dict(zip(self.published_ids, self.guarantees))
         self._named.update(zip(self.guarantee_ids, self.guarantees))
         self.reset()
@@ -127,7 +128,7 @@ class ConSert(Monitor[Rows]):
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        one, sets, reasons = self._named[guarantee_id], self._sets(), self.reasons()
+        one, sets = self._named[guarantee_id], self._sets()
         value, (missing, truncated) = sets.value(one), sets.missing(one)
         active = value == TRUE
         losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
@@ -138,7 +139,7 @@ class ConSert(Monitor[Rows]):
             missing=tuple(missing),
             single_losses=sets.single_losses(one) if active else (),
             loss_sets=tuple(losses),
-            reasons={name: reasons[name] for group in missing for name in group},
+            reasons={name: self._reason(name) for group in missing for name in group},
             truncated=truncated or more,
             robots=self._robots(one),
         )
@@ -157,20 +158,17 @@ class ConSert(Monitor[Rows]):
 
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        found = {}
-        for k, ((value, why), filtered) in enumerate(zip(self._judgements(), self._leaf_values())):
-            if filtered != TRUE:
-                found[self.inputs[k].id] = self._reason(k, value, why)
-        return found
+        values = zip(self._input_ids, self._leaf_values())
+        return {name: self._reason(name) for name, value in values if value != TRUE}
 
     def standings(self) -> tuple[Standing, ...]:
-        sets, reasons = self._sets(), self.reasons()
+        sets = self._sets()
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
         for guarantee in self.guarantees:
             active, (groups, _) = sets.value(guarantee) == TRUE, sets.missing(guarantee)
             group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
-            lacks = tuple((name, reasons[name].text) for name in group)
+            lacks = tuple((name, self._reason(name).text) for name in group)
             reason = "" if active or groups else "nothing can activate it"
             found.append(Standing("guarantee", guarantee.id, active, lacks, reason))
         return tuple(found)
@@ -256,14 +254,15 @@ class ConSert(Monitor[Rows]):
             return Sets(self._input_ids, leaf_values)
         return self.graph.sets(leaf_values)
 
-    def _reason(self, leaf: int, value: int, why: str) -> Reason:
-        raw = self.raw[leaf]
+    def _reason(self, name: str) -> Reason:
+        k = self._places[name]
+        value, why = self.leaves[k].judge(self.raw[k])
         if value == TRUE and self.filter is not None:
-            return Reason("debouncing", self.filter.waiting(leaf))
-        state = states_of(self.source).get(self.inputs[leaf].id) if why == MISSING else None
+            return Reason("debouncing", self.filter.waiting(k))
+        state = states_of(self.source).get(name) if why == MISSING else None
         if state is not None and state.state != "ok":
             return Reason(state.state, state.reason)
-        return Reason(why, self.leaves[leaf].describe(raw, why))
+        return Reason(why, self.leaves[k].describe(self.raw[k], why))
 
 
 def _row_tree(row: Any, faults: list[str]) -> Tree | None:

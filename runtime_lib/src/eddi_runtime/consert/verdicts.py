@@ -6,7 +6,7 @@ true in Python, so each leaf accepts exact types only and everything else is UNK
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from ..plain_values import ABSENT, Absent, plain, show
 
@@ -16,8 +16,7 @@ NAMES = ("FALSE", "UNKNOWN", "TRUE")
 # Why a leaf has its value; plain texts, they are used in reports.
 GOOD, NOT_COVERED, MISSING, NAN, FAULT = "good", "false", "missing", "nan", "fault"
 
-Judgement = Tuple[int, str]
-"""(truth value, why)."""
+Judgement = Tuple[int, str]  # (truth value, why)
 
 Range = Tuple[float, float, bool]
 """(smallest double inside, the other end, does that lie inside), in the unit of the input."""
@@ -28,6 +27,8 @@ class Leaf:
 
     expected = ""  # what it accepts, for people
     covered_text = ""  # what of that is TRUE, as in the model
+    # whether a value of an exact Python type is covered, None for another type
+    _covers: Callable[[Any], Optional[bool]]
 
     def judge(self, raw: object) -> Judgement:
         """Return the truth value of a raw input value and why; never raises."""
@@ -43,10 +44,6 @@ class Leaf:
         if covered is None:
             return UNKNOWN, FAULT
         return (TRUE, GOOD) if covered else (FALSE, NOT_COVERED)
-
-    def _covers(self, value: object) -> bool | None:
-        """Return whether a value of an exact type is covered, None for another type."""
-        raise NotImplementedError
 
     def describe(self, raw: object, why: str) -> str:
         """Return one line for people on why the leaf is not TRUE."""
@@ -107,11 +104,9 @@ class Numeric(Leaf):
         )
 
 
-MAX_SETS = 256
-"""Sets that are kept; the smallest are kept, and the result is marked as truncated."""
+MAX_SETS = 256  # sets that are kept; the smallest are kept, and the result is marked as truncated
 
-Group = Tuple[str, ...]
-"""Ids of inputs, sorted."""
+Group = Tuple[str, ...]  # ids of inputs, sorted
 
 
 class Reason(NamedTuple):

@@ -16,8 +16,7 @@ FORMAT = 3
 __all__ = ["FORMAT", "Conditions", "literal", "number", "reduced", "scaled", "stamp", "truth"]
 
 Value = Union[float, int]
-_FAR_NS = 2**64
-"""Farther in the future than any sample whose clock is a little ahead."""
+_FAR_NS = 2**64  # farther in the future than any sample whose clock is a little ahead
 
 
 class Conditions:

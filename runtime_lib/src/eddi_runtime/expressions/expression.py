@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, Callable, Mapping, Sequence
 
 from ..plain_values import UNTOLD, NotGivenError, Step, follow, given, one_line
 from . import Conditions, Value, reduced
@@ -70,11 +71,15 @@ class Expression(Conditions):
         try:
             value = read_path(message, path)
             for check in checks:
-                if check[0] == "given":
-                    value = _known(message, value, check[1:])
-                elif not _is_measurement(message, value, check):
-                    field = ".".join(str(step) for step in check[1])
-                    raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
+                if check[0] != "given":
+                    if not _is_measurement(message, value, check):
+                        field = ".".join(str(step) for step in check[1])
+                        raise LookupError(f"no measurement, by {field} of {word}")  # noqa: TRY301
+                elif isinstance(value, list):  # of a list each that the monitor knows
+                    value = [one if one in check[1:] else None for one in value]
+                else:
+                    tells = [_told(message, one) for one in check[1:]]
+                    value = given(value, *tells)
         except NotGivenError:
             self.reason = self.reason or UNTOLD
             return None
@@ -113,20 +118,15 @@ def read_path(message: object, path: Path) -> object:
     return value if to_sec is None else to_sec()
 
 
-def _known(message: object, value: object, known: Check) -> object:
-    """Return a value that a monitor tells, of a list each that it does (NotGivenError)."""
-    if isinstance(value, list):
-        return [one if one in known else None for one in value]
-    told = [(follow(message, of[0]), *of[1:]) if isinstance(of, tuple) else of for of in known]
-    return given(value, *told)
+def _told(message: object, known: Any) -> object:
+    return (follow(message, known[0]), *known[1:]) if isinstance(known, tuple) else known
 
 
 def _is_measurement(message: object, value: Any, check: Check) -> bool:
     """Return whether a message marks a value of it as measured."""
     if check[0] == "unless":
         return bool(follow(message, check[1]) != check[2])
-    limits: Iterator[Any] = (follow(message, path) for path in check[1:])
-    low, high = limits
+    low, high = (follow(message, path) for path in check[1:])
     return bool(math.isinf(value) or low <= value <= high)
 
 
@@ -159,7 +159,6 @@ def _part(items: Any, step: Sequence[str | int]) -> list[object]:
 
 
 def _followed(item: object, path: Sequence[Step]) -> object:
-    try:
+    with suppress(AttributeError, LookupError):
         return follow(item, path)
-    except (AttributeError, LookupError):
-        return None
+    return None

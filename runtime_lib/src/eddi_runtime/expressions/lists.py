@@ -11,10 +11,8 @@ from typing import Any, Callable, Sequence
 
 from . import Unknown
 
-MAX_ELEMENTS = 100_000
-"""A longer list is UNKNOWN, so that one message cannot stop a monitor."""
-MAX_TEXT = 100
-"""Characters of a number in a text."""
+MAX_ELEMENTS = 100_000  # a longer list is UNKNOWN, so that one message cannot stop a monitor
+MAX_TEXT = 100  # characters of a number in a text
 
 
 def number_of(raw: object) -> float:

@@ -8,8 +8,7 @@ from __future__ import annotations
 from bisect import bisect_left, insort
 from collections import deque
 
-from .hold import Hold  # noqa: F401 - packages of format 2 find it here
-from .window import NAN, Covered, Window  # noqa: F401 - the same
+from .window import NAN, Window
 
 
 class Queue(Window):

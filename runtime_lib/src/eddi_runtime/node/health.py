@@ -29,8 +29,7 @@ from .report import (
     report,
 )
 
-PERIOD_S = 1.0
-"""Between two reports without a new level."""
+PERIOD_S = 1.0  # between two reports without a new level
 _CALM_S = 0.1  # between two reports, so that a level that flaps does not flood the topic
 _ERROR_GAP_S = 1.0  # at most one error line per second and input
 _CHANGES_PER_S = 20  # guarantee lines; a flapping guarantee must not fill the disk

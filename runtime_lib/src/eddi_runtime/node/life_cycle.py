@@ -12,8 +12,7 @@ from typing import Any, Callable
 from .loop import LOG, Ending, Waker
 from .node import Node
 
-_STEP_S = 5.0
-"""A step that takes longer is left behind when the node is deactivated."""
+_STEP_S = 5.0  # a step that takes longer is left behind when the node is deactivated
 
 
 class LifeCycle:

@@ -57,7 +57,7 @@ class Schedule:
         self._due = now + self.period
 
     def wait_s(self, now: float) -> float:
-        """Seconds until the next step, never negative."""
+        """Return the seconds until the next step, never negative."""
         return max(0.0, self._due - now)
 
     def stepped(self, started: float, now: float) -> None:
@@ -124,8 +124,7 @@ class Log:
             self._busy = False
 
 
-LOG = Log()
-"""One per process."""
+LOG = Log()  # one per process
 
 
 GRACE_S = 1.5

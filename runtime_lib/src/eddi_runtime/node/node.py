@@ -102,13 +102,9 @@ class Node:
         """Return the time of a simulation, ``None`` where there is none."""
         return None
 
-    def advertise(self, channel: Output) -> Publish:
-        """Return what sends to a topic."""
-        raise NotImplementedError
-
-    def subscribe(self, source: Input) -> None:
-        """Have every message of a topic stored in ``self._receipts``, with its age."""
-        raise NotImplementedError
+    advertise: Callable[[Output], Publish]  # returns what sends to a topic
+    # has every message of a topic stored in ``self._receipts``, with its age
+    subscribe: Callable[[Input], None]
 
     def check_serialises(self, message: object) -> None:
         """Raise what sending would raise once somebody listens; for messages made by hand."""

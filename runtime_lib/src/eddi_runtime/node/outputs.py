@@ -7,6 +7,7 @@ only once somebody listens (rospy does). So each value is checked and converted 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from types import ModuleType
 from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Union
 
@@ -45,7 +46,7 @@ class Converter:
         self._classes = classes
         self._plans: dict[str, tuple[Any, dict[str, str], bool]] = {}
 
-    def message(self, tree: Tree) -> object:
+    def message(self, tree: Tree) -> Any:
         """Build one message, all fields of it, each of its type, or raise MessageError."""
         name, fields = tree
         if name not in self._plans:
@@ -121,20 +122,18 @@ class Converter:
 
 def _scalar(kind: str, value: object) -> bool | int | float | str | None:
     """Return a value as a plain one of a type, None where it is none of that type."""
-    found = plain(value)
+    item = plain(value)
     if kind in _EXACT:
-        return found if type(found) is _EXACT[kind] else None
-    if isinstance(found, (str, bool)) or found is None:
-        return None
-    if kind in _WHOLE:
+        return item if type(item) is _EXACT[kind] else None
+    if type(item) is int and kind in _WHOLE:
         low, high = _WHOLE[kind]
-        return found if isinstance(found, int) and low <= found <= high else None
-    try:
-        number = float(found)
-    except OverflowError:
-        return None
-    # NaN passes: only the kind knows whether that is its "no value".
-    return number if not math.isfinite(number) or abs(number) <= _FLOATS[kind] else None
+        return item if low <= item <= high else None
+    if isinstance(item, (int, float)) and type(item) is not bool and kind in _FLOATS:
+        with suppress(OverflowError):
+            number = float(item)
+            # NaN passes: only the kind knows whether that is its "no value".
+            return number if not math.isfinite(number) or abs(number) <= _FLOATS[kind] else None
+    return None
 
 
 class Output(NamedTuple):
@@ -156,8 +155,7 @@ class Output(NamedTuple):
     qos: Mapping[str, str | float] = {}  # as of an input
 
 
-Publish = Callable[[object], None]
-"""Sends one message to one topic."""
+Publish = Callable[[object], None]  # sends one message to one topic
 
 
 class Publications:

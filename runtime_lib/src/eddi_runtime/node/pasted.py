@@ -40,21 +40,18 @@ class EDDIInputBase(inputs.EDDIInputBase):
         problem = self.__process(
             {k: v for k, v in simulator_outputs.items() if k in fresh or k not in required}
         )
+        new = self.__arrived if self.__new is None else [k for k, v in self.__new.items() if v]
         for name, spec in self.__specs.items():
             state, value = problem or received[name], None
             if state.state == "ok":
                 value = getattr(self.__given, spec.attribute, None)
                 if value is None:
                     state = InputState("invalid", "`processing` did not assign it", state.age)
-                elif spec.every_message and not self.__is_new(spec):
+                elif spec.every_message and not any(name in new for name in spec.requires):
                     from ..history import Messages  # noqa: PLC0415 - travels where it is needed
 
                     value = Messages()
             self.__leave(name, state, value)
-
-    def __is_new(self, spec: InputSpec) -> bool:
-        new = self.__arrived if self.__new is None else [k for k, v in self.__new.items() if v]
-        return any(name in new for name in spec.requires)
 
     def __process(self, messages: Mapping[str, object]) -> InputState | None:
         """Return the state of every input where ``processing`` raises."""

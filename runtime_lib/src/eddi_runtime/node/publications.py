@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any, Dict, Mapping
 
-__all__ = ["fault", "reading_qos", "writing_qos"]
-
 
 def reading_qos(requested: Mapping[str, Any], depth: int) -> Dict[str, Any]:
     """Return how evidence is read: as sensor data, so that every publisher fits.

@@ -12,8 +12,7 @@ from ..inputs import UNKNOWN_AGE
 from .report import GraphFact
 
 DEFAULT_BUFFER_BYTES = 65536  # rospy's own value: enough for everything but images and clouds
-MAX_QUEUED = 1000
-"""Messages between two steps; older ones are dropped and counted."""
+MAX_QUEUED = 1000  # messages between two steps; older ones are dropped and counted
 
 
 class Input(NamedTuple):
@@ -102,8 +101,7 @@ class Receipts:
             return "; ".join(f"{count} messages of {name} were dropped" for name, count in found)
 
 
-_QUIET_S = 1.0
-"""Without a message for so long, the graph is asked why."""
+_QUIET_S = 1.0  # without a message for so long, the graph is asked why
 
 
 class Topic(NamedTuple):

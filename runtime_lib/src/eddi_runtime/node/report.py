@@ -11,16 +11,14 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 from ..inputs import UNKNOWN_AGE
 from ..monitor import Standing
 
-OK, WARN, ERROR, STALE = 0, 1, 2, 3
-"""Levels of ``diagnostic_msgs/DiagnosticStatus``."""
+OK, WARN, ERROR, STALE = 0, 1, 2, 3  # levels of ``diagnostic_msgs/DiagnosticStatus``
 _ORDER = (ERROR, STALE, WARN, OK)
 
 _STATES = ("ok", "latched", "waiting", "missing", "stale", "untold", "invalid")
 FRESH, LATCHED, WAITING, NEVER, LATE, UNTOLD, INVALID = _STATES
 """States of an input, as they are published."""
 _LEVEL_OF_STATE = dict(zip(_STATES, (OK, WARN, WARN, ERROR, STALE, WARN, ERROR)))
-_NAMED = 5
-"""Inputs that the line of one guarantee names."""
+_NAMED = 5  # inputs that the line of one guarantee names
 
 
 class SourceFact(NamedTuple):

@@ -11,6 +11,11 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 from ..monitor import ModelError
 
+__all__ = [
+    "FREQUENCIES", "STARTUP_GRACE_S", "Settings", "StartError", "end_at_signals", "installed",
+    "reported", "settings", "write_to_stderr",
+]  # fmt: skip
+
 _ADVICE = "run `eddi-scaffold upgrade` or `copier recopy --trust --force` in the package"
 
 
@@ -63,8 +68,7 @@ def write_to_stderr(node: str, text: str) -> None:
 
 
 STARTUP_GRACE_S = 10.0
-FREQUENCIES = (1e-6, 1e6)
-"""Least and most steps per second: periods that every clock can count."""
+FREQUENCIES = (1e-6, 1e6)  # least and most steps per second: periods that every clock can count
 
 
 class Settings(NamedTuple):
@@ -122,11 +126,6 @@ def settings(
     expected.update((name, " or ".join(choices[name])) for name in unknown)
     both = {**values, **words}
     wrong = [f"parameter ~{n}: {text} expected, got {both[n]!r}" for n, text in expected.items()]
-    if given.get("model"):
-        wrong.append(
-            "parameter ~model: the model is compiled into the package; take the parameter out of"
-            " the launch file, and run `eddi-scaffold upgrade -m MODEL` for another model"
-        )
     if wrong:
         raise StartError("; ".join(wrong))
     for name in ("frequency", "watchdog_period", "startup_grace"):

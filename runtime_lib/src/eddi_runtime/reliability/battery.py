@@ -149,18 +149,15 @@ class FreeHorizon:
         if not self._whole:
             return [dot(self._weights, terms) for terms in self._terms[state]]
         row: Sequence[float] = [float(one == state) for one in range(_STATES)]
-        self._powers = self._powers or [self._longest()]
+        if not self._powers:  # the transitions in the longest time for which terms were made
+            weights = self._poisson(self._limit)
+            units = ([float(i == j) for i in range(_STATES)] for j in range(_STATES))
+            columns = [[dot(weights, one) for one in self._moved(unit)] for unit in units]
+            self._powers = [[[one / sum(row) for one in row] for row in zip(*columns)]]
         for power in factors(self._powers, self._whole):
             row = [dot(row, column) for column in zip(*power)]
         ends = [[dot(self._weights, term) for term in terms] for terms in self._terms]
         return [dot(row, column) for column in zip(*ends)]
-
-    def _longest(self) -> Matrix:
-        """Return the transitions in the longest time for which terms were made."""
-        weights = self._poisson(self._limit)
-        ends = ([float(i == j) for i in range(_STATES)] for j in range(_STATES))
-        columns = [[dot(weights, one) for one in self._moved(each)] for each in ends]
-        return [[one / sum(row) for one in row] for row in zip(*columns)]
 
     def _poisson(self, mean: float) -> list[float]:
         grows = map(mul, self._shares, repeat(mean))

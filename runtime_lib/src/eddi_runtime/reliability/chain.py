@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from operator import mul
-from typing import Collection, Sequence, Tuple
+from typing import Callable, Collection, Sequence, Tuple
 
 from .component import Estimate, Matrix, Moment, dot, factors, sure
 
 INCONSISTENT = "inconsistent"
-_LEAST = 1e-8
-"""Weight of the belief below which it is brought back to one."""
+_LEAST = 1e-8  # weight of the belief below which it is brought back to one
 
 Belief = Sequence[float]
 Row = Tuple[float, float, float]
@@ -53,6 +52,7 @@ class Chain:
     # transitions in one of ``steps`` steps to the longest horizon; empty: one horizon
     grid: Matrix = ()
     steps = 1
+    quantum: Callable[[Belief], Belief]  # returns a belief one quantum later
 
     def __init__(self) -> None:
         self.states = len(self.first)
@@ -64,10 +64,6 @@ class Chain:
         self._powers: list[Matrix] = []
         self.everything = Seen(self, range(self.states))  # no input excludes a state
         self.reset()
-
-    def quantum(self, belief: Belief) -> Belief:
-        """Return a belief one quantum later."""
-        raise NotImplementedError
 
     def look(self, belief: Belief, at: int) -> Look:
         """Return what lies ahead of a belief, not divided by its weight."""
@@ -83,8 +79,7 @@ class Chain:
     @property
     def belief(self) -> list[float]:
         """The distribution over the states now."""
-        belief = self.weights()
-        whole = sum(belief)
+        whole = sum(belief := self.weights())
         return [weight / whole for weight in belief]
 
     def weights(self) -> Belief:

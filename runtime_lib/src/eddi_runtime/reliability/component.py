@@ -39,8 +39,7 @@ class Estimate(NamedTuple):
     reason: str = ""  # why the result cannot be trusted for another reason; empty otherwise
 
 
-Known = Mapping[str, Estimate]
-"""Model -> what it reported in this step."""
+Known = Mapping[str, Estimate]  # model -> what it reported in this step
 
 _new = tuple.__new__
 
@@ -52,10 +51,9 @@ def sure(p: float, reliability: float, mttf: float, reason: str = "") -> Estimat
 
 def reader(names: Sequence[str]) -> Callable[[Values], tuple[object, ...]]:
     """Return what reads the values of some inputs as a tuple."""
-    if len(names) == 1:
-        (name,) = names
-        return lambda values: (values[name],)
-    return itemgetter(*names) if names else lambda _: ()
+    if len(names) > 1:
+        return itemgetter(*names)
+    return lambda values: tuple([values[name] for name in names])
 
 
 class Importance(NamedTuple):
@@ -168,11 +166,9 @@ def _list(rule: Rule, raw: Any) -> tuple[Taken, str]:
     if isinstance(raw, (str, bytes, dict)) or not hasattr(raw, "__len__"):
         return None, "" if raw != raw else _wrong("a list", raw)  # noqa: PLR0124 - NaN
     items = [plain(one) for one in raw]
-    if not items:
-        return None, ""
-    if len(items) != rule.length:
+    if len(items) not in (0, rule.length):
         return None, f"{rule.length} statuses are expected, not {len(items)}"
-    return [item if isinstance(item, bool) else None for item in items], ""
+    return [item if isinstance(item, bool) else None for item in items] or None, ""
 
 
 def _wrong(expected: str, raw: object) -> str:

@@ -19,8 +19,7 @@ _BLOCK = 16
 """Steps of one quantum that are looked at in one product while the observation stays the same."""
 _LARGEST = {True: 500, False: 64}
 """States up to which this is done; of a chain that is observed, each observation has matrices."""
-_KEPT = 64
-"""How many observations have them at a time."""
+_KEPT = 64  # how many observations have them at a time
 
 
 class LargeChain(Chain):

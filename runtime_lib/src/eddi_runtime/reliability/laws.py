@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 from .component import Component, Values
 
-BOLTZMANN = 8.617333262e-5
-"""eV/K."""
+BOLTZMANN = 8.617333262e-5  # eV/K
 _KELVIN = 273.15
 _HOTTEST = 700.0
 
@@ -46,14 +45,11 @@ class Limit:
         value: float | None = values[self.name]
         if value is None:
             return self._worst, False
+        self._worst = max(value, self._largest)
         if value > self._largest:
-            self._worst = value
-            owner.report_fault(
-                self.name, f"{value:g} is above {self._shown}; it counts as unknown"
-            )
-            return value, False
-        self._worst = self._largest
-        return value, True
+            text = f"{value:g} is above {self._shown}; it counts as unknown"
+            owner.report_fault(self.name, text)
+        return value, value <= self._largest
 
     def reset(self) -> None:
         """Trust the limit again."""

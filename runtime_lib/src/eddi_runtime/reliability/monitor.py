@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Iterable, Mapping, Sequence
+from typing import Callable, Dict, Iterable, Mapping, Sequence
 
 from ..inputs import NO_TIME, look_again, step_time
 from ..monitor import Json, Monitor, Standing, Tree, Value, finite
@@ -23,8 +23,7 @@ from .component import (
     take,
 )
 
-GRID = 256
-"""How many horizons are prepared when the mission's end is an input."""
+GRID = 256  # how many horizons are prepared when the mission's end is an input
 MISSION_END = "mission_end"
 _HOUR_NS = 3.6e12
 _UNKNOWN_INPUTS = "unknown inputs"
@@ -46,6 +45,7 @@ class Reliability(Monitor[ReliabilityResult]):
     thresholds: tuple[Threshold, ...] = ()  # in the order of the model
     worst_case = False  # evidence follows the worst case of unknown inputs
     max_gap_ns: int  # a longer time between two steps is reported
+    _models: Callable[[], Dict[str, Component]]  # by name; each behind those that it uses
 
     def __init__(self) -> None:
         self.components = self._models()  # the models by name
@@ -56,10 +56,6 @@ class Reliability(Monitor[ReliabilityResult]):
         self._evidence = [Evidence(threshold) for threshold in self.thresholds]
         self._quantum = self.quantum_ns / _HOUR_NS
         self.reset()
-
-    def _models(self) -> dict[str, Component]:
-        """Return the models by name; each behind those that it uses."""
-        raise NotImplementedError
 
     def _read(self, source: object) -> dict[str, Taken]:
         """Return the value of each input, None where it is not known; never raises."""

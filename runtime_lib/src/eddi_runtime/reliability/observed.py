@@ -27,18 +27,15 @@ class Missed:
     def step(self, moment: Moment, seen: Seen) -> Estimate:
         """Let time pass, keep what is consistent with each completion, look ahead."""
         moved = self._chain.after(self.beliefs, moment.quanta)
-        left = [self._left(moved, completion) for completion in seen.completions]
-        reason = "" if any(left) else INCONSISTENT
-        # what is believed after an observation that leaves nothing, too
-        kept = [
-            hull(some) if some else [self._chain.sure_of(one.worst)]
-            for some, one in zip(left, seen.completions)
-        ]
-        self.beliefs = hull([belief for some in kept for belief in some])
-        self.lost = any(
-            completion.fatal or (self.lost and not completion.alive)
-            for completion in seen.completions
-        )
+        kept: list[Belief] = []
+        reason = INCONSISTENT
+        for one in seen.completions:
+            beliefs = self._left(moved, one)
+            reason = "" if beliefs else reason
+            # what is believed after an observation that leaves nothing, too
+            kept += hull(beliefs) if beliefs else [self._chain.sure_of(one.worst)]
+        self.beliefs = hull(kept)
+        self.lost = any(one.fatal or (self.lost and not one.alive) for one in seen.completions)
         if seen.unknown:
             return self._chain.bounded(seen, moment.at, reason)
         return self._chain.bounds(self.beliefs, moment.at, reason)
@@ -89,10 +86,8 @@ def independent(possible: Iterable[AbstractSet[int]]) -> list[frozenset[int]]:
     return found
 
 
-KEPT = 64
-"""How many different observations of a chain are kept."""
-_ALL_VALUES = 10
-"""Unknown inputs of a chain of which all values are tried."""
+KEPT = 64  # how many different observations of a chain are kept
+_ALL_VALUES = 10  # unknown inputs of a chain of which all values are tried
 _LARGEST = 64
 """States up to which the beliefs are followed that a missed observation may have left."""
 
@@ -159,12 +154,14 @@ class MarkovChain(Component):
         """Take what is seen while something that was missed may matter."""
         self._missing.update(dict.fromkeys(seen.unknown, moment.age))
         self._may_have_failed = not set(self.chain.fail).isdisjoint(seen.states)
-        if self.chain.states > _LARGEST:
-            return self._any_state(moment, seen)
-        missed = self._missed
-        if missed is None:
-            self._vague = True
-            self._missed = missed = Missed(self.chain, lost=self._lost, repair=self._repair)
+        if self.chain.states > _LARGEST:  # bounded by all that is consistent, until it is in one
+            reason = self.chain.step(moment, seen).reason
+            self._vague = bool(seen.unknown) or len(seen.states) > 1
+            self._lost = seen.fatal
+            return self.chain.bounded(seen, moment.at, reason)
+        self._vague = True
+        missed = self._missed or Missed(self.chain, lost=self._lost, repair=self._repair)
+        self._missed = missed
         found = missed.step(moment, seen)
         self._lost = False  # if so, `missed` knows
         if seen.fatal or len(missed.beliefs) == 1:
@@ -173,21 +170,19 @@ class MarkovChain(Component):
             self.chain.believe(missed.beliefs[0])
         return found
 
-    def _any_state(self, moment: Moment, seen: Seen) -> Estimate:
-        """Bound a large chain by all states that are consistent, until it is seen in one."""
-        reason = self.chain.step(moment, seen).reason
-        self._vague = bool(seen.unknown) or len(seen.states) > 1
-        self._lost = seen.fatal
-        return self.chain.bounded(seen, moment.at, reason)
-
     def _see(self, verdicts: tuple[Any, ...]) -> Seen:
         given = dict(zip(self._names, verdicts))
         unknown = tuple(name for name in self._names if given[name] is None)
         consistent = self._consistent(given)
-        possible = self._completions(given, unknown, consistent)
+        # sets of states that make up what is consistent for each value of the unknown
+        parts: Iterable[AbstractSet[int]] = [set(), *({state} for state in consistent)]
+        if len(unknown) <= _ALL_VALUES:
+            values = product((False, True), repeat=len(unknown))
+            parts = {self._consistent({**given, **dict(zip(unknown, one))}) for one in values}
         few = self.chain.states <= _LARGEST
         seen = Seen(self.chain, consistent)
         seen.unknown = unknown
+        possible = independent(parts)
         seen.completions = tuple(Seen(self.chain, one) for one in possible if few or not one)
         if len(self._seen) >= KEPT:
             self._seen.clear()
@@ -197,17 +192,6 @@ class MarkovChain(Component):
     def _consistent(self, given: dict[str, Any]) -> frozenset[int]:
         excluded = {state for state, name, negated in self._observe if given[name] is negated}
         return frozenset(range(self.chain.states)) - excluded
-
-    def _completions(
-        self, given: dict[str, Any], unknown: tuple[str, ...], consistent: frozenset[int]
-    ) -> list[frozenset[int]]:
-        """Return sets of states that make up what is consistent for each value of the unknown."""
-        if len(unknown) > _ALL_VALUES:
-            return independent([frozenset(), *(frozenset({state}) for state in consistent)])
-        values = product((False, True), repeat=len(unknown))
-        return independent(
-            {self._consistent({**given, **dict(zip(unknown, value))}) for value in values}
-        )
 
     def doubt(self) -> str:
         if not self._vague:

@@ -54,7 +54,9 @@ class Processor(Component):
         best, worst = self._ahead(stress * moment.horizon)
         low = 0.0 if unknown else -math.expm1(-best)
         high, alive = -math.expm1(-worst), math.exp(-worst)
-        return Estimate(low, high, alive, self._life(stress), tuple(unknown))
+        steady = self._shape == 1.0 or self._largest == 0.0
+        life = math.inf if stress == 0.0 else self._mean / stress if steady else NAN
+        return Estimate(low, high, alive, life, tuple(unknown))
 
     def _ahead(self, exposure: float) -> tuple[float, float]:
         """Return the hazard of what lies ahead, at least and at most."""
@@ -66,11 +68,6 @@ class Processor(Component):
             return most, most
         least = hazard(self._least, exposure, self._scale, self._shape)
         return min(least, most), max(least, most)  # with shape < 1 it gets better with time
-
-    def _life(self, stress: float) -> float:
-        if stress == 0.0:
-            return math.inf
-        return self._mean / stress if self._shape == 1.0 or self._largest == 0.0 else NAN
 
     def reset(self) -> None:
         super().reset()

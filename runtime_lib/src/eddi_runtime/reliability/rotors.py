@@ -83,17 +83,12 @@ class Propulsion(Component):
         # a claim that something works again is counted each time
         self._last = statuses if latched == self.latched else None
         self._unknown = tuple(dict.fromkeys(unknown))
-        self._states = self._consistent(failed)
-        self._found.clear()
-
-    def _consistent(self, failed: Sequence[bool | None]) -> list[int]:
-        """Return the states that are possible when these motors have failed (None: unknown)."""
         down = {motor for motor, one in enumerate(failed) if one}
         maybe = {motor for motor, one in enumerate(failed) if one is not False}
-        found = [state for state, those in enumerate(self._sets) if down <= those <= maybe]
-        if len(found) < 2 ** (len(maybe) - len(down)):  # some completion does not fly
-            found.append(len(self._sets))
-        return found
+        self._states = [k for k, those in enumerate(self._sets) if down <= those <= maybe]
+        if len(self._states) < 2 ** (len(maybe) - len(down)):  # some completion does not fly
+            self._states.append(len(self._sets))
+        self._found.clear()
 
     def reset(self) -> None:
         super().reset()

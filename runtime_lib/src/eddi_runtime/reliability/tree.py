@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Sequence, Tuple
+from typing import TYPE_CHECKING, Callable, List, Sequence, Tuple
 
 from .component import NAN, Component, Estimate, Importance, Known, Moment, Values, hazard, sure
 
@@ -37,27 +37,18 @@ class FaultTree(Component):
     # the diagram, the top event is the last one; empty where it is not needed beside the sums that
     # are written out
     modules: tuple[Module, ...] = ()
+    # (age, horizon) -> the probability of each event, those without a formula being 0. An event
+    # that is observed not to have happened counts from now on only.
+    laws: Callable[[float, float], List[float]]
+    # probabilities of all events -> that of the top event, and of its opposite: sums of products
+    # of what is not negative
+    failure: Callable[[Sequence[float]], float]
+    survival: Callable[[Sequence[float]], float]
+    _high: Sequence[float] = ()
 
     def __init__(self) -> None:
         self._chains = [(i, make()) for i, make in self.orders]
-        self._low: list[float] = []
-        self._high: list[float] = []
         self.reset()
-
-    def laws(self, age: float, horizon: float) -> list[float]:
-        """Return the probability of each event, those without a formula being 0.
-
-        An event that is observed not to have happened counts from now on only.
-        """
-        raise NotImplementedError
-
-    def failure(self, q: Sequence[float]) -> float:
-        """Return the probability of the top event: sums of products of what is not negative."""
-        raise NotImplementedError
-
-    def survival(self, q: Sequence[float]) -> float:
-        """Return the probability of the opposite of the top event."""
-        raise NotImplementedError
 
     def interval(self, low: Sequence[float], high: Sequence[float]) -> tuple[float, float]:
         """Return bounds of the top event's probability for events in [low, high].
@@ -106,7 +97,7 @@ class FaultTree(Component):
                 high[i] = 1.0
             elif value:
                 low[i] = high[i] = 1.0
-        self._low, self._high = low, high
+        self._high = high
         best, worst, alive = self.probability(low, high)
         if best == worst and not unknown:
             return sure(best, alive, NAN, reason)
@@ -139,11 +130,8 @@ class FaultTree(Component):
 
     def _importance(self, i: int, q: list[float], total: float) -> Importance:
         p = q[i]
-        q[i] = 1.0
-        sure = self.failure(q)
-        q[i] = 0.0
-        never = self.failure(q)
-        q[i] = p
+        sure = self.failure([*q[:i], 1.0, *q[i + 1 :]])
+        never = self.failure([*q[:i], 0.0, *q[i + 1 :]])
         birnbaum = sure - never
         share = birnbaum * p / total if total else NAN
         reduction = total / never if never else math.inf

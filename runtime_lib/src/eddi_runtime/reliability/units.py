@@ -51,7 +51,7 @@ class Series(Component):
 
     def step(self, values: Values, moment: Moment, known: Known) -> Estimate:
         parts = [known[name] for name in self._parts]
-        low, high = _series([p.low for p in parts]), _series([p.high for p in parts])
+        low, high = _any_of([p.low for p in parts]), _any_of([p.high for p in parts])
         unknown = tuple(dict.fromkeys(name for part in parts for name in part.unknown))
         reason = next((part.reason for part in parts if part.reason), "")
         alive = math.prod(part.reliability for part in parts)
@@ -59,7 +59,7 @@ class Series(Component):
         return Estimate(low, high, alive, mttf, unknown, reason)
 
 
-def _series(failures: list[float]) -> float:
+def _any_of(failures: list[float]) -> float:
     if any(p >= 1.0 for p in failures):
         return 1.0
     return -math.expm1(math.fsum(math.log1p(-p) for p in failures)) + 0.0  # never -0.0

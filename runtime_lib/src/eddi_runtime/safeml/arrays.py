@@ -13,8 +13,7 @@ import numpy as np
 
 from ..monitor import ModelError
 
-Array = Any
-"""An array of the backend: ``numpy.ndarray`` or ``torch.Tensor``."""
+Array = Any  # an array of the backend: ``numpy.ndarray`` or ``torch.Tensor``
 
 
 class Backend:
@@ -24,15 +23,12 @@ class Backend:
         self.name = name  # ``numpy`` or ``torch``
         self.array: Any = module.asarray  # numpy values -> an array of this backend
         self.numpy: Any = module.asarray  # an array -> one of numpy
-        # -> a copy that is sorted along the last axis
-        self.sort: Any = partial(module.sort, axis=-1)
+        self.sort: Any = partial(module.sort, axis=-1)  # -> a copy sorted along the last axis
         self.highest: Any = lambda values: values.max(-1)  # -> the maximum along the last axis
         self.lowest: Any = lambda values: values.min(-1)  # -> the minimum along the last axis
         self.larger: Any = module.maximum  # -> the larger one of each two elements
-        # -> the values as float64
-        self.doubles: Any = partial(module.asarray, dtype=module.float64)
-        # -> how many elements are true
-        self.count: Any = lambda truths: int(module.count_nonzero(truths))
+        self.doubles: Any = partial(module.asarray, dtype=module.float64)  # -> as float64
+        self.count: Any = lambda truths: int(module.count_nonzero(truths))  # -> how many are true
         # sorted flat array, keys -> for each key how many elements are <= it
         self.positions: Any = partial(module.searchsorted, side="right")
         self._module = module
@@ -44,8 +40,7 @@ class Backend:
         return self._module.stack(found).astype(self._module.int64)
 
 
-NUMPY = Backend()
-"""The backend that is always there."""
+NUMPY = Backend()  # the backend that is always there
 
 
 def rounded(values: Array, *, single: bool) -> Array:

@@ -116,9 +116,8 @@ def _look_up(comparison: Comparison) -> Callable[[Array], _Ranks]:
     """Return the function that finds (lower, upper, how many differ) of one value per test."""
     backend, reference = comparison.backend, comparison.reference
     if backend.name == "numpy":
-        if comparison.tests <= _MOST_LISTED:
-            return _in_lists([row.tolist() for row in reference])
-        return _in_table(reference)
+        few = comparison.tests <= _MOST_LISTED
+        return _in_lists(reference.tolist()) if few else _in_table(reference)
 
     def in_arrays(sample: Array) -> _Ranks:
         column = backend.array(sample.reshape(-1, 1))
@@ -134,16 +133,14 @@ def _in_lists(rows: list[list[float]]) -> Callable[[Array], _Ranks]:
 
     def look_up(sample: Array) -> _Ranks:
         values = sample.tolist()
-        lower = [bisect_left(row, value) for row, value in zip(rows, values)]
-        upper: list[int] | None = None
+        lower = upper = [bisect_left(row, value) for row, value in zip(rows, values)]
         ties = 0
         for k, place in enumerate(lower):
             if place < n and rows[k][place] == values[k]:
-                if upper is None:
-                    upper = lower.copy()
+                upper = upper if ties else lower.copy()
                 upper[k] = bisect_right(rows[k], values[k], place)
                 ties += 1
-        return lower, lower if upper is None else upper, ties
+        return lower, upper, ties
 
     return look_up
 

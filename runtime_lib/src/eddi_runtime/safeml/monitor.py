@@ -9,17 +9,16 @@ import numpy as np
 
 from ..history import Messages
 from ..inputs import NO_TIME, look_again, step_time
-from ..monitor import Monitor, Standing, Tree
+from ..monitor import Monitor, Standing, Tree, finite
 from ..plain_values import Absent, read
 from .arrays import NUMPY, Array, Numbers, array_of, torch_or_numpy
 from .comparison import Comparison, Window
-from .samples import Axes, Taken, take
+from .samples import Axes, take
 from .statistics import Tail
 
 FILLING = "filling"
 STALE = "stale"
-OMITTED = -1
-"""Index of no test."""
+OMITTED = -1  # index of no test
 
 
 class SafeMLResult(NamedTuple):
@@ -126,37 +125,32 @@ class SafeML(Monitor[SafeMLResult]):
         """
         look_again(eddi_input, t_ns)
         self._source = eddi_input
-        time = step_time(t_ns)
-        self._timeless = time is None and self.max_age is not None
+        now = step_time(t_ns)
+        self._timeless = now is None and self.max_age is not None
         if self._timeless:
             self._last = self._result(STALE)
             return self._last
-        now = time or 0
         value: Any = read(eddi_input, self.inputs[0].attribute, self.inputs[0].id)
-        if self._too_old(now):
+        if self._too_old(now or 0):
             self._clear()
             self._last = self._result(STALE)
         if value is None or isinstance(value, Absent):
             self._fault = ""
             self._last = self._result(FILLING if self._accepted_ns is None else STALE)
         elif not (isinstance(value, Messages) and not value):
-            self._last = self._judge(take(value, self._features, single=self.single), now)
+            taken = take(value, self._features, single=self.single)
+            self._push(taken.rows, now or 0)
+            self._rejected += len(taken.bad)
+            self._fault = taken.fault
+            complete = not taken.bad and self._window.is_full
+            self._last = self._verdict() if complete else self._result((*taken.bad, FILLING)[0])
         return self._last
 
-    def _judge(self, taken: Taken, now: int) -> SafeMLResult:
-        self._push(taken.rows)
-        self._accepted += len(taken.rows)
-        self._rejected += len(taken.bad)
-        self._fault = taken.fault
-        if taken.rows:
-            self._accepted_ns = now
-        if not taken.bad and self._window.is_full:
-            return self._verdict()
-        return self._result(taken.bad[0] if taken.bad else FILLING)
-
-    def _push(self, rows: list[Array]) -> None:
+    def _push(self, rows: list[Array], now: int) -> None:
         entering = rows[-self._phase % self.stride :: self.stride]
         self._phase = (self._phase + len(rows)) % self.stride
+        self._accepted += len(rows)
+        self._accepted_ns = now if rows else self._accepted_ns
         for row in entering[-self.window_size :]:
             self._window.push(row if self.axes is None else self.axes.values(row))
         if entering:
@@ -167,8 +161,7 @@ class SafeML(Monitor[SafeMLResult]):
             self._statistics = self._window.statistics()
         test = int(self._statistics.argmax())
         largest = self._statistics[test]
-        self._judged = True
-        self._violation = bool(largest >= self.threshold)
+        self._judged, self._violation = True, bool(largest >= self.threshold)
         value = self._comparison.value(largest)
         return self._result("", value, test, min(1.0, self._comparison.tests * self.tail(value)))
 
@@ -216,10 +209,7 @@ class SafeML(Monitor[SafeMLResult]):
         return tuple(sorted(tests, key=lambda one: -one.statistic))
 
     def as_json(self, output: SafeMLResult) -> Mapping[str, bool | int | float | str | None]:
-        return {
-            name: None if isinstance(value, float) and not math.isfinite(value) else value
-            for name, value in output._asdict().items()
-        }
+        return {name: finite(value) for name, value in output._asdict().items()}
 
     def series(self, output: SafeMLResult) -> Mapping[str, bool | float | str | None]:
         known = self.as_json(output)
@@ -233,12 +223,11 @@ class SafeML(Monitor[SafeMLResult]):
         violation = getattr(output, "odd_violation", None)
         sound = isinstance(omission, bool) and isinstance(violation, bool)
         self._output_faults = () if sound else (_SPOILT,)
-        fields = {
+        flags = {
             "omission": omission is not False or not sound,
             "odd_violation": violation is True,
-            "significance_level": self.significance_level,
         }
-        return "SafeMLOutput", fields
+        return "SafeMLOutput", {**flags, "significance_level": self.significance_level}
 
     def status_message(self) -> Tree:
         last = self._last

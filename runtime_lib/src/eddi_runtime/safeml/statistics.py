@@ -22,8 +22,7 @@ import numpy as np
 
 from .arrays import Array, Backend
 
-_EXACT = 2**61
-"""Sums below this are made of 64-bit integers, larger ones of doubles."""
+_EXACT = 2**61  # sums below this are made of 64-bit integers, larger ones of doubles
 
 
 class KolmogorovSmirnov:

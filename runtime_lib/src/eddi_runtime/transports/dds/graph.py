@@ -246,14 +246,8 @@ class Graph:
             self._tell([], [])
         self._readers.clear()
         self._writers.clear()
-        # one by one: a formatter makes a tuple of a line that is too long
-        del self._gone
-        del self._known
-        del self._guard
-        del self._info
-        del self._publisher
-        del self._subscriber
-        del self._participant
+        for name in ("gone", "known", "guard", "info", "publisher", "subscriber", "participant"):
+            delattr(self, f"_{name}")
         gc.collect()
 
 
@@ -296,13 +290,8 @@ def told(cls: Any, qos: Qos) -> Qos:
 
 
 def _qos(wanted: Mapping[str, Any], *more: Any) -> Qos:
-    policies = [
-        _RELIABILITIES[wanted["reliability"]],
-        _DURABILITIES[wanted["durability"]],
-        Policy.History.KeepLast(wanted["depth"]),
-    ]
-    if "deadline" in wanted:
-        policies.append(Policy.Deadline(duration(seconds=wanted["deadline"])))
-    if "lifespan" in wanted:
-        policies.append(Policy.Lifespan(duration(seconds=wanted["lifespan"])))
-    return Qos(*policies, *more)
+    reliability, durability = wanted["reliability"], wanted["durability"]
+    policies = [_RELIABILITIES[reliability], _DURABILITIES[durability], *more]
+    for name, policy in (("deadline", Policy.Deadline), ("lifespan", Policy.Lifespan)):
+        policies += [policy(duration(seconds=wanted[name]))] if name in wanted else []
+    return Qos(Policy.History.KeepLast(wanted["depth"]), *policies)

@@ -81,13 +81,13 @@ def arguments(words: Sequence[str], name: str) -> Arguments:
 
 def _pairs(words: Sequence[str]) -> list[list[str]]:
     """Return option and value of all between ``--ros-args`` and ``--``."""
-    given = list(words)
-    begin = given.index("--ros-args") if "--ros-args" in given else len(given)
+    given = [*words, "--ros-args"]
+    begin = given.index("--ros-args")
     for word in given[:begin]:
         if word.startswith("-"):  # such as --help, or -p: to ignore it would be to start otherwise
             raise StartError(f"{word}: --ros-args -r NAME:=NAME -p NAME:=VALUE is expected")
-    given = given[begin + 1 :]
-    given = given[: given.index("--")] if "--" in given else given
+    given = [*given[begin + 1 : -1], "--"]
+    given = given[: given.index("--")]
     pairs = [given[k : k + 2] for k in range(0, len(given), 2)]
     for pair in pairs:
         if pair[0] not in ("-p", "--param", "-r", "--remap") or len(pair) < 2:
@@ -112,8 +112,8 @@ def domain_id(text: str) -> int:
 
 
 DISTROS = {"ros_distro": ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling")}
-_OWN = {*Settings._fields, *DISTROS, "use_sim_time", "partition", "model"} - {"words"}
-"""Parameters that are read; that of a former release is refused."""
+_OWN = {*Settings._fields, *DISTROS, "use_sim_time", "partition"} - {"words"}
+"""Parameters that are read."""
 _DEPTH = 5
 
 
@@ -158,10 +158,6 @@ class MonitorNode(Node):
     def simulated_ns(self) -> int | None:
         return self._clock
 
-    def _tick(self, message: Any, _: bool) -> None:
-        if not isinstance(message, Unreadable):
-            self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
-
     def check_serialises(self, message: Any) -> None:
         message.serialize()
 
@@ -195,7 +191,12 @@ class MonitorNode(Node):
         partition = str(given.parameters.get("partition", ""))
         self._domain = joined = Graph(domain, given.namespace, given.name, distro, partition)
         if self._clock is not None:
-            joined.reader("/clock", OWN.rosgraph_msgs_Clock, self._tick, reading({}, 1))
+
+            def tick(message: Any, _: bool) -> None:
+                if not isinstance(message, Unreadable):
+                    self._clock = message.clock.sec * 1_000_000_000 + message.clock.nanosec
+
+            joined.reader("/clock", OWN.rosgraph_msgs_Clock, tick, reading({}, 1))
         self.ending.install()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self.ending.begin())

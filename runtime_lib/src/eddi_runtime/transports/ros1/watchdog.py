@@ -133,7 +133,17 @@ class Watchdog:
         self.shared = {topic for topic, names in nodes.items() if len(names) > 1}
         # Only topics with a publisher: the master keeps the types of all others, too.
         self.published = {topic: types.get(topic) for topic, names in nodes.items() if names}
-        self._check_types(self.published)
+        wrong: Wrong = {}
+        for topic, (_, expected) in self._expected().items():
+            sent = self.published.get(topic)
+            if sent not in (None, "*", expected):
+                text = f"{expected} expected, the publisher sends {sent}"
+                known = self.wrong_types.get(topic)
+                if known is None or known[1] != text:
+                    LOG.error("wrong message type on %s: %s", topic, text)
+                    known = time.monotonic(), text
+                wrong[topic] = known
+        self.wrong_types = wrong
 
     def _return(self) -> None:
         """Make a master that does not know this node know it, or end."""
@@ -152,19 +162,6 @@ class Watchdog:
         self._failures = 0
         self.state = REREGISTERED
         LOG.warn("the ROS master did not know this node any more: registered again")
-
-    def _check_types(self, published: dict[str, str | None]) -> None:
-        wrong: Wrong = {}
-        for topic, (_, expected) in self._expected().items():
-            sent = published.get(topic)
-            if sent not in (None, "*", expected):
-                text = f"{expected} expected, the publisher sends {sent}"
-                known = self.wrong_types.get(topic)
-                if known is None or known[1] != text:
-                    LOG.error("wrong message type on %s: %s", topic, text)
-                    known = time.monotonic(), text
-                wrong[topic] = known
-        self.wrong_types = wrong
 
 
 def watch(

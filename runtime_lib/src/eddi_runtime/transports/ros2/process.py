@@ -235,17 +235,14 @@ class Process:
         self._thread.start()
 
     def _run(self) -> None:
-        while not self._closed and rclpy.ok():
-            self._spin()
-
-    def _spin(self) -> None:
         """Hand over what arrives; never raises: who waits no more receives nothing more."""
-        try:
-            self._executor.spin_once(timeout_sec=_WAIT_S)
-        except Exception as error:  # noqa: BLE001 - whatever the middleware raises
-            if rclpy.ok():
-                LOG.error("rclpy: %s", one_line(error))
-                time.sleep(_WAIT_S)
+        while not self._closed and rclpy.ok():
+            try:
+                self._executor.spin_once(timeout_sec=_WAIT_S)
+            except Exception as error:  # noqa: BLE001, PERF203 - whatever the middleware raises
+                if rclpy.ok():
+                    LOG.error("rclpy: %s", one_line(error))
+                    time.sleep(_WAIT_S)
 
     def simulated_ns(self) -> int | None:
         """Return the time of ``/clock``, None where the node has wall time."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Mapping, Sequence, Union
+from collections.abc import Mapping, Sequence
 
-from .engine import NodeSpec
-from .evidence import Answer, EvidenceError, Finding, finding
-from .monitor import BayesianNetworkMonitor
+from eddi_runtime.bayesian_network import BayesianNetworkMonitor, NodeSpec
+from eddi_runtime.bayesian_network.evidence import Answer, EvidenceError, Finding, finding
 
-Evidence = Union[None, str, Sequence[float]]
+Evidence = str | Sequence[float] | None
 """Of one node: nothing, the name of a state, or one likelihood per state."""
 
 
@@ -44,7 +43,9 @@ def posteriors(
     if rows is None:
         shown = ", ".join(f"{name}={value}" for name, value in evidence.items())
         raise InconsistentEvidenceError(f"the evidence has probability zero: {shown}")
-    return {monitor.nodes[node].id: tuple(row) for node, row in zip(engine.outputs, rows)}
+    return {
+        monitor.nodes[node].id: tuple(row) for node, row in zip(engine.outputs, rows, strict=True)
+    }
 
 
 def _judged(node: NodeSpec, value: Evidence) -> Finding:
