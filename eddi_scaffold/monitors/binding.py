@@ -37,6 +37,7 @@ class BoundMonitor:
     Attributes:
         package: name of its package.
         model: the model, configured.
+        unconfigured: the same before.
         compiled: the model as it runs.
         facts: what others need to know of it.
         default_guarantees: marks that were given when the model was read.
@@ -50,6 +51,7 @@ class BoundMonitor:
     inputs: tuple[InputBinding, ...]
     compiled: CompiledModule
     facts: MonitorFacts
+    unconfigured: Model
     default_guarantees: tuple[str, ...] = ()
     cross_check: str = ""
 
@@ -81,7 +83,7 @@ def monitor_of(
     configured, problems = model.configure(options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
-    model = configured or model
+    model, unconfigured = configured or model, model
     known = known_types(config, {**known_messages(), **EITHER_TIMES})  # a platform binds again
     bindings, problems_of_inputs = bind_inputs(model, config, known)
     problems = [*problems, *problems_of_inputs]
@@ -111,8 +113,8 @@ def monitor_of(
         compiled, facts = compile_monitor(model, tuple(inputs.values()), accepted, frequency, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
-    joined = (package, model, kind, config, tuple(bindings), compiled, facts, tuple(marks))
-    return BoundMonitor(*joined), problems
+    joined = (package, model, kind, config, tuple(bindings), compiled, facts, unconfigured)
+    return BoundMonitor(*joined, tuple(marks)), problems
 
 
 def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:

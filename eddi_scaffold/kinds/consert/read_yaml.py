@@ -6,6 +6,7 @@ A faulty part is reported and becomes ``None``, and so does what needs it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,7 +15,6 @@ from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_sim
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
-MAX_ID = 128
 _MOST_UNKNOWN_KEYS = 100
 """Unknown keys of one map that are compared with a missing one."""
 _UNREADABLE = model.BinaryDimension("")
@@ -63,9 +63,14 @@ def read_yaml(
     if root is None:
         return None, problems
     reader = _Reader()
-    form = _Form(partial(model.ConSert, source.stem if name is None else name), _SECTIONS)
+    form = _Form(partial(_consert, source.stem if name is None else name), _SECTIONS)
     consert = reader.element(root, "the ConSert", form)
     return consert, [*problems, *reader.problems]
+
+
+def _consert(name: str, *content: Any, place: Place) -> model.ConSert:
+    *sections, system = content
+    return replace(model.ConSert(name, *sections), place=place, system=system or "")
 
 
 class _Reader:
@@ -156,13 +161,6 @@ def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
         if isinstance(node, y.Scalar) and node.text:
             hint = f'if the text "{node.text}" is meant, put it in quotes'
         reader.report("C002.text", node, hint=hint, subject=what, node=y.describe(node))
-    return text
-
-
-def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
-    text = _text(reader, node, what, owner)
-    if text is not None and len(text) > MAX_ID:
-        reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
     return text
 
 
@@ -257,14 +255,19 @@ def _variant_of(title: str, forms: Mapping[str, _Form]) -> Read:
     return read_variant
 
 
+def _binary(type_: str, value: bool | None, place: Place) -> model.BinaryDimension:
+    return model.BinaryDimension(type_, place, value is not False)
+
+
 _TYPE = _Field("type", _text)
-_SUBSET = _Field("subset", _word_of("subset", ("Demand", "Guarantee")))
+_SUBSETS = ("Demand", "Guarantee", "Equals", "Intersection")
+_SUBSET = _Field("subset", _word_of("subset", _SUBSETS), is_optional=True)
 _ENDS = (_Field("start", _bound), _Field("end", _bound))
 _RANGE = _variant_of(
     "kind of range",
     {
-        "Inclusive": _Form(partial(model.Range, inclusive=True), _ENDS),
-        "Exclusive": _Form(partial(model.Range, inclusive=False), _ENDS),
+        name: _Form(partial(model.Range, inclusive=end, start_inclusive=start), _ENDS)
+        for (start, end), name in model.RANGES.items()
     },
 )
 _CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
@@ -273,16 +276,19 @@ _UOM = _Field("uom", _or_null(_text), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": _Form(model.BinaryDimension, (_TYPE,)),
+        "Binary": _Form(
+            _binary,
+            (_TYPE, _Field("value", _scalar(y.as_bool, "C002.boolean"), is_optional=True)),
+        ),
         "Categorical": _Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
         "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
-_ID = _Field("id", _id)
+_ID = _Field("id", _text)
 _DESCRIPTION = _Field("description", _or_null(_text), is_optional=True)
 _DIMENSIONS = _Field(
     "dimensions",
-    _list_of(_DIMENSION, "a dimension of {owner}", substitute=_UNREADABLE),
+    _list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True, substitute=_UNREADABLE),
     substitute=(_UNREADABLE,),
 )
 _DEFAULT = _Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
@@ -325,5 +331,8 @@ def _section(key: str, form: _Form) -> _Field:
     return _Field(key, read_section)
 
 
-_SECTIONS = tuple(_section(key, form) for key, form in _ELEMENTS.items())
-"""The mandatory keys of the top level, in the order of SESAME D7.2 Fig 6."""
+_SECTIONS = (
+    *(_section(key, form) for key, form in _ELEMENTS.items()),
+    _Field("system", _text, is_optional=True),
+)
+"""The keys of the top level, the mandatory ones in the order of SESAME D7.2 Fig 6."""

@@ -79,7 +79,8 @@ class FaultTree:
     """A fault tree: the events and gates below one top event, by id.
 
     Attributes:
-        cut_sets: minimal cut sets that the file states, names of events; None: none stated.
+        cut_sets: minimal cut sets that the file states, names of events; None: none stated. They
+            are compared with the tree, and decide nothing.
         age: hours that its events had run before the mission.
         approximate: bounds by minimal cut sets in place of the diagram.
         bounds_place: where that is asked for.
@@ -90,7 +91,7 @@ class FaultTree:
     gates: Mapping[str, Gate]
     repair: bool = False
     node_limit: int | None = None
-    cut_sets: frozenset[frozenset[str]] | None = None
+    cut_sets: frozenset[frozenset[str]] | None = field(default=None, compare=False)
     age: float = 0.0
     approximate: bool = False
     bounds_place: Place = field(default=Place(), compare=False)
