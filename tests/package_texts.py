@@ -1,9 +1,12 @@
-"""An input module as the templates write it, for tests of what reads modules."""
+"""What packages hold: an input module as the templates write it, and the facts of the monitor."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
+from eddi_scaffold.monitors.facts import MonitorFacts, from_json
+from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.regions.markers import Digests, begin_marker, digest, end_marker
 
 INPUT = "src/pkg/EDDIInput.py"
@@ -33,3 +36,8 @@ def _method(name: str, was: tuple[str, ...]) -> str:
     begin = begin_marker(f"process_{name}", "python", Digests(digest(body), "81fdda7e"), was)
     end = end_marker(f"process_{name}", "python")
     return f"\n    def process_{name}(self, message):\n        {begin}\n{body}        {end}\n"
+
+
+def facts_in(package: Path) -> MonitorFacts:
+    """Return the facts in the answers of a package."""
+    return from_json((read_answers(package) or {})["facts_json"])

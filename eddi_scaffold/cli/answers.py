@@ -63,11 +63,11 @@ def answers(
     names = [f"{package.folder}.yml" if every else output.name for package in packages]
     files: dict[str, FileState] = {}
     for package, file in zip(packages, names, strict=True):
-        tables = f"{file}.tables"
-        more = {"tables_folder": str((place / tables).resolve())} if package.files else {}
+        folder = f"{file}.files"
+        more = {"files_folder": str((place / folder).resolve())} if package.files else {}
         files[file] = FileState(dump_plain({**package.answers, **more}).encode())
         for path, data in package.files.items():
-            files[f"{tables}/{path.rpartition('/')[2]}"] = FileState(data)
+            files[f"{folder}/{path.rpartition('/')[2]}"] = FileState(data)
     write(place, files)
     template = own_template()
     template.keep()

@@ -29,11 +29,11 @@ def upgrade(
     force: Force = False,
     dry_run: DryRun = False,
 ) -> None:
-    """Bring packages to newer templates; hand edits stay.
+    """Bring packages to this release; hand edits stay.
 
-    Monitors stay as they were compiled. To change a model or a configuration, or to compile with
-    a newer release, run `generate` again; with -m or -c this command does the same for packages
-    that are there, and makes no new ones.
+    Monitors are compiled of the models in their packages. To change a model or a configuration,
+    run `generate` again; with -m or -c this command does the same for packages that are there, and
+    makes no new ones.
 
     Example: eddi-scaffold upgrade -w catkin_ws -m example_v2.xml --dry-run
     """

@@ -152,7 +152,7 @@ _maintainer = text(
 _digest = text(
     re.compile("[0-9a-f]{64}").fullmatch,
     "the SHA-256 of a model (64 digits of 0-9 and a-f)",
-    "it is the `digest` of config/model.json in the package of that monitor",
+    "it is the `digest` in compiled.py of the package of that monitor",
 )
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, _max_age]

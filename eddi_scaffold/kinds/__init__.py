@@ -10,7 +10,7 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypeAlias, cast
@@ -253,9 +253,24 @@ class Model:
         """Return the tree that ``show`` prints: lines with two blanks per level."""
         raise NotImplementedError
 
-    def export(self) -> Mapping[str, str]:
-        """Return file name -> text in the kind's own formats."""
+    def write(self) -> Mapping[str, str]:
+        """Return file name -> text in a format of the kind.
+
+        The first file reads back as a model that, called by this one's name, has its digest; it
+        names the others.
+
+        Raises:
+            EddiError: the format cannot say something of the model (G004).
+        """
         raise NotImplementedError
+
+    def export(self) -> Mapping[str, str]:
+        """Return what ``write`` does, and the same for other tools."""
+        return self.write()
+
+    def named(self, name: str) -> Self:
+        """Return the model by another name, which its own files do not all hold."""
+        return replace(self, name=name)
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]] | None:
         """Return key and values (tag, text) by which an EDDI holds the model.

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import (
@@ -19,6 +20,7 @@ from eddi_scaffold.common.escaping import (
     python_literal,
 )
 from eddi_scaffold.common.identifiers import attribute
+from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
@@ -30,13 +32,30 @@ ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
 _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 
 
-def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> dict[str, JsonValue]:
+def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str, bytes]:
+    """Return path -> content of the files that Copier does not render.
+
+    Args:
+        monitor: what the package is of.
+        code: folder of its Python package, with a slash, for its tables; empty where that is the
+            package itself.
+        text: the same for the model as text, which is first.
+    """
+    model = monitor.unconfigured.named(monitor.model.name)
+    files: dict[str, bytes] = {}
+    with suppress(EddiError):  # its format cannot say it: there is none
+        files = {f"{text}{name}": of.encode() for name, of in model.write().items()}
+    return files | {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
+
+
+def shared_answers(
+    monitor: BoundMonitor, template: str, files: Mapping[str, bytes]
+) -> dict[str, JsonValue]:
     """Return the answers about identity that the templates of all platforms ask for.
 
-    The folder is that of the Python package, with a slash; empty where that is the package.
+    ``files`` are those that Copier does not render.
     """
-    config = monitor.config.config if monitor.config else None
-    source = monitor.model.source
+    config, facts = monitor.config.config if monitor.config else None, monitor.facts
     title = f"{monitor.kind.title} {one_line(monitor.model.name)}"
     identity = identity_answers(monitor.package, f"Runtime monitor of the {title}", config)
     called = " ".join(binding.expression or "" for binding in monitor.inputs)
@@ -48,8 +67,9 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
         "description_markdown": markdown_text(identity["description"]),
         "kind": monitor.kind.name,
         "model_id_text": python_comment(monitor.model.name),
-        "model_file": markdown_code(source.file_name),
-        "model_sha256": source.sha256,
+        "model_file": markdown_code(facts.file),
+        "model_sha256": facts.file_sha256,
+        "model_text": next((name for name in files if not name.endswith(".bin")), ""),
         "inputs": [_input_answers(binding) for binding in monitor.inputs],
         "runtime_names": ["EDDIInputBase", *(name for name in ACCESS if f"{name}(" in called)],
         "modules": [
@@ -77,11 +97,8 @@ def shared_answers(monitor: BoundMonitor, template: str, folder: str = "") -> di
         "default_guarantees": list(monitor.default_guarantees),
         "config_json": monitor.config.as_json() if monitor.config else "",
         "compiled": monitor.compiled.text,
-        "tables": {
-            f"{folder}{name}": hashlib.sha256(data).hexdigest()
-            for name, data in monitor.compiled.tables.items()
-        },
-        "facts_json": monitor.facts.to_json(),
+        "files": {name: hashlib.sha256(data).hexdigest() for name, data in files.items()},
+        "facts_json": facts.to_json(),
     }
 
 

@@ -41,6 +41,7 @@ class BoundMonitor:
     inputs: tuple[InputBinding, ...]
     compiled: CompiledModule
     facts: MonitorFacts
+    unconfigured: Model  # before it was configured
     default_guarantees: tuple[str, ...] = ()  # marks that were given when the model was read
     cross_check: str = ""  # how the compiled model compares with an independent tool, one sentence
 
@@ -72,7 +73,7 @@ def monitor_of(
     configured, problems = model.configure(options_of(config))
     if configured is None and not kind.inputs_of_model:
         return None, problems  # what the inputs are is not known
-    model = configured or model
+    model, unconfigured = configured or model, model
     known = known_types(config, {**known_messages(), **EITHER_TIMES})  # a platform binds again
     bindings, problems_of_inputs = bind_inputs(model, config, known)
     problems = [*problems, *problems_of_inputs]
@@ -110,8 +111,8 @@ def monitor_of(
         compiled, facts = compile_monitor(model, tuple(inputs.values()), accepted, frequency, place)
     except EddiError as refused:
         return None, [*problems, *refused.problems]
-    joined = (package, model, kind, config, tuple(bindings), compiled, facts, tuple(marks))
-    return BoundMonitor(*joined), problems
+    joined = (package, model, kind, config, tuple(bindings), compiled, facts, unconfigured)
+    return BoundMonitor(*joined, tuple(marks)), problems
 
 
 def known_types(config: ConfigFile | None, known: MessageFields) -> MessageFields:

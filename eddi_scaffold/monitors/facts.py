@@ -30,7 +30,7 @@ class InputFacts:
 
 @dataclass(frozen=True)
 class MonitorFacts:
-    """Content of ``config/model.json``."""
+    """Content of the answer ``facts_json``."""
 
     kind: str
     id: str
@@ -51,7 +51,7 @@ class MonitorFacts:
         return [claim for claim in self.claims if part in (None, claim.id)]
 
     def to_json(self) -> str:
-        """Return the text of ``config/model.json`` without the last line end."""
+        """Return the text of the answer."""
         content = asdict(self, dict_factory=lambda pairs: {k: v for k, v in pairs if v is not None})
         return json.dumps(content, sort_keys=True, indent=1, default=sorted)
 

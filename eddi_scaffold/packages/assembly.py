@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -33,7 +34,7 @@ from eddi_scaffold.platforms import (
     Platform,
     owner_of,
 )
-from eddi_scaffold.regions.package import manifest_of
+from eddi_scaffold.regions.package import bytes_at, is_relative
 
 
 @dataclass(frozen=True)
@@ -267,13 +268,16 @@ def support(
 
 
 def stored(package: Path, answers: Mapping[str, Any]) -> PackageAnswers:
-    """Return a package as it is, its tables too, for the present version of the templates.
+    """Return a package as it is, its other files too, for the present version of the templates.
 
     A compiled monitor stays that of the version which compiled it.
     Keys that begin with ``_`` are Copier's own: where the templates came from.
     """
     kept = {key: value for key, value in answers.items() if not key.startswith("_")}
-    tables = [name for name in manifest_of(package).files if name.endswith(".bin")]
-    files = {name: (package / name).read_bytes() for name in tables if (package / name).is_file()}
+    files = {}
+    for name, digest in answers.get("files", {}).items():
+        data = bytes_at(package, name) if is_relative(name) else None
+        if data is not None and hashlib.sha256(data).hexdigest() == digest:
+            files[name] = data
     made = {} if "compiled" in answers else {"generator_version": __version__}
     return PackageAnswers(package.name, {**kept, **made}, files)

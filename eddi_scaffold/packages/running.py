@@ -211,4 +211,5 @@ def _remembered(
     kind = kinds()[answers["kind"]]
     model = Model(facts.id, Source(str(folder / ANSWERS_FILE), b""), Place(str(folder)))
     compiled = CompiledModule(answers["compiled"])
-    return BoundMonitor(answers["package"], model, kind, config, tuple(inputs), compiled, facts)
+    joined = (answers["package"], model, kind, config, tuple(inputs), compiled, facts, model)
+    return BoundMonitor(*joined)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from eddi_scaffold import __version__
 from eddi_scaffold.common.escaping import markdown_code
-from eddi_scaffold.common.files import read_source
+from eddi_scaffold.common.files import next_to, read_source
 from eddi_scaffold.common.identifiers import package_name
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.config.file import ConfigFile, from_json, named_model_path
@@ -20,7 +21,9 @@ from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
-from eddi_scaffold.monitors.loading import checked_models, read_models
+from eddi_scaffold.monitors.facts import MonitorFacts
+from eddi_scaffold.monitors.facts import from_json as facts_of
+from eddi_scaffold.monitors.loading import checked_models, complete_reading, read_models
 from eddi_scaffold.packages.assembly import stored, support, wiring_with, with_choices
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.handwritten import ADOPT, looked_at, without_written_inputs
@@ -170,11 +173,22 @@ def targets(
         raise EddiError(problem("U005.no_package", configs[name].place("Model", "id"), name=name))
     models: dict[str, Model] = {}
     problems: list[Problem] = []
-    for path in [model_file] if model_file is not None else _named_models(read):
+    paths = {} if model_file is not None else {f: named_model_path(c) for f, c in configs.items()}
+    for path in dict.fromkeys(filter(None, [model_file, *paths.values()])):
         newer, model_problems = _newer_models(group, path, configs)
         models |= newer
         problems += model_problems
-    renewed = rejoined(group.present, models, configs)
+    remade: dict[str, tuple[BoundMonitor, list[Problem]]] = {}
+    for folder, answers in group.present.items():
+        is_old = "compiled" in answers and answers["generator_version"] != __version__
+        if folder not in models and (paths[folder] is None if folder in paths else is_old):
+            remade |= _of_own_text(group, folder)
+    for folder, config in configs.items():
+        if folder in remade:
+            models[folder] = remade[folder][0].unconfigured
+        elif folder not in models and paths.get(folder, model_file) is None:
+            raise EddiError(problem("G015.no_model", Place(config.name)))
+    renewed = remade | rejoined(group.present, models, configs)
     packages: list[PackageAnswers] = []
     monitors: dict[str, Platform] = {}
     for folder, answers in group.present.items():
@@ -185,6 +199,8 @@ def targets(
             packages.append(stored(group.root / folder, answers))
             continue
         monitor, binding_problems = renewed[folder]
+        if folder in remade:
+            monitor = _with_origin(monitor, facts_of(answers["facts_json"]))
         package, package_problems = platform.monitor(monitor)
         packages.append(with_choices(package, [answers]))
         problems += [*binding_problems, *package_problems]
@@ -230,6 +246,37 @@ def rejoined(
     return monitors
 
 
+def _of_own_text(group: PackageGroup, folder: str) -> dict[str, tuple[BoundMonitor, list[Problem]]]:
+    """Return the monitor of a package, made anew of the model that is in it as text, by its folder.
+
+    Nothing where the text is gone, or is not what the package was made of: its digest tells.
+    """
+    package, answers = group.root / folder, group.present[folder]
+    facts = facts_of(answers["facts_json"])
+    with suppress(EddiError):
+        source = read_source(next_to(str(package / ANSWERS_FILE), answers["model_text"]))
+        reading = kinds()[facts.kind].model_class.read_file(source, ())
+        model = complete_reading(source, reading).models[0].named(facts.id)
+        monitor, problems = rejoined({folder: answers}, {folder: model}, {})[folder]
+        if monitor.facts.digest == facts.digest:
+            return {folder: (monitor, problems)}
+    return {}
+
+
+def _with_origin(monitor: BoundMonitor, before: MonitorFacts) -> BoundMonitor:
+    """Return a monitor that is made of the text in its package with the places of before."""
+    known = {(element.element, element.id): element for element in before.elements}
+    facts = replace(
+        monitor.facts,
+        file=before.file,
+        file_sha256=before.file_sha256,
+        path=before.path,
+        links=before.links,
+        elements=tuple(known.get((of.element, of.id), of) for of in monitor.facts.elements),
+    )
+    return replace(monitor, facts=facts)
+
+
 def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
     """Return what is to be said of monitors that another release compiled, without their models."""
     stay = "compiled.py stays as eddi-scaffold {} made it; name the model with -m"
@@ -238,15 +285,6 @@ def compiled_before(packages: Iterable[PackageAnswers]) -> list[str]:
         for package in packages
         if "compiled" in package.answers and package.answers["generator_version"] != __version__
     ]
-
-
-def _named_models(configs: Iterable[ConfigFile]) -> list[Path]:
-    """Return the model files that configurations name, each once; one must (EddiError, G015)."""
-    paths = {config.name: named_model_path(config) for config in configs}
-    for name, path in paths.items():
-        if path is None:
-            raise EddiError(problem("G015.no_model", Place(name)))
-    return list(dict.fromkeys(filter(None, paths.values())))
 
 
 def _newer_models(

@@ -60,6 +60,7 @@ def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
             model_id(answers)
             kinds()[answers["kind"]]
             answers["model_file"]
+            "".join([answers["model_text"], *answers["files"], *answers["files"].values()])
             runtime_parts_of(answers["compiled"])
             if answers.get("config_json"):
                 from_json(answers["config_json"], package.name)

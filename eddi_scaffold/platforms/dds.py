@@ -13,7 +13,7 @@ from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Place, Problem, problem
 from eddi_scaffold.config.field_types import Fields, MessageFields, element, is_primitive
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
 from eddi_scaffold.platforms import (
@@ -138,13 +138,13 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
     monitor, errors = bound_to(monitor, known)
     node = node_of(monitor)
     definitions, unknown = definitions_of(node, known)
-    answers = shared_answers(monitor, _TEMPLATES.monitor)
+    files = files_of(monitor)
+    answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
     answers["requirements_text"] = ", ".join(["cyclonedds", *needs])
-    files = dict(monitor.compiled.tables)
-    answers["package_data"] = ["model.json", *sorted(files)]
+    answers["package_data"] = sorted(monitor.compiled.tables)
     answers |= node.answers(lambda of: f"messages.{of.replace('/', '_')}", has_qos=True)
     answers["definitions"] = definitions
     answers["hashes"] = hashes_of(node, known)

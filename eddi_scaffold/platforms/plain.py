@@ -8,7 +8,7 @@ from pathlib import Path
 from eddi_scaffold.common.escaping import python_literal, toml_text
 from eddi_scaffold.common.identifiers import taken_by_python
 from eddi_scaffold.common.problems import Problem
-from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.platforms import RUNTIME, VENDORED, PackageAnswers, Platform, Templates
 from eddi_scaffold.program.runtime_parts import runtime_parts_of
@@ -17,7 +17,8 @@ _TEMPLATES = Templates("plain_monitor")
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
-    answers = shared_answers(monitor, _TEMPLATES.monitor)
+    files = files_of(monitor)
+    answers = shared_answers(monitor, _TEMPLATES.monitor, files)
     answers["description_literal"] = toml_text(str(answers["description"]))
     needs = list(monitor.kind.requirements)
     answers["requirements"] = needs
@@ -27,8 +28,7 @@ def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
         for binding in monitor.inputs
     }
     answers["sample_inputs"] = [f"{of}={python_literal(value)}" for of, value in samples.items()]
-    files = dict(monitor.compiled.tables)
-    answers["package_data"] = ["model.json", *sorted(files)]
+    answers["package_data"] = sorted(monitor.compiled.tables)
     answers[RUNTIME] = VENDORED
     answers["parts"] = list(runtime_parts_of(monitor.compiled.text))
     return PackageAnswers(monitor.package, answers, files), []

@@ -23,7 +23,7 @@ from eddi_scaffold.config.field_types import (
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, kinds
-from eddi_scaffold.monitors.answers import identity_answers, shared_answers
+from eddi_scaffold.monitors.answers import files_of, identity_answers, shared_answers
 from eddi_scaffold.monitors.binding import BoundMonitor, bound_to, known_types
 from eddi_scaffold.monitors.message_types import known_messages, ros2_fields, ros2_messages
 from eddi_scaffold.monitors.nodes import MonitorNode, node_of
@@ -317,8 +317,9 @@ def monitor_package(
     """
     monitor, problems = bound_to(monitor, known)
     node = node_of(monitor)
-    classes, folder = classes_of(node), f"{inside}{monitor.package}/"
-    answers = {**shared_answers(monitor, template, folder), **choices}
+    classes = classes_of(node)
+    files = files_of(monitor, f"{inside}{monitor.package}/", "config/")
+    answers = {**shared_answers(monitor, template, files), **choices}
     packages = {name.partition("/")[0] for name in classes} - {MESSAGE_PACKAGE}
     answers["message_packages"] = sorted(packages)
     answers["system_packages"] = [f"python3-{name}" for name in monitor.kind.requirements]
@@ -327,7 +328,6 @@ def monitor_package(
     if is_ros2:
         answers["lifecycle"] = node.config.config.Model.lifecycle
     answers["interfaces"] = interfaces_of(node.publications, node.heard, node.between_robots)
-    files = {f"{folder}{name}": of for name, of in monitor.compiled.tables.items()}
     package = PackageAnswers(monitor.package, answers, files)
     return package, node, [*problems, *node.problems]
 

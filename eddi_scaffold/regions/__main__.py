@@ -60,29 +60,30 @@ def _accept(root: Path, ids: Sequence[str]) -> int:
     return run(plan) or (1 if missing else 0)
 
 
-def _sync(root: Path, stage: str = "", tables: str = "{}", folder: str = "") -> int:
+def _sync(root: Path, stage: str = "", files: str = "{}", folder: str = "") -> int:
     rendering = root / NEW / stage
     if not package.is_relative(stage) or not rendering.is_dir():
         return 2 * _written(sys.stderr, [f"{rendering}: error: there is no rendering"])
-    if tables != "{}":
+    if files != "{}":
         import json  # noqa: PLC0415 - as most packages have none
 
         place = Path(folder) if folder else None
-        missing = place_tables(root, rendering, json.loads(tables), place)
-        hint = "give its folder, as with `-d tables_folder=FOLDER`"
+        missing = place_files(root, rendering, json.loads(files), place)
+        hint = "give its folder, as with `-d files_folder=FOLDER`"
         _written(sys.stderr, (f"error: {name} is not there: {hint}" for name in missing))
     return run(plan_sync(root, rendering))
 
 
-def place_tables(
-    root: Path, rendering: Path, tables: Mapping[str, str], folder: Path | None
+def place_files(
+    root: Path, rendering: Path, files: Mapping[str, str], folder: Path | None
 ) -> Iterator[str]:
     """Put files, known by SHA-256, of the package or a folder into a rendering; yield lost ones."""
-    for name, digest in tables.items():
+    for name, digest in files.items():
         place = folder / Path(name).name if folder is not None else None
         for path in filter(None, [root / name, place] if package.is_relative(name) else []):
             data = path.read_bytes() if path.is_file() and os.access(path, os.R_OK) else b""
             if hashlib.sha256(data).hexdigest() == digest:
+                (rendering / name).parent.mkdir(parents=True, exist_ok=True)
                 (rendering / name).write_bytes(data)
                 break
         else:

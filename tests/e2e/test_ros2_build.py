@@ -30,7 +30,7 @@ def test_everything_is_installed(workspace):
         share = installed / name / "share" / name
         found = {str(path.relative_to(share)) for path in share.rglob("*") if path.is_file()}
         assert {
-            "config/model.json",
+            f"config/ConSert{name[-1].upper()}.yml",
             "config/parameters.yaml",
             "launch/eddi_monitor.launch.py",
             "package.xml",

@@ -25,6 +25,7 @@ from hypothesis import settings
 from eddi_scaffold.config.field_types import fields_of
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
+from tests.package_texts import facts_in
 from tests.ros1.world import RUNTIME
 
 pytestmark = pytest.mark.slow
@@ -211,7 +212,7 @@ def generated(folder: Path, size: Size) -> str:
     text = CONFIG.replace("FREQUENCY", str(size.frequency)).replace("LEASE", str(size.lease))
     for digest in ("a" * 64, None):  # the digest of a model does not depend on its configuration
         config = folder / "config.yml"
-        found = digest or json.loads(next(folder.rglob("model.json")).read_text("utf-8"))["digest"]
+        found = digest or facts_in(folder / "mover").digest
         config.write_text(text.replace("DIGEST", found), "utf-8")
         place = ("--platform", "dds", "-o", folder)
         done = run("generate", *place, "-m", HERE / "mover.yml", "-c", config, cwd=folder)

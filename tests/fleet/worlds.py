@@ -1,6 +1,5 @@
 """Two robots of one fleet: on one ROS 1 master, or in two network namespaces with DDS."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -10,6 +9,7 @@ from pathlib import Path
 from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
 from tests.contract.stages import Stage, environment, free_domain
+from tests.package_texts import facts_in
 from tests.ros1.world import PYTHON, RUNTIME, make_messages
 
 HERE = Path(__file__).parent
@@ -49,8 +49,7 @@ class Robots(Stage):
     def begin(self):
         """Generate both, and begin to hear."""
         arm = self._generated("arm", ARM)
-        (model,) = arm.rglob("model.json")
-        digest = json.loads(model.read_text("utf-8"))["digest"]
+        digest = facts_in(arm).digest
         self.packages = {
             "arm": arm,
             "cart": self._generated("cart", CART.replace("DIGEST", digest)),

@@ -479,7 +479,7 @@ def _answers(folder: Path) -> Made:
 
 
 def _facts(folder: Path) -> Made:
-    """The model.json of packages."""
+    """The facts of packages."""
     samples = []
     for name in (
         "two-conserts/two_conserts.xml",
@@ -622,7 +622,7 @@ _MAKERS: dict[str, Callable[[Path], Made]] = {
     "recordings": _recordings,
     "bags": _bags,
     "answers": _answers,
-    "model.json": _facts,
+    "facts": _facts,
     "sync": _sync,
     "adopt": _adopt,
 }  # fmt: skip

@@ -110,7 +110,9 @@ def test_damaged_packages_change_no_file(folder: Path, data: st.DataObject) -> N
     """A merge or a slip of the hand damages a package: what is refused is left as it is."""
     package = folder / "packages" / "conserta"
     assert run(*GENERATE, "ConSertA.yml", "-c", "consert_a_config.yml", cwd=folder).status != 2
-    name = data.draw(st.sampled_from([".copier-answers.yml", "EDDIInput.py", "config/model.json"]))
+    name = data.draw(
+        st.sampled_from([".copier-answers.yml", "EDDIInput.py", "config/ConSertA.yml"])
+    )
     path = next(path for path in (package / name, package / Path(name).name) if path.exists())
     sound = path.read_bytes()
     path.write_bytes(data.draw(mutations(sound)))

@@ -101,7 +101,7 @@ def test_what_is_a_persons_own_stays(package: Path, limited: None) -> None:
 @pytest.mark.parametrize(
     "names",
     [
-        (INPUT, "model.json", "EDDIMonitor.py", "test", "eddi_runtime"),
+        (INPUT, "ConSertB.yml", "EDDIMonitor.py", "test", "eddi_runtime"),
         (".eddi",),
         (".eddi/manifest",),
         (".eddi/.gitignore", ".eddi/kept"),
@@ -214,7 +214,7 @@ def test_an_output_is_not_written_behind_a_link(tmp_path: Path, outside: Path) -
 
 
 def test_modes_stay(package: Path) -> None:
-    modes = {INPUT: 0o600, "EDDIMonitor.py": 0o444, "model.json": 0o664, "compiled.py": 0o755}
+    modes = {INPUT: 0o600, "EDDIMonitor.py": 0o444, "ConSertB.yml": 0o664, "compiled.py": 0o755}
     (package / "EDDIMonitor.py").write_text("# older\n")
     for name, mode in modes.items():
         (package / name).chmod(mode)

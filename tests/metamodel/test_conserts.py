@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert import (
     BinaryDimension,
@@ -175,22 +174,6 @@ def test_a_relation_without_its_dimension_is_of_the_only_one() -> None:
     assert not [one for one in read.problems if one.level == "error"]
     demands = {one.id: one for one in read.models[1].data.demands}  # type: ignore[attr-defined]
     assert described(demands["Exact"])[1] == ["Guarantee"]
-
-
-@pytest.mark.parametrize(
-    ("file", "name", "word", "line"),
-    [
-        ("03_consert_dimensions.xml", "Arm", "good when it is false", 20),
-        ("04_consert_relations.xml", "Scanner", "no direction", 44),
-        ("06_consert_bare.xml", "Boat", "no dimension", 27),
-    ],
-)
-def test_export_refuses_what_yaml_cannot_say(file: str, name: str, word: str, line: int) -> None:
-    with pytest.raises(EddiError) as failure:
-        ConSertModel.export(consert(file, name))
-    problem = failure.value.problems[0]
-    assert (problem.code, problem.place.line) == ("G004", line)
-    assert word in problem.message
 
 
 def test_an_allocation_that_does_not_fulfil_the_demands_is_said() -> None:

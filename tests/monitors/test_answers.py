@@ -26,7 +26,9 @@ def wheel_speed(unit: str) -> dict[str, object]:
     assert config is not None, problems
     monitor, problems = monitor_of(model, config)
     assert monitor is not None, problems
-    (found,) = [i for i in shared_answers(monitor, "x")["inputs"] if i["attribute"] == "WheelSpeed"]
+    (found,) = [
+        i for i in shared_answers(monitor, "x", {})["inputs"] if i["attribute"] == "WheelSpeed"
+    ]
     return found
 
 

@@ -10,6 +10,7 @@ import shutil
 from pathlib import Path
 
 from tests.cli.command import EXAMPLE, ROOT, run
+from tests.package_texts import facts_in
 
 GENERATED = EXAMPLE / "expected"
 
@@ -30,11 +31,8 @@ def test_every_element_is_in_the_table_with_its_place() -> None:
     assert rows["RtE_A_E0"]["code"] == "EDDIInput.process_RtE_A_E0"
     assert rows["RtE_A_E0"]["topics"] == "/rte/e0a"
     assert rows["System_A_G0"]["element"] == "guarantee"
-    model = json.loads((GENERATED / "src/eddi_monitor/conserta/config/model.json").read_bytes())
-    assert (conserta["sha256"], conserta["model_sha256"]) == (
-        model["file_sha256"],
-        model["digest"],
-    )
+    facts = facts_in(GENERATED / "src/eddi_monitor/conserta")
+    assert (conserta["sha256"], conserta["model_sha256"]) == (facts.file_sha256, facts.digest)
     assert conserta["outputs"] == ["conserta/guarantees"]
 
 

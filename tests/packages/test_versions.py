@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,10 +13,12 @@ from eddi_scaffold import __version__
 from eddi_scaffold.packages.rendering import is_newer
 from tests.cli.command import example, files_below, run
 from tests.diagnosed import assert_reported
+from tests.package_texts import facts_in
 
 pytestmark = pytest.mark.slow
 
 MODEL, CONFIG = "two_conserts.xml", "consert_b_config.yml"
+RECORDS = {".copier-answers.yml", ".eddi/manifest"}
 GENERATE = ("generate", "--platform", "plain", "-o", "ws", "-m", MODEL, "-c", CONFIG)
 
 
@@ -58,15 +61,42 @@ def test_it_is_done_on_purpose(folder: Path) -> None:
     assert f"generator_version: {__version__}\n" in answers
 
 
-def test_without_its_model_a_monitor_stays_as_it_was_compiled(folder: Path) -> None:
-    compiled = folder / "ws/consertb/compiled.py"
-    before = compiled.read_bytes()
+def test_a_monitor_is_compiled_of_the_text_in_its_package(folder: Path) -> None:
+    (folder / MODEL).unlink()
+    package, before = folder / "ws/consertb", files_below(folder / "ws/consertb")
+    facts, traced = facts_in(package), run("trace", "-w", "ws", cwd=folder).out
+    result = run("upgrade", "-w", "ws", "--force", cwd=folder)
+    assert result.status == 0, result.err
+    after = files_below(package)
+    assert {name for name in before if after[name] != before[name]} == {"compiled.py", *RECORDS}
+    assert facts_in(package) == facts  # with the places in the EDDI
+    assert run("trace", "-w", "ws", cwd=folder).out == traced
+    assert run("upgrade", "-w", "ws", cwd=folder).status == 0
+    config = (folder / CONFIG).read_text()
+    (folder / CONFIG).write_text(config.replace("max_age: 2", "max_age: 3"))
+    assert run("upgrade", "-w", "ws", "-c", CONFIG, cwd=folder).status == 0
+    newer = facts_in(package)
+    assert newer.inputs[0].max_age == 3.0
+    assert replace(newer, inputs=facts.inputs, digest=facts.digest) == facts
+
+
+@pytest.mark.parametrize(
+    "damage", [("SensorHealthy", "Other"), ("evidence:", "evidence"), ("guarantees:", "")]
+)
+def test_a_text_that_is_not_its_model_is_not_used(folder: Path, damage: tuple[str, str]) -> None:
+    package = folder / "ws/consertb"
+    text, compiled = package / "ConSertB.yml", (package / "compiled.py").read_bytes()
+    before = text.read_text()
+    text.write_text(before.replace(*damage))
+    assert text.read_text() != before
     result = run("upgrade", "-w", "ws", "--force", cwd=folder)
     told = "compiled.py stays as eddi-scaffold 9.0.0 made it; name the model with -m"
     assert (result.status, told in result.out + result.err) == (3, True), result
-    assert compiled.read_bytes() == before
-    assert run(*WITH_MODEL, "--force", cwd=folder).status == 0
-    assert run("upgrade", "-w", "ws", cwd=folder).status == 0
+    assert "ConSertB.yml: edited outside regions" in result.out + result.err
+    assert (package / "compiled.py").read_bytes() == compiled
+    assert not text.exists()
+    run(*WITH_MODEL, "--force", cwd=folder)
+    assert text.read_text() == before
 
 
 @pytest.mark.parametrize(

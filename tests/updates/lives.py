@@ -85,11 +85,11 @@ def render(inputs: tuple[Input, ...], template: str) -> dict[str, str]:
         "package.xml": ["<package>", depends, *region("package.own", "xml"), "</package>"],
         "CMakeLists.txt": ["install()" if second else "project(rover)", *region("cmake.own", own)],
         "setup.cfg": ["[metadata]"],
-        "model.json": [template, *(f"{one.id} {one.type}" for one in inputs)],
+        "model.yml": [template, *(f"{one.id} {one.type}" for one in inputs)],
         ".gitattributes": ["/.copier-answers.yml -merge", "/.eddi/manifest merge=union"],
     }
     files[".gitattributes"] += [
-        "model.json -merge",
+        "model.yml -merge",
         ".gitattributes -merge",
         "/.eddi/kept/** merge",
     ]

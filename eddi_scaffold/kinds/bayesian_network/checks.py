@@ -17,6 +17,8 @@ LARGEST = 1_000_000
 """Entries of a table that a reader fills: it doubles with each parent of two states."""
 TOLERANCE = 1e-5  # A row may be off by so much: libraries write probabilities with six digits
 _ROUNDING = 1e-12
+_NORMALISED = 2.0**-51
+"""A row that was divided by its sum may be off by so much: it is not divided again."""
 _MOST_BY_ROUNDING = 1e-3
 """Of numbers with three digits or more: with fewer, rounding hides real faults."""
 _SHOWN = 4
@@ -202,7 +204,8 @@ class _TableReader:
                 continue
             if off > largest:
                 largest, largest_place = off, place
-            table += values if total == 1.0 else [value / total for value in values]
+            is_normalised = abs(total - 1.0) <= _NORMALISED
+            table += values if is_normalised else [value / total for value in values]
         if largest > _ROUNDING:
             self._report("B113.normalised", largest_place, draft=draft.id, largest=largest)
         return tuple(table)

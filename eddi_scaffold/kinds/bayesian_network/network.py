@@ -18,6 +18,9 @@ from eddi_scaffold.common.graphs import reached, reversed_graph
 from eddi_scaffold.common.identifiers import free_name
 from eddi_scaffold.common.problems import Place
 
+TITLE, TARGET = "eddi.title = ", "eddi.target = true"
+"""Properties by which XMLBIF holds what it has no element for: begin of the first, the second."""
+
 
 @dataclass(frozen=True)
 class Node:
@@ -38,8 +41,9 @@ class Network:
 
     name: str
     nodes: tuple[Node, ...]  # in the order of the file
-    # nodes that the file expects to be known, each with the event that tells, or None
-    known: tuple[tuple[str, str | None], ...] = field(default=(), kw_only=True)
+    # nodes that the file expects to be known, each with the event that tells, or None; a draft of
+    # a configuration follows it, a monitor does not
+    known: tuple[tuple[str, str | None], ...] = field(default=(), kw_only=True, compare=False)
     place: Place = field(default=Place(), compare=False)
 
     def node(self, name: str) -> Node:

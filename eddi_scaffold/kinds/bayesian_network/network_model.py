@@ -129,10 +129,12 @@ class NetworkModel(kinds.Model):
     def outline(self) -> Sequence[str]:
         return show.outline(self.data, self.settings)
 
+    def write(self) -> Mapping[str, str]:
+        return {f"{self.safe_name}.xmlbif": to_xmlbif(self.data)}
+
     def export(self) -> Mapping[str, str]:
-        """Return the network as XDSL and as XMLBIF."""
-        stem = self.safe_name
-        return {f"{stem}.xdsl": to_xdsl(self.data), f"{stem}.xmlbif": to_xmlbif(self.data)}
+        """Return the network as XMLBIF, and as XDSL for GeNIe."""
+        return {**self.write(), f"{self.safe_name}.xdsl": to_xdsl(self.data)}
 
     def diagram(self) -> Diagram:
         is_configured = self.options is not None

@@ -11,7 +11,14 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, has_errors, problem
 from eddi_scaffold.eddi_xml.parsing import Element, feature_of, line_of, only, select, text_of
 from eddi_scaffold.kinds.bayesian_network.checks import LARGEST, check_network, unsupported
-from eddi_scaffold.kinds.bayesian_network.network import Draft, Named, Network, in_digits
+from eddi_scaffold.kinds.bayesian_network.network import (
+    TARGET,
+    TITLE,
+    Draft,
+    Named,
+    Network,
+    in_digits,
+)
 
 _TOLERANCE = 1e-6
 _NUMBERS_OF = {
@@ -252,7 +259,11 @@ class _XmlBifReader(_Reader):
         values = None if table is None else tuple(text_of(table).split())
         place = self.place(variable)
         at_table = place if table is None else self.place(table)
-        return Draft(name, name, states, parents, values, place, at_table)
+        properties = [_text(property_) for property_ in select(variable, "PROPERTY")]
+        titles = (text.removeprefix(TITLE) for text in properties if text.startswith(TITLE))
+        is_target = TARGET in properties
+        title = next(titles, name)
+        return Draft(name, title, states, parents, values, place, at_table, target=is_target)
 
     def _named(self, elements: Sequence[Element]) -> tuple[Named, ...]:
         return tuple(Named(_text(element), self.place(element)) for element in elements)

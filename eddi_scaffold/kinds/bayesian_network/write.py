@@ -5,16 +5,37 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from eddi_scaffold.common.escaping import xml_text
-from eddi_scaffold.kinds.bayesian_network.network import Network, Node, xdsl_ids
+from eddi_scaffold.common.problems import EddiError, problem
+from eddi_scaffold.kinds.bayesian_network.network import (
+    TARGET,
+    TITLE,
+    Network,
+    Node,
+    xdsl_ids,
+)
 
 
 def to_xdsl(network: Network) -> str:
-    """Return the text of an XDSL file."""
+    """Return the text of an XDSL file: parents first, with the ids that the format can hold."""
     return "".join(f"{line}\n" for line in _xdsl_lines(network))
 
 
 def to_xmlbif(network: Network) -> str:
-    """Return the text of an XMLBIF file."""
+    """Return the text of an XMLBIF file that reads back as the same network.
+
+    Raises:
+        EddiError: a name has blanks that the format does not keep (G004).
+    """
+    names = [(network.name, network.place)]
+    for node in network.nodes:
+        names += [(name, node.place) for name in dict.fromkeys([node.id, node.title, *node.states])]
+    problems = [
+        problem("G004.unsaid", place, subject=f"the blanks of {name!r}", format="XMLBIF")
+        for name, place in names
+        if " ".join(name.split()) != name
+    ]
+    if problems:
+        raise EddiError(*problems)
     return "".join(f"{line}\n" for line in _xmlbif_lines(network))
 
 
@@ -66,18 +87,21 @@ def _xdsl_lines(network: Network) -> Iterator[str]:
 
 
 def _xmlbif_lines(network: Network) -> Iterator[str]:
-    order = network.in_order()
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield '<BIF VERSION="0.3">'
     yield "<NETWORK>"
     yield f"<NAME>{xml_text(network.name)}</NAME>"
-    for node in order:
+    for node in network.nodes:
         yield '<VARIABLE TYPE="nature">'
         yield f"\t<NAME>{xml_text(node.id)}</NAME>"
         for state in node.states:
             yield f"\t<OUTCOME>{xml_text(state)}</OUTCOME>"
+        if node.title != node.id:
+            yield f"\t<PROPERTY>{TITLE}{xml_text(node.title)}</PROPERTY>"
+        if node.target:
+            yield f"\t<PROPERTY>{TARGET}</PROPERTY>"
         yield "</VARIABLE>"
-    for node in order:
+    for node in network.nodes:
         yield "<DEFINITION>"
         yield f"\t<FOR>{xml_text(node.id)}</FOR>"
         for parent in node.parents:

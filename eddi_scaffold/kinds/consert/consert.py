@@ -56,6 +56,15 @@ class Range:
         )
 
 
+RANGES = {
+    (True, True): "Inclusive",
+    (True, False): "Exclusive",
+    (False, True): "StartExclusive",
+    (False, False): "BothExclusive",
+}
+"""Whether the start and the end lie inside -> what YAML calls the range."""
+
+
 @dataclass(frozen=True)
 class BinaryDimension:
     """A property that holds or does not hold."""

@@ -88,8 +88,11 @@ class ConSertModel(Model):
     def outline(self) -> Sequence[str]:
         return show.outline(self.data)
 
-    def export(self) -> Mapping[str, str]:
+    def write(self) -> Mapping[str, str]:
         return {f"{self.safe_name}.yml": to_yaml(self.data)}
+
+    def named(self, name: str) -> ConSertModel:
+        return replace(self, name=name, data=replace(self.data, name=name))
 
     def diagram(self) -> Diagram:
         return show.diagram(self.data)

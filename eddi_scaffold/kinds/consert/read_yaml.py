@@ -6,6 +6,7 @@ A faulty part is reported and becomes ``None``, and so does what needs it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -14,8 +15,7 @@ from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_sim
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
-MAX_ID = 128
-_MOST_UNKNOWN_KEYS = 100  # Unknown keys of one map that are compared with a missing one
+_MOST_UNKNOWN_KEYS = 100  # of one map that are compared with a missing one
 _UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
 
@@ -53,9 +53,14 @@ def read_yaml(
     if root is None:
         return None, problems
     reader = _Reader()
-    form = _Form(partial(model.ConSert, source.stem if name is None else name), _SECTIONS)
+    form = _Form(partial(_consert, source.stem if name is None else name), _SECTIONS)
     consert = reader.element(root, "the ConSert", form)
     return consert, [*problems, *reader.problems]
+
+
+def _consert(name: str, *content: Any, place: Place) -> model.ConSert:
+    *sections, system = content
+    return replace(model.ConSert(name, *sections), place=place, system=system or "")
 
 
 class _Reader:
@@ -149,13 +154,6 @@ def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
     return text
 
 
-def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
-    text = _text(reader, node, what, owner)
-    if text is not None and len(text) > MAX_ID:
-        reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
-    return text
-
-
 def _or_null(read: Read) -> Read:
     return lambda reader, node, what, owner: (
         None if y.is_null(node) else read(reader, node, what, owner)
@@ -244,14 +242,19 @@ def _variant_of(title: str, forms: Mapping[str, _Form]) -> Read:
     return read_variant
 
 
+def _binary(type_: str, value: bool | None, place: Place) -> model.BinaryDimension:
+    return model.BinaryDimension(type_, place, value is not False)
+
+
 _TYPE = _Field("type", _text)
-_SUBSET = _Field("subset", _word_of("subset", ("Demand", "Guarantee")))
+_SUBSETS = ("Demand", "Guarantee", "Equals", "Intersection")
+_SUBSET = _Field("subset", _word_of("subset", _SUBSETS), is_optional=True)
 _ENDS = (_Field("start", _bound), _Field("end", _bound))
 _RANGE = _variant_of(
     "kind of range",
     {
-        "Inclusive": _Form(partial(model.Range, inclusive=True), _ENDS),
-        "Exclusive": _Form(partial(model.Range, inclusive=False), _ENDS),
+        name: _Form(partial(model.Range, inclusive=end, start_inclusive=start), _ENDS)
+        for (start, end), name in model.RANGES.items()
     },
 )
 _CATEGORIES = _Field("covered", _list_of(_text, "a category of {owner}"))
@@ -260,16 +263,19 @@ _UOM = _Field("uom", _or_null(_text), is_optional=True)
 _DIMENSION = _variant_of(
     "kind of dimension",
     {
-        "Binary": _Form(model.BinaryDimension, (_TYPE,)),
+        "Binary": _Form(
+            _binary,
+            (_TYPE, _Field("value", _scalar(y.as_bool, "C002.boolean"), is_optional=True)),
+        ),
         "Categorical": _Form(model.CategoricalDimension, (_TYPE, _CATEGORIES, _SUBSET)),
         "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
-_ID = _Field("id", _id)
+_ID = _Field("id", _text)
 _DESCRIPTION = _Field("description", _or_null(_text), is_optional=True)
 _DIMENSIONS = _Field(
     "dimensions",
-    _list_of(_DIMENSION, "a dimension of {owner}", substitute=_UNREADABLE),
+    _list_of(_DIMENSION, "a dimension of {owner}", may_be_empty=True, substitute=_UNREADABLE),
     substitute=(_UNREADABLE,),
 )
 _DEFAULT = _Field("default", _scalar(y.as_bool, "C002.boolean"), is_optional=True, substitute=False)
@@ -309,5 +315,8 @@ def _section(key: str, form: _Form) -> _Field:
     return _Field(key, lambda reader, node, _what, owner: read(reader, node, repr(key), owner))
 
 
-_SECTIONS = tuple(_section(key, form) for key, form in _ELEMENTS.items())
-"""The mandatory keys of the top level, in the order of SESAME D7.2 Fig 6."""
+_SECTIONS = (
+    *(_section(key, form) for key, form in _ELEMENTS.items()),
+    _Field("system", _text, is_optional=True),
+)
+"""The keys of the top level, the mandatory ones in the order of SESAME D7.2 Fig 6."""

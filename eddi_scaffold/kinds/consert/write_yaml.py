@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from eddi_scaffold.common.problems import EddiError, Problem, in_order, problem
 from eddi_scaffold.kinds.consert.consert import (
+    RANGES,
     BinaryDimension,
     Bound,
     CategoricalDimension,
@@ -15,23 +15,14 @@ from eddi_scaffold.kinds.consert.consert import (
     Demand,
     Dimension,
     Evidence,
-    Gate,
     Guarantee,
-    NumericDimension,
     Service,
 )
 from eddi_scaffold.yaml_text.writer import Verbatim, dump_plain
 
 
 def to_yaml(consert: ConSert) -> str:
-    """Return the YAML text of a ConSert; its name is that of the file and not inside.
-
-    Raises:
-        EddiError: an EDDI says something of it that this format cannot say (G004).
-    """
-    problems = list(_losses(consert))
-    if problems:
-        raise EddiError(*in_order(problems))
+    """Return the YAML text of a ConSert; its name is that of the file and not inside."""
     plain = {
         "guarantees": [_node(guarantee) for guarantee in consert.guarantees],
         "demands": [_node(demand) for demand in consert.demands],
@@ -42,36 +33,9 @@ def to_yaml(consert: ConSert) -> str:
         ],
         "required_services": [_service(service) for service in consert.required_services],
         "provided_services": [_service(service) for service in consert.provided_services],
+        **({"system": consert.system} if consert.system else {}),
     }
     return "---\n" + dump_plain(plain)
-
-
-def _losses(consert: ConSert) -> Iterator[Problem]:
-    """Yield an error for each thing that an EDDI can say and YAML cannot."""
-    for node in consert.nodes:
-        if isinstance(node, Gate):
-            continue
-        if not node.dimensions:
-            yield problem("G004.yaml", node.place, subject=f"{node.id!r} has no dimension")
-        for dimension in node.dimensions:
-            what = f"dimension {dimension.type!r} of {node.id!r}"
-            for loss in _losses_of_dimension(dimension, what, isinstance(node, Evidence)):
-                yield problem("G004.yaml", dimension.place, subject=loss)
-
-
-def _losses_of_dimension(dimension: Dimension, what: str, is_evidence: bool) -> Iterator[str]:
-    if isinstance(dimension, BinaryDimension):
-        if not dimension.value:
-            yield f"{what} is good when it is false"
-        return
-    if dimension.subset not in ("Demand", "Guarantee") and not is_evidence:
-        yield f"{what} has " + (
-            f"the relation {dimension.subset}" if dimension.subset else "no direction"
-        )
-    if isinstance(dimension, NumericDimension):
-        for covered in dimension.covered:
-            if not covered.start_inclusive:
-                yield f"the start of {covered.text(dimension.uom)} of {what} lies outside"
 
 
 def _node(node: Evidence | Demand | Guarantee) -> Mapping[str, Any]:
@@ -97,14 +61,15 @@ def _service(service: Service) -> Mapping[str, Any]:
 
 def _dimension(dimension: Dimension) -> Mapping[str, Any]:
     if isinstance(dimension, BinaryDimension):
-        return {"Binary": {"type": dimension.type}}
+        value = {} if dimension.value else {"value": False}
+        return {"Binary": {"type": dimension.type, **value}}
     plain: dict[str, Any] = {"type": dimension.type, "covered": dimension.covered}
-    plain["subset"] = dimension.subset or "Demand"  # of evidence, where it means nothing
+    plain |= {"subset": dimension.subset} if dimension.subset else {}
     if isinstance(dimension, CategoricalDimension):
         return {"Categorical": plain}
     plain["covered"] = [
         {
-            "Inclusive" if covered.inclusive else "Exclusive": {
+            RANGES[covered.start_inclusive, covered.inclusive]: {
                 "start": _bound(covered.start),
                 "end": _bound(covered.end),
             }

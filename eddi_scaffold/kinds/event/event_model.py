@@ -18,6 +18,7 @@ from eddi_scaffold.kinds import Model, ModelDraft, ModelInput, Options, ReadResu
 from eddi_scaffold.kinds.event import read_eddi
 from eddi_scaffold.kinds.event.compile import compile_events
 from eddi_scaffold.kinds.event.events import (
+    DEFAULT_RATE,
     NAME,
     Events,
     analysed,
@@ -103,8 +104,11 @@ class EventModel(Model):
             for event in self.data.analysis.events
         ]
 
-    def export(self) -> Mapping[str, str]:
-        return {f"{self.name}.events": self.data.text}
+    def write(self) -> Mapping[str, str]:
+        if self.data.rate != DEFAULT_RATE:
+            subject = f"the frequency {self.data.rate:g} of {self.name!r}"
+            raise EddiError(problem("G004.unsaid", self.place, subject=subject, format="events"))
+        return {f"{self.safe_name}.events": self.data.text}
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
         place = replace(self.place, file=self.source.name)

@@ -25,7 +25,6 @@ from eddi_scaffold.kinds.reliability.system import (
 from eddi_scaffold.kinds.reliability.values import KEY, Values
 
 KEYS = ("horizon", "mission_time", "top", "models", "thresholds", "on_unknown", "max_gap")
-_NAME = re.compile(r"[^\W\d][\w .#/-]{0,99}")
 _ID = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _RESULTS = (
     *("t", "header", "model", "mttf_hours", "horizon_seconds", "unknown_inputs", "accepted"),
@@ -45,10 +44,7 @@ def read_system(
     before = base or ReliabilitySystem({}, "", place=values.place())
     components = dict(before.components)
     for name, entry in values.entries("models"):
-        if _NAME.fullmatch(name) is None:
-            entry.report("R001.model_name", KEY, name=name)
-        else:
-            components.update(_component(name, entry, library, before))
+        components.update(_component(name, entry, library, before))
     values.only(*KEYS, "file", "parameters")
     longest = values.quantity("mission_time", units.duration, positive=True)
     horizon, mission_end = before.horizon, before.mission_end

@@ -94,11 +94,12 @@ class ReliabilityModel(kinds.Model):
     def outline(self) -> Sequence[str]:
         return show.outline(self.data)
 
+    def write(self) -> Mapping[str, str]:
+        return {f"{self.safe_name}.yml": to_yaml(self.data)}
+
     def export(self) -> Mapping[str, str]:
-        name = "".join(c if c.isalnum() or c in "._-" else "_" for c in self.name)
         tree = to_open_psa(self.data)
-        files = {f"{name}.yml": to_yaml(self.data)}
-        return files if tree is None else {**files, f"{name}.opsa.xml": tree}
+        return {**self.write(), **({f"{self.safe_name}.opsa.xml": tree} if tree else {})}
 
     def diagram(self) -> Diagram:
         return show.picture(self.name, self.data)

@@ -72,8 +72,9 @@ class FaultTree:
     gates: Mapping[str, Gate]
     repair: bool = False
     node_limit: int | None = None
-    # minimal cut sets that the file states, names of events; None: none stated
-    cut_sets: frozenset[frozenset[str]] | None = None
+    # minimal cut sets that the file states, names of events; None: none stated. They are compared
+    # with the tree, and decide nothing
+    cut_sets: frozenset[frozenset[str]] | None = field(default=None, compare=False)
     age: float = 0.0  # hours that its events had run before the mission
     approximate: bool = False  # bounds by minimal cut sets in place of the diagram
     bounds_place: Place = field(default=Place(), compare=False)  # where that is asked for

@@ -96,9 +96,9 @@ class SafeMLModel(Model):
     def outline(self) -> Sequence[str]:
         return show.outline(self.data, self._planned[0])
 
-    def export(self) -> Mapping[str, str]:
+    def write(self) -> Mapping[str, str]:
         if isinstance(self.source, PartSource):  # of several, each with a reference of its own
-            return settings_text(self.data, f"{self.name}.safeml", f"{self.name}.csv")
+            return settings_text(self.data, f"{self.safe_name}.safeml", f"{self.safe_name}.csv")
         return settings_text(self.data, self.source.stem)
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:

@@ -17,6 +17,7 @@ from eddi_scaffold.deployments.station import with_station
 from eddi_scaffold.monitors.loading import checked_models
 from eddi_scaffold.platforms import MeetingPlace
 from tests.cli.command import ROOT, files_below, run
+from tests.package_texts import facts_in
 
 EXAMPLE = ROOT / "examples" / "two-robots"
 
@@ -34,8 +35,7 @@ def package(cell: Path, robot: str, name: str) -> Path:
 
 
 def digest(cell: Path, robot: str) -> str:
-    model = package(cell, robot, robot) / "config" / "model.json"
-    return str(json.loads(model.read_text("utf-8"))["digest"])
+    return facts_in(package(cell, robot, robot)).digest
 
 
 def test_a_robot_knows_the_models_of_those_that_it_relies_on(cell: Path) -> None:

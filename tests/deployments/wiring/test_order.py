@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import yaml
 
 from tests.cli.command import Result, run
 from tests.data_files import ORACLES
+from tests.package_texts import facts_in
 
 _ALL: list[dict[str, Any]] = yaml.safe_load((ORACLES / "users/order.yml").read_text())["cases"]
 CASES = [case for case in _ALL if case["id"] != "documents"]  # several configurations in one file
@@ -77,8 +77,7 @@ def test_who_maintains_what_is_shared_does_not_rest_on_the_order(tmp_path: Path)
 
 def _age(package: Path, input_: str) -> float | str | None:
     """Return the limit of an input, which the compiled monitor and the model have alike."""
-    (model,) = package.rglob("model.json")
-    (age,) = (i["max_age"] for i in json.loads(model.read_text())["inputs"] if i["id"] == input_)
+    (age,) = (entry.max_age for entry in facts_in(package).inputs if entry.id == input_)
     (compiled,) = package.rglob("compiled.py")
     (line,) = (one for one in compiled.read_text().splitlines() if f'InputSpec("{input_}"' in one)
     assert f"max_age={age}" in line

@@ -40,18 +40,10 @@ def model_of(network: Network) -> Model:
 
 @given(networks())
 def test_each_format_gives_back_the_same_network(network: Network) -> None:
-    order = {node.id: node for node in network.nodes}
-    for text, name in ((to_xdsl(network), "n.xdsl"), (to_xmlbif(network), "n.xmlbif")):
-        reading = read(text, name)
-        assert reading.problems == ()
-        (model,) = reading.models
-        done: set[str] = set()
-        for node in model.data.nodes:
-            same = order[node.id]
-            assert (node.states, node.parents) == (same.states, same.parents)
-            assert node.table == same.table
-            assert done.issuperset(node.parents)
-            done.add(node.id)
+    (model,) = read(to_xmlbif(network), "n.xmlbif").models
+    assert model.data.nodes == network.nodes
+    (model,) = read(to_xdsl(network), "n.xdsl").models
+    assert model.data.nodes == tuple(network.in_order())  # SMILE reads parents first
 
 
 @given(networks(4))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import random
 import re
 from collections.abc import Sequence
@@ -17,6 +16,7 @@ from eddi_scaffold.packages.running import load
 from eddi_scaffold.packages.upgrading import groups, targets
 from eddi_scaffold.platforms import platforms
 from tests.kinds.safeml.monitors import CONNECTED, lay
+from tests.package_texts import facts_in
 
 _CHANCE = random.Random(1)
 ROWS = [[_CHANCE.gauss(0, 1)] for _ in range(100)]
@@ -57,13 +57,13 @@ def test_a_newer_file_reaches_its_package(tmp_path: Path) -> None:
     assert levels(tmp_path / "out", model, config) == {"scope": 0.2}
     (group,) = groups(tmp_path / "out", [])
     write_packages(group.root, targets(group, model, [])[0], own_template())
-    facts = json.loads((tmp_path / "out" / "scope" / "model.json").read_bytes())
-    assert facts["file_sha256"] == hashlib.sha256(model.read_bytes()).hexdigest()
-    (reference,) = facts["elements"]
+    facts = facts_in(tmp_path / "out" / "scope")
+    assert facts.file_sha256 == hashlib.sha256(model.read_bytes()).hexdigest()
+    (reference,) = facts.elements
     digest = hashlib.sha256((tmp_path / "in" / "reference.csv").read_bytes()).hexdigest()
-    assert reference["sha256"] == digest
+    assert reference.sha256 == digest
     text = (tmp_path / "out" / "scope" / "compiled.py").read_text("utf-8")
-    assert text.count(facts["digest"]) == 1
+    assert text.count(facts.digest) == 1
 
 
 def test_a_large_reference_comes_and_goes(tmp_path: Path) -> None:

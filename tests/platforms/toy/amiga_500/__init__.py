@@ -14,7 +14,7 @@ _TEMPLATES = Templates("robot", ("fleet",))
 
 
 def _monitor(monitor: BoundMonitor) -> tuple[PackageAnswers, list[Problem]]:
-    answers = shared_answers(monitor, _TEMPLATES.monitor) | {"colour": "red"}
+    answers = shared_answers(monitor, _TEMPLATES.monitor, {}) | {"colour": "red"}
     return PackageAnswers(monitor.package, answers), []
 
 
