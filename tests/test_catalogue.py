@@ -6,6 +6,7 @@ import ast
 import re
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from string import Formatter
 
@@ -23,9 +24,10 @@ REPORTERS |= {"_Wrong"}
 """What takes a case and its fields."""
 
 
-def modules() -> Iterator[tuple[str, ast.AST]]:
-    for path in (ROOT / "eddi_scaffold").rglob("*.py"):
-        yield str(path.relative_to(ROOT)), ast.parse(path.read_text("utf-8"))
+@cache
+def modules() -> list[tuple[str, ast.AST]]:
+    paths = (ROOT / "eddi_scaffold").rglob("*.py")
+    return [(str(path.relative_to(ROOT)), ast.parse(path.read_text("utf-8"))) for path in paths]
 
 
 def named_in(node: ast.AST) -> Iterator[str]:

@@ -9,7 +9,16 @@ from pathlib import Path
 
 from eddi_scaffold.kinds.consert import MESSAGES
 from tests.cli.command import run
-from tests.ros1.world import PYTHON, RUNTIME, World, active, make_messages, until, why_no_ros
+from tests.ros1.world import (
+    PROBES,
+    PYTHON,
+    RUNTIME,
+    World,
+    active,
+    make_messages,
+    until,
+    why_no_ros,
+)
 from tests.ros2.world import RELEASE
 
 HERE = Path(__file__).parent
@@ -134,7 +143,7 @@ class DdsStage(Stage):
         return environment(self.domain, self.folder)
 
     def new_probe(self):
-        command = [sys.executable, str(HERE / "dds_probe.py")]
+        command = [sys.executable, str(PROBES / "dds.py")]
         return self.probe_of(command, self.env())
 
     def command(self, namespace, *parameters):
@@ -171,7 +180,7 @@ class Ros2Stage(Stage):
         return self.environment
 
     def new_probe(self):
-        return self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self.environment)
+        return self.probe_of([RELEASE.python, str(PROBES / "ros2.py")], self.environment)
 
     def command(self, namespace, *parameters):
         return [RELEASE.python, "-m", "rover.RosNode", *ros_args(namespace, parameters)]

@@ -80,8 +80,12 @@ class Kinds(Run):
     def truth(self, topic, value):
         return self.send(topic, "std_msgs/Bool", f"data: {str(value).lower()}")
 
-    def last(self, topic, guarantee):
-        """Return what the last message says of a guarantee, nothing before the first."""
+    def of(self, topic, field):
+        """Return a field of the last message, nothing before the first."""
+        return [message[field] for message in self.messages(topic)[-1:]]
+
+    def active(self, topic, guarantee):
+        """Return the same of a guarantee."""
         return [state[guarantee] for state in self.states(topic)[-1:]]
 
 
@@ -135,34 +139,27 @@ def run(workspace, roscore, folder):
 
 
 def test_two_topics_make_an_event_and_that_a_guarantee(run):
-    def verdict():
-        return [message["verdict"] for message in run.messages(EVENTS)[-1:]]
-
     def feed(topic, value):
         return run.number(topic, value, "std_msgs/Float32")
 
-    until(lambda: verdict() == [UNKNOWN], 30.0, "the first word")
-    assert run.last(DRIVE, "FullSpeed") in ([], [False])
+    def until_it_is(verdict, *, fast):
+        until(lambda: run.of(EVENTS, "verdict") == [verdict], PATIENCE_S, f"event {verdict}")
+        until(lambda: run.active(DRIVE, "FullSpeed") == [fast], PATIENCE_S, f"guarantee {fast}")
+
+    until_it_is(UNKNOWN, fast=False)
     current = feed("/motor/current", 6)
     cool = feed("/motor/temperature", 55)
-    until(lambda: verdict() == [TRUE], 30.0, "the event")
-    until(lambda: run.last(DRIVE, "FullSpeed") == [True], 10.0, "the guarantee")
+    until_it_is(TRUE, fast=True)
     cool.end()
     hot = feed("/motor/temperature", 95)
-    until(lambda: verdict() == [FALSE], 30.0, "the end of the event")
-    until(lambda: run.last(DRIVE, "FullSpeed") == [False], 10.0, "the end of the guarantee")
+    until_it_is(FALSE, fast=False)
     hot.end()
     cool = feed("/motor/temperature", 55)
-    until(lambda: run.last(DRIVE, "FullSpeed") == [True], 30.0, "the guarantee again")
+    until_it_is(TRUE, fast=True)
     current.end()  # silence is no evidence
-    until(lambda: verdict() == [UNKNOWN], 10.0, "the silence")
-    until(lambda: run.last(DRIVE, "FullSpeed") == [False], 10.0, "the guarantee without the event")
+    until_it_is(UNKNOWN, fast=False)
     cool.end()
     messages = run.messages(EVENTS)
-    assert {message["id"] for message in messages} == {"MotorFit"}
-    assert {tuple(sorted(set(message) - {"header"})) for message in messages} == {
-        ("accepted", "active", "cleared", "id", "raised", "verdict")
-    }
     assert sum(message["raised"] for message in messages) == 2
     assert all(message["active"] == (message["verdict"] == TRUE) for message in messages)
 
@@ -176,184 +173,86 @@ def recorded():
     return whole[:110], whole[110:]
 
 
-def spoilt(frames, chance):
-    """Put five empty frames and five with NaN among some."""
-    frames = list(frames)
+def test_every_frame_of_the_camera_counts_once(workspace, run, tmp_path):
+    usual, fog = recorded()
+    chance = random.Random(4)
     for bad in [[]] * 5 + [[math.nan] * 6] * 5:
-        frames.insert(chance.randrange(60, len(frames)), bad)
-    return frames
-
-
-def offline(package, frames):
-    """Return (accepted, rejected) -> the result after each frame, without ROS."""
-    monitor = load(package).new()[0].monitor
-    found = {}
+        usual.insert(chance.randrange(60, len(usual)), bad)
+    frames = [*usual, *fog]
+    (tmp_path / "frames.json").write_text(json.dumps(frames))
+    monitor = load(workspace.packages / "camera_scope").new()[0].monitor
+    offline = {}
     for frame in frames:
         result = monitor.execute_step(SimpleNamespace(frame=frame), 0)
-        found[result.accepted, result.rejected] = result
-    return found
+        offline[result.accepted, result.rejected] = result
 
+    def counts(status):
+        return status["accepted"], status["rejected"]
 
-def test_from_the_camera_to_the_guarantee(workspace, run, tmp_path):
-    usual, fog = recorded()
-    frames = [*spoilt(usual, random.Random(4)), *fog]
-    (tmp_path / "frames.json").write_text(json.dumps(frames))
-    expected = offline(workspace.packages / "camera_scope", frames)
-    until(lambda: run.messages(SCOPE), 30.0, "the first word")
+    until(lambda: run.messages(SCOPE), PATIENCE_S, "the first word")
     assert run.messages(SCOPE)[0]["omission"] is True
     run._start(PYTHON, str(STREAM), str(tmp_path / "frames.json"))
     total = (len(frames) - 10, 10)
-    until(lambda: total in counted(run), 60.0, "all frames counted")
-    until(lambda: run.last(LANDING, "PreciseLanding") == [False], 10.0, "the guarantee's end")
-    statuses, outputs = run.messages(f"{SCOPE}/status"), run.messages(SCOPE)
-    check_statuses(statuses, expected)
-    check_verdicts(statuses, len(usual))
-    assert {frozenset(message) for message in outputs} == {
-        frozenset({"omission", "odd_violation", "significance_level"})
-    }
-    assert outputs[-1]["significance_level"] == pytest.approx(0.01, abs=1e-8)
-    assert {"PreciseLanding": True} in [
-        {"PreciseLanding": state["PreciseLanding"]} for state in run.states(LANDING)
-    ]
-
-
-def counted(run):
-    return {counts(status) for status in run.messages(f"{SCOPE}/status")[-10:]}
-
-
-def counts(status):
-    return status["accepted"], status["rejected"]
-
-
-def check_statuses(statuses, expected):
-    """Each verdict is the one that the same frames give without ROS."""
-    compared = 0
-    for status in statuses:
-        if not status["omission"]:
-            wanted = expected[counts(status)]
-            assert status["statistic"] == pytest.approx(wanted.statistic, rel=1e-9)
-            assert status["threshold"] == wanted.threshold
-            assert status["component"] == wanted.component
-            compared += 1
-    assert compared > 30
-
-
-def check_verdicts(statuses, usual):
-    usual_ones = [one for one in statuses if one["accepted"] <= usual]
-    assert not any(one["odd_violation"] for one in usual_ones)
-    assert any(one["in_scope"] for one in usual_ones)
-    # an empty frame and one with NaN are omissions, also where the window is full
-    reasons = {one["reason"] for one in usual_ones if one["filled"] == 50}
-    assert {"", "empty", "not_finite"} <= reasons
-    within = [one for one in statuses if one["accepted"] >= usual + 50 and not one["omission"]]
-    assert within
-    assert all(one["odd_violation"] for one in within)
-    assert statuses[-1]["window_size"] == 50
+    came = lambda: total in {counts(one) for one in run.messages(f"{SCOPE}/status")[-10:]}  # noqa: E731
+    until(came, 60.0, "all frames counted")
+    until(lambda: run.active(LANDING, "PreciseLanding") == [False], 10.0, "the guarantee's end")
+    assert any(state["PreciseLanding"] for state in run.states(LANDING))
+    statuses = [one for one in run.messages(f"{SCOPE}/status") if not one["omission"]]
+    assert len(statuses) > 30
+    assert statuses[-1]["odd_violation"]
+    for status in statuses:  # each verdict is the one that the same frames give without ROS
+        expected = offline[counts(status)]
+        assert status["statistic"] == pytest.approx(expected.statistic, rel=1e-9)
+        assert status["threshold"] == expected.threshold
 
 
 def test_from_the_rotor_to_the_guarantee(run):
-    def last():
-        return run.messages(RELIABILITY)[-1]
-
     rotors = run.truth("/drone/rotors_ok", True)
     link = run.truth("/drone/link_lost", False)
     run.wait_for(MISSION, FLYING, 40.0)
-    flying = last()
-    assert (flying["valid"], flying["accepted"]) == (True, [])
+    flying = run.messages(RELIABILITY)[-1]
     assert flying["evidence"] == [{"id": "RtE_continue", "active": True}]
     assert flying["p_fail"] == pytest.approx(5.155e-6, rel=1e-2)
     assert flying["p_fail_low"] == flying["p_fail_high"] == flying["p_fail"]
-    assert flying["horizon_seconds"] == 1800.0
-
     end(link)  # silence: what is not known is no evidence
     run.wait_for(MISSION, LANDED, 10.0)
-    silent = last()
+    silent = run.messages(RELIABILITY)[-1]
     assert (silent["valid"], silent["unknown_inputs"]) == (False, ["MissionLoss_Link"])
-    assert silent["p_fail_high"] == 1.0
     run.truth("/drone/link_lost", False)
     run.wait_for(MISSION, FLYING, 10.0)
-
     end(rotors)
     run.truth("/drone/rotors_ok", False)
-    until(lambda: last()["valid"] and last()["p_fail"] > 1e-3, 10.0, "the jump")
+    until(lambda: run.messages(RELIABILITY)[-1]["p_fail"] > 1e-3, 10.0, "the jump")
     run.wait_for(MISSION, LANDED, 10.0)
-    fallen = last()
-    assert fallen["p_fail"] > 1000 * flying["p_fail"]
-    assert fallen["evidence"] == [{"id": "RtE_continue", "active": False}]
 
 
-def test_speed_and_distance_become_a_risk(run):
-    wait_for_risk(run, 0.3385)  # nothing is observed: the prior
+def test_speed_and_distance_become_a_risk_and_that_a_guarantee(run):
+    def until_it_is(value, *, low):
+        def came():
+            outcomes = [
+                message["output_nodes"][0]["outcomes"][0]["outcome_value"]
+                for message in run.messages(RISK)[-1:]
+            ]
+            return outcomes == [pytest.approx(value, abs=1e-6)]
+
+        until(came, PATIENCE_S, f"a risk of {value}")
+        until(lambda: run.of(LOW, "data") == [low], PATIENCE_S, f"evidence {low}")
+        run.wait_for(CROSSING, {"Cross": low}, PATIENCE_S)
+
+    until_it_is(0.3385, low=False)  # nothing is observed: the prior, below the limit
     speed = run.number("/vehicle/speed", 4 / 3.6)
-    wait_for_risk(run, 0.36)
+    until_it_is(0.36, low=False)
     distance = run.number("/pedestrian/distance", 0.4)
-    wait_for_risk(run, 0.7)
+    until_it_is(0.7, low=False)
     distance.destroy()
-    wait_for_risk(run, 0.36)  # the last distance is too old
     distance = run.number("/pedestrian/distance", 5.3)
-    wait_for_risk(run, 0.2)
-    message = run.messages(RISK)[-1]
-    assert [node["title"] for node in message["output_nodes"]] == ["Critical"]
-    outcomes = [outcome["outcome_name"] for outcome in message["output_nodes"][0]["outcomes"]]
-    assert outcomes == ["Yes", "No"]
-    wait_for_low(run, active=True)
-    distance.destroy()
-    wait_for_low(run, active=False)  # 0.36 is what the prior says of the distance
-    speed.destroy()
-    wait_for_risk(run, 0.3385)  # below the limit, because both sensors died
-    last = run.messages(f"{RISK}/evidence")[-1]
-    assert last["unknown_inputs"] == ["vehicleSpeed", "pedestrianDistance"]
-    (low,) = last["evidence"]
-    assert (low["id"], low["active"], low["reason"]) == ("RiskIsLow", False, "unknown inputs")
-    assert (low["low"], low["high"]) == (0.05, 0.95)
-    assert run.messages(LOW)[-1] == {"data": False}
-    sensors_die_under_the_guarantee(run)
-    states = [message["status"] for message in run.messages(f"{RISK}/status")]
-    assert states[0] == 2  # PRIOR
-    assert {1, 0} <= set(states)  # PARTIAL, then OK
-
-
-def wait_for_risk(run, value):
-    """Wait for the probability of Critical=Yes."""
-
-    def came():
-        assert run.launch.popen.poll() is None, run.launch_text()
-        last = run.messages(RISK)[-1:]
-        outcomes = [message["output_nodes"][0]["outcomes"][0] for message in last]
-        return bool(last) and abs(outcomes[0]["outcome_value"] - value) < 1e-6
-
-    until(came, PATIENCE_S, f"a risk of {value}")
-
-
-def wait_for_low(run, *, active):
-    """Wait until the evidence and its own topic say the same."""
-
-    def came():
-        rows = [message["evidence"] for message in run.messages(f"{RISK}/evidence")[-1:]]
-        own = [message["data"] for message in run.messages(LOW)[-1:]]
-        return [row[0]["active"] for row in rows] == [active] == own
-
-    until(came, PATIENCE_S, f"evidence {active}")
-
-
-def sensors_die_under_the_guarantee(run):
-    """Kill both sensors while a guarantee rests on them: it ends in time, and they are named."""
-    sensors = [run.number("/vehicle/speed", 4 / 3.6), run.number("/pedestrian/distance", 5.3)]
-    run.wait_for(CROSSING, {"Cross": True}, PATIENCE_S)
-    for sensor in sensors:
+    until_it_is(0.2, low=True)
+    for sensor in (speed, distance):
         sensor.popen.kill()
     dead = time.time()
     run.wait_for(CROSSING, {"Cross": False}, PATIENCE_S)
-
-    def named():
-        said = run.diagnosis(NETWORK)
-        return said.get("threshold.RiskIsLow", "").count(" is late, ") == 2 and said
-
-    said = until(named, PATIENCE_S, "a diagnosis")
-    why = said["threshold.RiskIsLow"]
-    assert why.startswith("inactive: vehicleSpeed: /vehicle/speed is late, "), why
-    assert "; pedestrianDistance: /pedestrian/distance is late, " in why
-    assert (said["vehicleSpeed"], said["pedestrianDistance"]) == ("stale", "stale")
+    why = "threshold.RiskIsLow"
+    until(lambda: run.diagnosis(NETWORK).get(why, "").count(" is late, ") == 2, PATIENCE_S, why)
     # the last status that is TRUE is of a step before the limit, and a period of each monitor
     stamps = [
         status["header"]["stamp"]
@@ -362,23 +261,15 @@ def sensors_die_under_the_guarantee(run):
     ]
     last = max(stamp["secs"] + stamp["nsecs"] / 1e9 for stamp in stamps)
     assert last - dead <= MAX_AGE_S + 2 * PERIOD_S + SLACK_S
-
-    def blamed():
-        text = run.diagnosis("/crossing").get("guarantee.Cross")
-        return text == "inactive: RiskIsLow: unknown there"
-
+    unknown = "inactive: RiskIsLow: unknown there"
+    blamed = lambda: run.diagnosis("/crossing").get("guarantee.Cross") == unknown  # noqa: E731
     until(blamed, PATIENCE_S, "a diagnosis of the guarantee")
 
 
 def test_battery_and_motor_become_evidence(workspace, run):
     assert workspace.eddi_input("rover").read_text().count("self.expression(") == 2
     run.wait_for(ROVER, {"MayDrive": False}, PATIENCE_S)
-    battery = "{present: true, percentage: 0.8}"
-    run.send("/battery", "sensor_msgs/BatteryState", battery)
-    motor = run.number("/motor/temperature", 40.0, "std_msgs/Float32")
-    run.wait_for(ROVER, {"MayDrive": True}, PATIENCE_S)
-    motor.destroy()
-    run.wait_for(ROVER, {"MayDrive": False}, PATIENCE_S)  # nobody knows how hot it is
+    run.send("/battery", "sensor_msgs/BatteryState", "{present: true, percentage: 0.8}")
     motor = run.number("/motor/temperature", 40.0, "std_msgs/Float32")
     run.wait_for(ROVER, {"MayDrive": True}, PATIENCE_S)
     # Not at the other's rate: the monitor takes the last message of a step, and of two that
@@ -388,6 +279,7 @@ def test_battery_and_motor_become_evidence(workspace, run):
     hot.destroy()
     run.wait_for(ROVER, {"MayDrive": True}, PATIENCE_S)  # two seconds without heat
     motor.destroy()
+    run.wait_for(ROVER, {"MayDrive": False}, PATIENCE_S)  # nobody knows how hot it is
 
 
 def test_a_real_system_becomes_a_monitor_that_runs(run):

@@ -6,9 +6,9 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from tests.contract.stages import HERE, free_domain, on_loopback, ros_args
+from tests.contract.stages import free_domain, on_loopback, ros_args
 from tests.e2e.robot import clean_env
-from tests.ros1.world import World
+from tests.ros1.world import PROBES, World
 from tests.ros2.world import RELEASE, shared
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
@@ -78,7 +78,7 @@ class Robots(World):
         self.workspace = workspace
         self.lock, domain = free_domain()
         self.around = {**RELEASE.sourced(workspace), **on_loopback(domain)}
-        self.probe = self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self.around)
+        self.probe = self.probe_of([RELEASE.python, str(PROBES / "ros2.py")], self.around)
 
     def robot(self, name):
         """Start the monitors of a robot; what they would read of all robots is its own."""

@@ -65,14 +65,11 @@ def cell(tmp_path_factory):
         made.destroy()
 
 
-def test_the_cart_stops_when_a_sensor_of_the_arm_dies(cell):
+def test_the_cart_stops_without_the_arm_and_drives_when_it_is_back(cell):
     cell.park(SENSORS[0])
     cell.shows(parked=False)
     cell.park(*SENSORS)
     cell.shows(parked=True)
-
-
-def test_the_cart_stops_when_the_arm_is_killed_and_drives_when_it_is_back(cell):
     started = time.monotonic()
     cell.arm.send(signal.SIGKILL)
     cell.shows(parked=False)

@@ -10,7 +10,7 @@ from eddi_scaffold.kinds.consert import BETWEEN_ROBOTS, MESSAGES
 from tests.cli.command import run
 from tests.contract.stages import Stage, environment, free_domain
 from tests.package_texts import facts_in
-from tests.ros1.world import PYTHON, RUNTIME, make_messages
+from tests.ros1.world import PROBES, PYTHON, RUNTIME, make_messages
 
 HERE = Path(__file__).parent
 ARM = """\
@@ -148,8 +148,8 @@ class DdsRobots(Robots):
         return ["ip", "netns", "exec", self.spaces[robot], *map(str, command)]
 
     def new_probe(self, robot="cart"):
-        probe = HERE.parent / "contract" / "dds_probe.py"
-        return self.probe_of(self._inside(robot, sys.executable, probe), self._env(robot))
+        program = self._inside(robot, sys.executable, PROBES / "dds.py")
+        return self.probe_of(program, self._env(robot))
 
     def start(self, model, robot):
         """Start the node of a robot."""

@@ -529,20 +529,7 @@ _SYNC = {
     ) * n,
     "statements": lambda n: _package(2) + _each("x# = 1\n", n),
     "equal statements": lambda n: _package(2) + "x = 1\n" * n,
-    "functions": lambda n: _package(2) + _each("def f#():\n    return 1\n", n),
-    "imports": lambda n: _each("import a#\n", n) + _package(2),
-    "names of one import": lambda n: "from a import " + ", ".join(f"b{k}" for k in range(n)) + "\n",
-    "comments": lambda n: _package(2) + "# a\n" * n,
     "blank lines": lambda n: _package(2) + "\n" * n,
-    "steps of a function": lambda n: _package(2).replace(
-        "        self.E0 = False\n", _each("        x# = 1\n", n)
-    ),
-    "equal steps of a function": lambda n: _package(2).replace(
-        "        self.E0 = False\n", "        x = 1\n" * n
-    ),
-    "minus": lambda n: _package(2) + f"x = {'-' * n}1\n",
-    "plus": lambda n: _package(2) + f"x = 1{' + 1' * n}\n",
-    "a long number": lambda n: _package(2) + f"x = 0x{'f' * n}\n",
     "a long line": lambda n: _package(2) + f"x = '{'a' * n}'\n",
     "a body of many lines": lambda n: _package(2).replace(
         "        self.E0 = message.data\n", _each("        x# = message.data\n", n)

@@ -16,6 +16,7 @@ import pytest
 
 HERE = Path(__file__).parent
 PYTHON = "/usr/bin/python3"
+PROBES = HERE.parent / "probes"
 RUNTIME = HERE.parents[1] / "runtime_lib" / "src"
 
 
@@ -126,7 +127,7 @@ class Master:
 
 
 class Probe:
-    """A process on the graph that the test steers; see probe.py."""
+    """A process on the graph that the test steers; see `tests/probes`."""
 
     def __init__(self, command, env, log):
         self._events = []
@@ -276,7 +277,7 @@ class World:
         return Master(self, port).start()
 
     def probe(self, master, messages=None):
-        return self.probe_of([PYTHON, str(HERE / "probe.py")], self.env(master, messages))
+        return self.probe_of([PYTHON, str(PROBES / "ros1.py")], self.env(master, messages))
 
     def probe_of(self, command, env):
         probe = Probe(command, env, self.new_log())

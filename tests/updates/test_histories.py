@@ -47,7 +47,7 @@ def told(seed: int, *lives: Life) -> Iterator[None]:
 
 @pytest.mark.parametrize("part", range(10))
 def test_a_sync_loses_doubles_and_moves_nothing(folder: Path, part: int) -> None:
-    for seed in range(part, histories(60, 3000), 10):
+    for seed in range(part, histories(40, 3000), 10):
         life = Life(Bare(folder / str(seed)), random.Random(seed))
         with told(seed, life):
             live(life.begin(), 8, ("generate", "generate", "killed"))
@@ -57,12 +57,12 @@ def test_a_sync_loses_doubles_and_moves_nothing(folder: Path, part: int) -> None
 def test_nor_do_the_commands(folder: Path, templates: Templates, seed: int) -> None:
     life = Life(Real(World(folder, templates, START)), random.Random(seed))
     with told(seed, life):
-        live(life.begin(), 5, ("generate", "upgrade", "copy", "recopy", "update"))
+        live(life.begin(), histories(3, 5), ("generate", "upgrade", "copy", "recopy", "update"))
 
 
 @pytest.mark.parametrize("part", range(10))
 def test_nor_does_a_merge_of_branches(folder: Path, part: int) -> None:
-    for seed in range(part, histories(20, 500), 10):
+    for seed in range(part, histories(10, 500), 10):
         branches(folder / str(seed), seed)
 
 

@@ -69,20 +69,11 @@ def killed(package: Path, then: Path, after: int, records: Mapping[str, bytes | 
     return len(plan.steps)
 
 
-@pytest.mark.parametrize(
-    "then",
-    [
-        {"a.cfg": ["y"], "b.cfg": ["x"]},  # two change places
-        {"a.cfg": [], "b.cfg": ["y", "x"]},
-        {"a.cfg": ["x", "y"], "b.cfg": []},
-        {"c.cfg": ["x", "y"]},
-    ],
-    ids=["swap", "to the second", "to the first", "to a new file"],
-)
+@pytest.mark.parametrize("then", [{"a.cfg": ["y"], "b.cfg": ["x"]}, {"c.cfg": ["x", "y"]}])
 def test_a_region_moves_to_another_file(tmp_path: Path, then: dict[str, list[str]]) -> None:
+    """Two change places, or go to a new file."""
     first = rendering(tmp_path / "first", {"a.cfg": ["x"], "b.cfg": ["y"]})
     second = rendering(tmp_path / "second", then)
-
     whole = begun(tmp_path / "whole", first, *"xy")
     finish(whole, second)
     expected = texts(whole)
@@ -92,8 +83,7 @@ def test_a_region_moves_to_another_file(tmp_path: Path, then: dict[str, list[str
         package = begun(tmp_path / str(after), first, *"xy")
         steps = killed(package, second, after, RECORDS)
         found = "".join(texts(package).values())
-        assert "mine x" in found, after
-        assert "mine y" in found, after
+        assert ("mine x" in found, "mine y" in found) == (True, True), after
         finish(package, second)
         assert texts(package) == expected, after
         if after == steps:

@@ -136,7 +136,7 @@ def test_so_is_a_command(folder: Path, templates: Templates, command: str) -> No
     kill_anywhere(place, command, count() if histories(0, 1) else some)
 
 
-@pytest.mark.parametrize("command", ["update", "copy", "recopy"][: histories(1, 3)])
+@pytest.mark.parametrize("command", ["copy", "update", "recopy"][: histories(1, 3)])
 def test_so_is_copier(folder: Path, templates: Templates, command: str) -> None:
     place = Real(World(folder, templates, START))
     edited(place)

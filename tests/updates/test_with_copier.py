@@ -105,8 +105,8 @@ _PLACES = {
     "ros1": ("ros1", START, "update"),
     "ros2": ("ros2", START, ""),
     "plain": ("plain", START, "recopy"),
-    "network": ("plain", (), ""),
-    "ros2-network": ("ros2", (), "copy"),
+    "network": ("plain", (), "copy"),
+    "ros2-network": ("ros2", (), ""),
 }
 """Platform, inputs and the command with which the quick profile is content."""
 

@@ -1,13 +1,7 @@
-"""A DDS participant that a test steers with JSON lines, as ``tests/ros1/probe.py`` is a ROS node.
+"""A DDS participant that a test steers."""
 
-Commands on stdin, what happened on stdout.
-"""
-
-import json
 import os
-import sys
 import threading
-import time
 
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import DomainParticipant
@@ -18,9 +12,9 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from eddi_runtime.transports.dds.graph import discovery_types
 from eddi_runtime.transports.dds.messages import OWN, message_classes
+from steered import heard, obey, published, repeat, wait_for
 
-_lock = threading.Lock()
-_writers, _repeats = {}, {}
+_writers = {}
 _participant = DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
 _classes = {
     **vars(OWN),
@@ -41,12 +35,6 @@ _classes = {
 }
 _RELIABLE = Policy.Reliability.Reliable(duration(seconds=1))
 _KEPT = Policy.Durability.TransientLocal
-
-
-def say(**event):
-    with _lock:
-        sys.stdout.write(json.dumps(event) + "\n")
-        sys.stdout.flush()
 
 
 def plain(value):
@@ -73,7 +61,7 @@ def subscribe(topic, kind):
             waiting.wait(duration(seconds=1))
             for sample in reader.take(100):
                 if sample.sample_info.valid_data:
-                    say(event="message", topic=topic, t=time.monotonic(), data=plain(sample))
+                    heard(topic, plain(sample))
 
     threading.Thread(target=run, daemon=True).start()
 
@@ -84,8 +72,7 @@ def writer(topic, kind, latch, connected, *promises, reliability=_RELIABLE):
         history = Policy.History.KeepLast(1 if latch else 1000)
         qos = Qos(reliability, keeps, history, *promises)
         _writers[topic] = DataWriter(_participant, topic_of(topic, kind), qos)
-    while connected and not _writers[topic].get_publication_matched_status().current_count:
-        time.sleep(0.01)
+    wait_for(lambda: _writers[topic].get_publication_matched_status().current_count, connected)
     return _writers[topic]
 
 
@@ -99,7 +86,7 @@ def built(make, fields):
 def publish(topic, kind, fields, latch=False, connected=False):
     message = built(_classes[kind.replace("/", "_")], fields)
     writer(topic, kind, latch, connected).write(message)
-    say(event="published", topic=topic, t=time.monotonic())
+    published(topic)
 
 
 def every(topic, kind, fields, hz, connected=True, best_effort=False, deadline=None, lease=None):
@@ -108,34 +95,13 @@ def every(topic, kind, fields, hz, connected=True, best_effort=False, deadline=N
     if lease:
         promises.append(Policy.Liveliness.ManualByTopic(duration(seconds=lease)))
     message = built(_classes[kind.replace("/", "_")], fields)
-    stop = _repeats[topic] = threading.Event()
+    reliability = Policy.Reliability.BestEffort if best_effort else _RELIABLE
 
-    def run():
-        reliability = Policy.Reliability.BestEffort if best_effort else _RELIABLE
-        made = writer(topic, kind, False, connected, *promises, reliability=reliability)
-        say(event="connected", topic=topic, t=time.monotonic())
-        due, sent = time.monotonic(), 0
-        while not stop.is_set():
-            made.write(message)
-            sent += 1
-            due += 1.0 / hz
-            stop.wait(max(0.0, due - time.monotonic()))
-        say(event="sent", topic=topic, count=sent)
+    def begin(_):
+        writer(topic, kind, False, connected, *promises, reliability=reliability)
 
-    threading.Thread(target=run, daemon=True).start()
-
-
-def stop(topic):
-    _repeats.pop(topic).set()
-
-
-def main():
-    say(event="ready")
-    commands = {f.__name__: f for f in (subscribe, publish, every, stop)}
-    for line in sys.stdin:
-        command = json.loads(line)
-        commands[command.pop("do")](**command)
+    repeat(topic, hz, begin, lambda: _writers[topic].write(message))
 
 
 if __name__ == "__main__":
-    main()
+    obey(subscribe, publish, every)

@@ -1,28 +1,16 @@
-"""A node of rclpy that a test steers with JSON lines, as ``tests/ros1/probe.py`` is one of rospy.
-
-Commands on stdin, what happened on stdout.
-"""
+"""A node of rclpy that a test steers."""
 
 import importlib
-import json
 import os
-import sys
 import threading
-import time
 
 import rclpy
 from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from steered import heard, obey, published, repeat, say, wait_for
 
-_lock = threading.Lock()
-_publishers, _repeats = {}, {}
+_publishers = {}
 _KEPT = DurabilityPolicy.TRANSIENT_LOCAL
-
-
-def say(**event):
-    with _lock:
-        sys.stdout.write(json.dumps(event) + "\n")
-        sys.stdout.flush()
 
 
 def message_class(name):
@@ -47,7 +35,7 @@ def built(cls, fields):
 
 def subscribe(topic, kind):
     def received(message):
-        say(event="message", topic=topic, t=time.monotonic(), data=plain(message))
+        heard(topic, plain(message))
 
     qos = QoSProfile(depth=1000, durability=_KEPT)
     _node.create_subscription(message_class(kind), topic, received, qos)
@@ -58,36 +46,19 @@ def publisher(topic, kind, latch, connected):
         kept = QoSProfile(depth=1, durability=_KEPT)
         qos = kept if latch else QoSProfile(depth=1000)
         _publishers[topic] = _node.create_publisher(message_class(kind), topic, qos)
-    while connected and not _publishers[topic].get_subscription_count():
-        time.sleep(0.01)
+    wait_for(_publishers[topic].get_subscription_count, connected)
     return _publishers[topic]
 
 
 def publish(topic, kind, fields, latch=False, connected=False):
     publisher(topic, kind, latch, connected).publish(built(message_class(kind), fields))
-    say(event="published", topic=topic, t=time.monotonic())
+    published(topic)
 
 
 def every(topic, kind, fields, hz, connected=True):
     message = built(message_class(kind), fields)
-    stop = _repeats[topic] = threading.Event()
-
-    def run():
-        made = publisher(topic, kind, False, connected)
-        say(event="connected", topic=topic, t=time.monotonic())
-        due, sent = time.monotonic(), 0
-        while not stop.is_set():
-            made.publish(message)
-            sent += 1
-            due += 1.0 / hz
-            stop.wait(max(0.0, due - time.monotonic()))
-        say(event="sent", topic=topic, count=sent)
-
-    threading.Thread(target=run, daemon=True).start()
-
-
-def stop(topic):
-    _repeats.pop(topic).set()
+    begin = lambda _: publisher(topic, kind, False, connected)  # noqa: E731
+    repeat(topic, hz, begin, lambda: _publishers[topic].publish(message))
 
 
 def change(node, label):
@@ -112,16 +83,8 @@ def asked(cls, service, request, of):
     future.add_done_callback(lambda done: say(event="answered", answer=of(done.result())))
 
 
-def main():
-    say(event="ready")
-    threading.Thread(target=rclpy.spin, args=[_node], daemon=True).start()
-    commands = {f.__name__: f for f in (subscribe, publish, every, stop, change, state)}
-    for line in sys.stdin:
-        command = json.loads(line)
-        commands[command.pop("do")](**command)
-
-
 if __name__ == "__main__":
     rclpy.init()
     _node = rclpy.create_node(f"probe_{os.getpid()}")
-    main()
+    threading.Thread(target=rclpy.spin, args=[_node], daemon=True).start()
+    obey(subscribe, publish, every, change, state)
