@@ -1,7 +1,5 @@
 """Types of variables that nobody declares: from how they are used, wherever that is."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.conditions import analyse

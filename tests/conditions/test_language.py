@@ -1,7 +1,5 @@
 """The language: every diagnostic with its exact place and text, types, units, names, limits."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """eddi_config.yml: what its values mean. What is wrong with one: tests/cli/diagnostics."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Which topic of a small robot is taken for an input, which are listed, and why one is not."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide

@@ -1,7 +1,5 @@
 """Binding and survey: every kind of package is listed, whatever the generation of its metamodel."""
 
-from __future__ import annotations
-
 import io
 import re
 

@@ -1,7 +1,5 @@
 """Model files as people have them: what each of them means, or the one message that helps."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

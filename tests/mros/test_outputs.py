@@ -1,7 +1,5 @@
 """Systems joined with their models: whole systems of others, and each rule by itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """YAML nodes: positions, what a plain scalar means in 1.2 and 1.1, limits, and writing."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """A package follows from its own configuration and model: never from others, or from an order."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Plots: what is drawn where, that any text is safe, that the bytes are the same."""
 
-from __future__ import annotations
-
 import math
 from xml.etree import ElementTree as ET
 

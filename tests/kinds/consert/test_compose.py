@@ -1,7 +1,5 @@
 """Composition: reasons, order, bindings, instances, and ConSerts that wait for each other."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 

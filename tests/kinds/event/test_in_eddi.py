@@ -1,7 +1,5 @@
 """Events and SafeML settings that stand in an EDDI, as maps that every tool of the ODE keeps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What had run before the mission: the same numbers as after that many hours of mission."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Compiled reliability models: the text, what of a hostile model is in it, what it imports."""
 
-from __future__ import annotations
-
 import ast
 import math
 from collections.abc import Iterable

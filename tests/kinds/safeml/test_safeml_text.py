@@ -1,7 +1,5 @@
 """Compiled SafeML monitors: the text and its tables."""
 
-from __future__ import annotations
-
 import ast
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Thresholds: exact for Kolmogorov-Smirnov, on the safe side for the others."""
 
-from __future__ import annotations
-
 import math
 from itertools import combinations
 
