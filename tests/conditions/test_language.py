@@ -183,14 +183,6 @@ def test_equal_expressions_are_one_node() -> None:
     assert [row.op for row in program.operations].count("max") == 1
 
 
-def test_events_may_use_later_ones() -> None:
-    found = analyse("EVENT p (HAZARD) := NOT q EVENT q (EVIDENCE) := x > 1", variables=KNOWN)
-    assert [(event.id, event.polarity) for event in found.events] == [
-        ("p", "HAZARD"),
-        ("q", "EVIDENCE"),
-    ]
-
-
 def test_words_are_names_where_they_can_be() -> None:
     text = (
         "VAR time.max : NUMBER TIMEOUT 1s VAR range : NUMBER TIMEOUT 1s\nMAX (time.max, 1s) > range"

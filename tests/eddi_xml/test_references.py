@@ -12,11 +12,6 @@ from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
 
 
-@pytest.mark.parametrize("text", ["/", "//", "/0", "//0", "///"])
-def test_forms_of_the_root(text: str) -> None:
-    assert parse_fragment(text) == Fragment(0, "")
-
-
 @pytest.mark.parametrize(
     ("text", "root", "segments"),
     [

@@ -110,14 +110,6 @@ def test_a_rate_beside_a_distribution_is_told() -> None:
         assert [one.code for one in reading.problems] == wanted
 
 
-@pytest.mark.parametrize("element", ["dimensionType", "serviceType"])
-def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
-    text = data_file("conserts/eddi_consert_example.xml").read_text()
-    end = text.index("/>", text.index(f"<{element}")) + 2
-    again = f'\n<{element} name="Other"/>'
-    assert [code for code, _ in told(text[:end] + again + text[end:], "m.xml")] == ["X011"]
-
-
 def test_intervals_of_bif() -> None:
     text = (
         "variable A { type discrete [4] { (-Inf, 0], (0,1), [1,2), low }; }\n"

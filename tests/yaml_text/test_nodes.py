@@ -161,12 +161,6 @@ def test_aliases_count_for_the_depth():
     assert problem.message == "nested deeper than the limit of 32"
 
 
-def test_shared_nodes_are_allowed():
-    node, problems = read("a: &x {b: 1}\nc: [*x, *x]\n")
-    assert problems == []
-    assert y.value_11(node) == {"a": {"b": 1}, "c": [{"b": 1}, {"b": 1}]}
-
-
 def test_a_file_beyond_the_limit_is_not_parsed():
     node, (problem,) = read(b"x" * (y.MAX_BYTES + 1))
     assert node is None

@@ -114,16 +114,6 @@ def test_nobody_there():
     )
 
 
-def test_a_type_that_is_spelt_otherwise_is_named():
-    parts = [
-        ("p", provider(BinaryDimension("SensorHealthy"), service="Localization")),
-        ("u", user(BinaryDimension("SensorHelthy"), service="Localisation")),
-    ]
-    demand, service = compose(parts).reasons
-    assert demand.endswith("did you mean 'Localization'?; did you mean 'SensorHealthy'?")
-    assert service.endswith("a service of type Localisation; did you mean 'Localization'?")
-
-
 def test_conserts_that_wait_for_each_other():
     x = BinaryDimension("X")
     result = compose([("a", user(x, offers="T")), ("b", user(x, offers="T"))])

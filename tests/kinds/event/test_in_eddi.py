@@ -96,13 +96,6 @@ def test_an_error_stops_every_command(tmp_path: Path, old: str, new: str, code: 
     assert not (tmp_path / "out").exists()
 
 
-def test_a_slash_in_a_text_is_no_comment() -> None:
-    text = LANDING.replace("temp : NUMBER", 'at["a//b"].temp : NUMBER').replace(
-        "temp ", 'at["a//b"].temp '
-    )
-    assert [one for one in problems(text) if one.code == "X031"] == []
-
-
 def test_safeml_settings_are_those_of_a_file(tmp_path: Path) -> None:
     for name in ("scope.xml", "scope.csv"):
         (tmp_path / name).write_bytes((MODELS / name).read_bytes())

@@ -38,13 +38,6 @@ def test_nothing_of_a_hostile_model_becomes_code():
     assert made.monitor().inputs[0].id == HOSTILE
 
 
-def test_two_monitors_of_one_text_are_independent():
-    first = CASES[1].monitor()
-    other = type(first)()
-    step(first, WIDE[0])
-    assert (first.status_message()[1]["filled"], other.status_message()[1]["filled"]) == (1, 0)
-
-
 def test_a_reference_in_a_file_is_the_same(tmp_path, monkeypatch):
     made = scope(WIDE, metric="ad", spec=PCA)
     in_text = made.monitor()
