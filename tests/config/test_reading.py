@@ -8,9 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.schema import Config
-from eddi_scaffold.kinds import Options
 from eddi_scaffold.monitors.config_reading import read_config
-from eddi_scaffold.monitors.options import options_of
 from eddi_scaffold.yaml_text.writer import dump_plain
 from tests.diagnosed import assert_reported
 
@@ -117,10 +115,6 @@ def test_a_damaged_memory_is_a_value_error(text: str) -> None:
 def test_a_remembered_configuration_names_no_files_any_more() -> None:
     config = read("Model: {id: A, type: ConSert}\n")
     again = from_json(config.as_json(), "what the package remembers")
-    for options in (options_of(again), Options()):
-        with pytest.raises(EddiError) as refused:
-            options.read("safeml_config.yml")
-        assert [problem.code for problem in refused.value.problems] == ["K033"]
     with pytest.raises(EddiError) as refused:
         again.read("safeml_config.yml")
     assert_reported("K033", refused.value.problems)
