@@ -3,23 +3,13 @@
 from types import SimpleNamespace
 
 import pytest
-from eddi_runtime.inputs import NO_TIME, step_time
+from eddi_runtime.inputs import NO_TIME
 
 from runtime_lib.tests.bayesian_network import networks
 from runtime_lib.tests.event import event_models
 
 NO_TIMES = (1.5, 2e9, float("nan"), "3", True, 2**63, -(10**400), [1], object(), type)
 SECOND = 1_000_000_000
-
-
-def test_whole_numbers_are_times():
-    assert [step_time(one) for one in (0, -5, 2**63 - 1, -(2**63))] == [0, -5, 2**63 - 1, -(2**63)]
-    assert step_time(None) <= step_time(None)
-    for one in NO_TIMES:
-        assert step_time(one) is None
-    np = pytest.importorskip("numpy", reason="a whole number of another kind")
-    assert step_time(np.int64(7)) == 7
-    assert step_time(np.float64(7)) is None
 
 
 @pytest.mark.parametrize("nothing", NO_TIMES)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from runtime_lib.tests.conserts import GOOD, active, give, monitor, nested
+from runtime_lib.tests.conserts import active, give, monitor, nested
 
 
 def test_the_output_is_a_new_list_of_dicts_in_file_order():
@@ -101,16 +101,6 @@ def test_message_takes_nothing_but_bools_as_active():
     np = pytest.importorskip("numpy")
     ((_, row),) = made.message([{"id": "G", "active": np.bool_(True)}])[1]["guarantees"]
     assert row["active"] is True
-
-
-def test_reset_forgets():
-    made = nested(filtered=("debounce", 2))
-    for _ in range(2):
-        rows = made.execute_step(give(**GOOD))
-    assert active(rows) == ["G"]
-    made.reset()
-    assert made.verdicts() == {"G": "UNKNOWN"}
-    assert active(made.execute_step(give(**GOOD))) == []
 
 
 def test_unsupported_elements_are_constants_when_asked_for():

@@ -88,16 +88,6 @@ def test_a_word_that_comes_again_or_late_does_not_count_anew(again):
     assert found.receipt.age_at(11.0) == 0.5
 
 
-def test_an_answer_to_an_old_word_is_as_old():
-    listener, speaker = cart(), arm()
-    speaker.hear(message(listener.word([], 10.0)), 10.0)
-    listener.word([], 11.0)
-    listener.hear(message(speaker.word(grants(), 11.0)), 11.5)
-    assert "may be 1.5 s old" in only(listener, 11.5).word.unfit
-    _, word = speaker.word(grants(), 11.5)
-    assert word["heard"] == []  # the answer would be too old for anybody
-
-
 @pytest.mark.parametrize(
     ("speaker", "words", "why"),
     [

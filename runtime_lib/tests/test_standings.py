@@ -43,16 +43,6 @@ def test_an_input_without_limit_is_an_acceptance_as_long_as_it_has_a_value():
     assert made.accepted() == ()
 
 
-def test_an_unsafe_default_is_in_use_until_the_first_message():
-    specs = (InputSpec("e", "e", ("e",), accepts=("allow_unsafe_default: true", "KNOWN")),)
-    told = Input(specs)
-    told.e = True
-    told.bind(specs)
-    assert accepted(specs, told.give(None)) == ("e: allow_unsafe_default: true",)
-    assert accepted(specs, told.give(True)) == ("e: KNOWN",)
-    assert accepted(specs, told.give(None)) == ()
-
-
 def test_a_majority_is_in_use_while_it_outvotes_the_present_sample():
     made = monitor(["e"], guarantees=["G"], edges=["e>G"], filtered=("majority", 3))
     for value, active, used in (

@@ -1,7 +1,5 @@
 """Run eddi-scaffold in this process, as a user would in some folder."""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import io

@@ -1,7 +1,5 @@
 """What ``generate`` refuses because of its files, ``check`` of the same files refuses as well."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Every command as a user meets it: exit status, what goes where, JSON, colours, lost readers."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

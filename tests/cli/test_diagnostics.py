@@ -13,8 +13,6 @@ The cases stand in ``diagnostics/*.txt``::
 difference before you commit it.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

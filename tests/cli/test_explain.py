@@ -1,7 +1,5 @@
 """``explain`` prints the section of a code, in words and for programs."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a person may have meant is said where it is cheap to know."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """`--help` answers at once, ConSerts without numpy: what is heavy is imported where it is used."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """In a terminal that has sourced a workspace, PYTHONPATH leads to the workspace's runtime."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Pictures from the command line: of models, and of what a monitor did with a recording."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from xml.etree import ElementTree as ET
 

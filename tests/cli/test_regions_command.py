@@ -1,7 +1,5 @@
 """``regions``: which hand-written lines a package has, and which a person should look at."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The models of a robot on the command line: shown, checked, and beside a configuration."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

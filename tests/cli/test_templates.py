@@ -1,7 +1,5 @@
 """Where the templates come from, and what is said when they cannot be had."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

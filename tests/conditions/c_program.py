@@ -1,7 +1,5 @@
 """Generated C, compiled with everything that the compiler can complain of, and run on steps."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Random events over fixed variables, and random recordings full of what goes wrong."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Written against the specification and independently of the library's evaluation:
 parse tree, with None for UNKNOWN. Slow and obvious.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

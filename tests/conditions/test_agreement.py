@@ -1,7 +1,5 @@
 """Reference = engine in this process = generated Python = generated C, on random events."""
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path

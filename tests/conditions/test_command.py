@@ -1,7 +1,5 @@
 """``eddi-scaffold event`` as a user meets it."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

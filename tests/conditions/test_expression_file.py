@@ -1,7 +1,5 @@
 """``expression_file:`` from end to end: check, run, generate, upgrade and the package itself."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

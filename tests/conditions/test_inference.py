@@ -1,7 +1,5 @@
 """Types of variables that nobody declares: from how they are used, wherever that is."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.conditions import analyse
@@ -36,8 +34,3 @@ def test_what_no_use_decides_is_asked_for(text: str) -> None:
     found = analyse(text, rate=10)
     assert found.program is None
     assert {one.code for one in found.problems} == {"E008"}
-
-
-def test_the_first_use_decides_and_the_others_are_checked() -> None:
-    found = analyse("x == y AND x > 1 AND NOT y", rate=10)
-    assert [one.code for one in found.problems] == ["E008"]

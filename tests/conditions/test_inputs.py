@@ -1,7 +1,5 @@
 """Expressions of inputs: checked with places in the configuration, evaluated over messages."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The language: every diagnostic with its exact place and text, types, units, names, limits."""
 
-from __future__ import annotations
-
 import random
 
 import pytest
@@ -183,14 +181,6 @@ def test_units_and_constants_are_computed_once(text: str, numbers: list[float]) 
 def test_equal_expressions_are_one_node() -> None:
     program = program_of("MAX(x, 1s) > 5 AND NOT (MAX(x, 1s) > 5) OR MAX(x, 1000ms) > 6")
     assert [row.op for row in program.operations].count("max") == 1
-
-
-def test_events_may_use_later_ones() -> None:
-    found = analyse("EVENT p (HAZARD) := NOT q EVENT q (EVIDENCE) := x > 1", variables=KNOWN)
-    assert [(event.id, event.polarity) for event in found.events] == [
-        ("p", "HAZARD"),
-        ("q", "EVIDENCE"),
-    ]
 
 
 def test_words_are_names_where_they_can_be() -> None:

@@ -1,7 +1,5 @@
 """Reductions of lists: definition = in this process = generated Python; and what they refuse."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """The oracle file: every entry, for the runtime types, the engine, the Python and the C target."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from pathlib import Path

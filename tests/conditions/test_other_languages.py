@@ -1,7 +1,5 @@
 """What people bring from elsewhere: units of several words, words of signal temporal logic."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.cli.command import ROOT, run

@@ -1,7 +1,5 @@
 """The page over HTTP: what it answers and what it refuses."""
 
-from __future__ import annotations
-
 import http.client
 import io
 import re

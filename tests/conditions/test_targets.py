@@ -1,7 +1,5 @@
 """Generated monitors: what they are made of, hand-written bodies, names, sanitizers, callbacks."""
 
-from __future__ import annotations
-
 import ast
 import math
 import random

@@ -1,7 +1,5 @@
 """The uses of a condition's variables: nothing that can bring it about is left out."""
 
-from __future__ import annotations
-
 import itertools
 
 import pytest

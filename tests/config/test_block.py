@@ -1,7 +1,5 @@
 """The block SimulatorOutputs is replaced as text: every other byte stays."""
 
-from __future__ import annotations
-
 import pytest
 import yaml
 from hypothesis import given

@@ -1,7 +1,5 @@
 """What the documentation of common messages says: our table, and the shared one."""
 
-from __future__ import annotations
-
 import csv
 
 from eddi_scaffold.common import units

@@ -1,7 +1,5 @@
 """Keys in field paths, as the definitions of the messages say them."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.config.field_paths import FieldPathError, expression, parse_field, resolve

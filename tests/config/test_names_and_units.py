@@ -1,7 +1,5 @@
 """Names and units that are right on one platform, or in one way of writing them."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """eddi_config.yml: what its values mean. What is wrong with one: tests/cli/diagnostics."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -37,12 +35,6 @@ def test_no_lease_is_longer_than_words_are_remembered() -> None:
     head = "Model: {id: A, type: ConSert}\n"
     assert codes(f"{head}Fleet: {{robot: b, lease: 60}}\n") == []
     assert codes(f"{head}Fleet: {{robot: b, lease: 60.5}}\n") == ["K003"]
-
-
-@pytest.mark.parametrize("spelt", ["std_msgs.Bool", "std_msgs/Bool", "std_msgs/msg/Bool"])
-def test_three_spellings_of_a_message_type(spelt: str) -> None:
-    text = f"Model: {{id: A, type: C}}\nSimulatorOutputs: [{{id: a, type: {spelt}, topic: a/b}}]\n"
-    assert read(text).config.SimulatorOutputs[0].type == "std_msgs/Bool"
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Types of messages that packages on this machine have, or do not have."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Drafts: what is written for each kind of model, and what stays when a person has edited it."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import replace

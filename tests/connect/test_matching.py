@@ -1,7 +1,5 @@
 """Which topic of a small robot is taken for an input, which are listed, and why one is not."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.connect.matching import Decision, Fulfilment, decide
@@ -102,16 +100,6 @@ def test_the_nearest_thing_is_the_least_range_of_the_only_scanner() -> None:
     (decision,) = decide([InputNeed("nearest", "float", "m")], topics, known_messages().get)
     assert decision.state == "taken"
     assert decision.candidates[0].access.text == "MIN(scan_front.ranges[*], COVERAGE 0.9)"
-
-
-def test_a_demand_takes_the_only_guarantee_that_fulfils_it() -> None:
-    demand = InputNeed("Demand", "bool", is_demand=True)
-    offer = Fulfilment(TOPICS[-2], "guarantees[G].active", "G fulfils it")
-    assert decided(demand, [offer]).state == "taken"
-    assert (
-        decided(demand, [offer, Fulfilment(TOPICS[-2], "guarantees[H].active", "")]).state
-        == "listed"
-    )
 
 
 def test_claims_of_other_names_are_listed_only_where_none_is_like_the_input() -> None:

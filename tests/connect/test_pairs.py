@@ -1,7 +1,5 @@
 """Pairs of inputs and robots whose right answers people decided by reading."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """From a robot of other people to a running monitor: only the lines that say TODO are edited."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Deployments as files: models, configurations, and what happens, in the form of the oracle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

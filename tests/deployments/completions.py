@@ -1,7 +1,5 @@
 """Completions: whatever a monitor does not know has some value of its domain, anew in each step."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from random import Random

@@ -1,7 +1,5 @@
 """Deployments of monitors of the pool, in a form that can be drawn, told, and made smaller."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Deployments with a fault that the checks of properties must find: they test the tests."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from random import Random

@@ -1,7 +1,5 @@
 """What happens to a deployment, from outside of it. Times are milliseconds."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Values in messages without ROS, read and written by paths."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a monitor publishes, and what of it claims something good."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A draft as a file in the form of the oracle: to be read by a person, and to be played again."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

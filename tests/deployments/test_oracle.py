@@ -4,8 +4,6 @@ A case that `check` refuses is done with that: what its monitors would claim cou
 somebody can start them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any

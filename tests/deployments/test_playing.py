@@ -1,7 +1,5 @@
 """What ``run`` plays of several monitors is what the world of the deployments says of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

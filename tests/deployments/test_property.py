@@ -4,8 +4,6 @@ Each run looks at 400 deployments, `--hypothesis-profile=long` at 100,000, alway
 `pytest -rA` prints what was counted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path

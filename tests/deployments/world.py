@@ -4,8 +4,6 @@ At a time come first restarts, then samples, then every monitor that is due, in 
 deployment. What one publishes, those behind it receive at once, those before it in their next step.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The layered layout keeps its rules on any graph, and the SVG of any label is an SVG."""
 
-from __future__ import annotations
-
 from itertools import combinations, pairwise
 from xml.etree import ElementTree as ET
 

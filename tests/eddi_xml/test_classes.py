@@ -1,7 +1,5 @@
 """Classes that nobody knows: a misspelt one is named, those of other tools are left in peace."""
 
-from __future__ import annotations
-
 import io
 
 import pytest

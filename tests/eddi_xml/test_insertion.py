@@ -1,7 +1,5 @@
 """A map that is written into the text of an EDDI: it is read again, and all else is as it was."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

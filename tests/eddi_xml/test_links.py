@@ -1,7 +1,5 @@
 """What an EDDI says around its monitored models: who refers to them, and what observes what."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

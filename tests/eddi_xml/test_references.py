@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import io
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -12,11 +10,6 @@ from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.reading import read_stream
 from eddi_scaffold.eddi_xml.references import Fragment, parse_fragment
-
-
-@pytest.mark.parametrize("text", ["/", "//", "/0", "//0", "///"])
-def test_forms_of_the_root(text: str) -> None:
-    assert parse_fragment(text) == Fragment(0, "")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Loading: what is refused, how it is said, and that no file whatever ends in a traceback."""
 
-from __future__ import annotations
-
 import io
 
 import pytest

@@ -4,8 +4,6 @@ Hypothesis shrinks what it finds but takes milliseconds for each example; a hund
 need a plain loop. Each input has a seed of its own, so that one alone can be tried again.
 """
 
-from __future__ import annotations
-
 import contextlib
 import faulthandler
 import math

@@ -1,7 +1,5 @@
 """Damage to the bytes of a file, as hypothesis strategies that shrink."""
 
-from __future__ import annotations
-
 import re
 
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Everything that reads files of people, as the commands do it, without starting a command."""
 
-from __future__ import annotations
-
 import codecs
 import contextlib
 import itertools

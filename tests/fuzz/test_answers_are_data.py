@@ -4,8 +4,6 @@ Real Copier renders packages of which one answer is hostile. It refuses the answ
 writes has the syntax of the sound package, in every language.
 """
 
-from __future__ import annotations
-
 import copy
 import tempfile
 import warnings

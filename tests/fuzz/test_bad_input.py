@@ -3,8 +3,6 @@
 ``pytest tests/fuzz --hypothesis-profile=long`` does thousands of mutations of each file.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Packages are generated from arbitrary texts. Each must have the syntax tree of a
 generated from plain words, when string constants and identifiers are left out of the comparison.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import sys

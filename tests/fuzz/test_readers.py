@@ -4,8 +4,6 @@
 parts that the workers of xdist share.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from pathlib import Path

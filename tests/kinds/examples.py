@@ -1,7 +1,5 @@
 """The worked example of each kind."""
 
-from __future__ import annotations
-
 EXAMPLES = {
     "bayesian_network": ("pedestrian/pedestrian.xml", "pedestrian/eddi_config.yml"),
     "consert": ("rover-events/Rover.yml", "rover-events/eddi_config.yml"),

@@ -1,7 +1,5 @@
 """What every kind promises: the same tests for each, on its worked example."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

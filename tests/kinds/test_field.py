@@ -1,7 +1,5 @@
 """Model files as people have them: what each of them means, or the one message that helps."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 
@@ -110,14 +108,6 @@ def test_a_rate_beside_a_distribution_is_told() -> None:
         text = eddi(f'failureRate="{rate}">{given}</failureProbDistribution>')
         reading = read_models(Source("m.xml", text.encode()))
         assert [one.code for one in reading.problems] == wanted
-
-
-@pytest.mark.parametrize("element", ["dimensionType", "serviceType"])
-def test_no_second_type_of_a_consert_is_dropped(element: str) -> None:
-    text = data_file("conserts/eddi_consert_example.xml").read_text()
-    end = text.index("/>", text.index(f"<{element}")) + 2
-    again = f'\n<{element} name="Other"/>'
-    assert [code for code, _ in told(text[:end] + again + text[end:], "m.xml")] == ["X011"]
 
 
 def test_intervals_of_bif() -> None:

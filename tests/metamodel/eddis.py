@@ -1,7 +1,5 @@
 """Random EDDIs of the public metamodel: a ConSert and a fault tree, with what they must give."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import product

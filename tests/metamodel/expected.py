@@ -1,7 +1,5 @@
 """EDDIs of the public metamodel of SESAME, and what each of them must give."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the commands print about each file: nothing is lost in silence, and nothing cries wolf."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

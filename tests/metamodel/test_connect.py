@@ -1,7 +1,5 @@
 """Events that an EDDI names for evidence and for nodes are candidates, and are not evaluated."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.cli.command import run

@@ -1,7 +1,5 @@
 """ConSerts as EMF tools write them: content, verdicts, composition, and what YAML cannot say."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Links of guarantees, evidence and failures to what other packages hold."""
 
-from __future__ import annotations
-
 from eddi_scaffold.common.files import read_source
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.eddi_xml.reading import read_document

@@ -1,7 +1,5 @@
 """Bayesian networks with what is known of them and what is wanted."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Random EDDIs against truth tables, and damaged ones of every kind."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

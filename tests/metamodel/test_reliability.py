@@ -1,7 +1,5 @@
 """Fault trees, chains and state machines as EMF tools write them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

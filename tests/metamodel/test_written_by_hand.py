@@ -4,8 +4,6 @@
 relations of demands; ``pump.xml`` has ``xmi:id``, a top event, a common cause, a network.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What the answers say of an input."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source

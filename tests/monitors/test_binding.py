@@ -1,7 +1,5 @@
 """A model joined with its configuration, where no file of the diagnostics can show it."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.common.files import Source

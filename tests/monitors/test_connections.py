@@ -1,7 +1,5 @@
 """Age limits, and what one monitor reads of another."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The digest by which robots know a model: what computes something else has another one."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

@@ -1,7 +1,5 @@
 """Inputs from expressions: checked in their places, and evaluated by the runtime."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Files that hold no model: what is wrong with them is said in a word."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

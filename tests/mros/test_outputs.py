@@ -1,7 +1,5 @@
 """Systems joined with their models: whole systems of others, and each rule by itself."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,6 @@ from eddi_scaffold.mros.topics import (
     TopicEntry,
     give_ids,
     simulator_outputs,
-    slug,
     topic_name,
 )
 from tests.data_files import data_file
@@ -228,12 +225,6 @@ def test_a_misspelt_model_is_told_with_the_nearest(
 )
 def test_names_of_ros(name: str, namespace: str | None, component: str, topic: str) -> None:
     assert topic_name(name, namespace, component) == (topic, name == "lasersscan")
-
-
-def test_ids() -> None:
-    assert [slug(name) for name in ("/a/b", "~/x", "2d/on", "class", "?", "ä_")] == [
-        "a_b", "x", "_2d_on", "class_", "topic", "topic",
-    ]  # fmt: skip
 
 
 def ids(wishes: dict[str, str], *existing: tuple[str, str]) -> tuple[list[str], list[str]]:

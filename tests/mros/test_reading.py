@@ -1,7 +1,5 @@
 """The readers on real files, on damaged ones, and on everything that either dialect may hold."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

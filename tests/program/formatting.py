@@ -1,7 +1,5 @@
 """What the formatter and the linter of this project have against a text."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

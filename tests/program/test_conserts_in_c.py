@@ -1,7 +1,5 @@
 """A ConSert in C99: the verdicts of its Python monitor, whatever is unknown or too old."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import random

@@ -1,7 +1,5 @@
 """The program of conditions: no name becomes code."""
 
-from __future__ import annotations
-
 from eddi_scaffold.program.instructions import reads_of_results
 from eddi_scaffold.program.running import Engine
 from runtime_lib.tests.event.event_models import form

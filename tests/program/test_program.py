@@ -1,7 +1,5 @@
 """The instruction set: what the page lists is what front ends make and back ends print."""
 
-from __future__ import annotations
-
 import re
 
 from eddi_scaffold.program import instructions

@@ -1,7 +1,5 @@
 """Literals, names and brackets: nothing of a model becomes code, and the formatter agrees."""
 
-from __future__ import annotations
-
 import ast
 import math
 

@@ -1,7 +1,5 @@
 """The short form of a ConSert in today's full form, as far as the oracle `chains.yml` uses it."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """A bag gives the verdicts that the node would have published."""
 
-from __future__ import annotations
-
 import json
 import re
 import sqlite3

@@ -3,8 +3,6 @@
 The oracle's sentences (`text`, `first`) are not looked at.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path

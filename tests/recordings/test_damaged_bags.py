@@ -1,7 +1,5 @@
 """Bags of the field: channels that nothing names, no metadata, cut off, strange times."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``run PACKAGE``: with the lines that people wrote in it, which nothing else executes."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The examples' recordings as text, as CSV, as JSON and as a picture: they say the same."""
 
-from __future__ import annotations
-
 import csv
 import json
 from pathlib import Path

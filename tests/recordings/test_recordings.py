@@ -1,7 +1,5 @@
 """Recorded inputs: what is read, what is wrong with it, and how it is played."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.common.files import Source

@@ -1,7 +1,5 @@
 """``eddi-scaffold run``: the embedded way, on the example that the README shows."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

@@ -1,7 +1,5 @@
 """When the node of a recording steps: by its period, at changes, and when an age ends."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.recordings.playing import ROWS, StepRule, Steps

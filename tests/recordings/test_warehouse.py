@@ -1,7 +1,5 @@
 """The robot of the tutorial: five monitors on a bag in which sensors die."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 from types import ModuleType

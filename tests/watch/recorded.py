@@ -1,7 +1,5 @@
 """What the monitors of the warehouse robot publish: messages, and a bag of two robots."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache

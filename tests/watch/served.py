@@ -1,7 +1,5 @@
 """A page that shows what a test lets two robots publish."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager

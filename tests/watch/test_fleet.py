@@ -1,7 +1,5 @@
 """What is known of a fleet, from the messages of its monitors."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The metrics of a fleet, and what is made of them: alerts and a dashboard."""
 
-from __future__ import annotations
-
 import json
 import re
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """``watch`` on a recording of two robots."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The page of a fleet over HTTP: what it shows, what it sends on, what it refuses."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import xml.etree.ElementTree as ET

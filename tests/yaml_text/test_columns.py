@@ -1,7 +1,5 @@
 """Every character of a scalar's value has its place in the file."""
 
-from __future__ import annotations
-
 import pytest
 import yaml
 from hypothesis import given

@@ -1,7 +1,5 @@
 """YAML nodes: positions, what a plain scalar means in 1.2 and 1.1, limits, and writing."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -161,12 +159,6 @@ def test_aliases_count_for_the_depth():
     node, (problem,) = read("\n".join(chain))
     assert node is None
     assert problem.message == "nested deeper than the limit of 32"
-
-
-def test_shared_nodes_are_allowed():
-    node, problems = read("a: &x {b: 1}\nc: [*x, *x]\n")
-    assert problems == []
-    assert y.value_11(node) == {"a": {"b": 1}, "c": [{"b": 1}, {"b": 1}]}
 
 
 def test_a_file_beyond_the_limit_is_not_parsed():

@@ -1,7 +1,5 @@
 """Places in a YAML text, for changes that keep every other character."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.common.problems import EddiError

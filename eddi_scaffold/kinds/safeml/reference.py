@@ -87,8 +87,10 @@ def _faults_of_values(values: Rows, lines: Lines) -> Iterator[Problem]:
         yield problem("L004.not_finite", place, number=number, row=row, column=column)
     elif len(values) >= _FEWEST_COUNTED and values.shape[1] > 1:
         # The first of several columns may be that of a table's rows, or of its times.
-        steps = np.diff(values[:, 0])
-        if steps[0] > 0.0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0):
+        with np.errstate(over="ignore"):
+            steps = np.diff(values[:, 0])
+            is_even = np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)
+        if steps[0] > 0.0 and is_even:
             yield problem("L004.running_index", Place("", first, 1))
     if len(values) < 2:
         yield problem("L004.one_row", Place("", first))

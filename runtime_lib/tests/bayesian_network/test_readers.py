@@ -24,25 +24,6 @@ def names(one, values, states=STATES):
     return [known[one.read(value, 0)] for value in values]
 
 
-def test_what_is_no_number_is_not_observed():
-    one = reader(bins=[1.0, 2.0])
-    values = [None, math.nan, math.inf, -math.inf, "1.5", True, [], object(), 10**400]
-    for value in values[:-1]:
-        assert one.read(value, 0) == 3
-    with pytest.raises(OverflowError):  # the caller takes it as absent
-        one.read(values[-1], 0)
-    assert one.absent(0) == 3
-
-
-def test_whole_numbers_and_infinity():
-    one = reader(bins=[1, 2], allow_inf=True)
-    assert names(one, [1, 2, 3, math.inf, -math.inf]) == ["low", "mid", "high", "high", "low"]
-    inside = reader(bins=[1, 2], allow_inf=True, range=[0, 30])
-    assert names(inside, [math.inf, 31.0]) == ["high", None]
-    turned = reader(bins=[1, 2], allow_inf=True, scale=-1.0)
-    assert names(turned, [math.inf]) == ["low"]
-
-
 def test_hysteresis():
     one = reader(bins=[1.0, 2.0], hysteresis=0.25)
     values = [0.5, 1.25, 1.2500000000000002, 0.75, 0.7499999999999999, 2.25, 2.5, 1.75, 1.5]

@@ -3,20 +3,13 @@
 import pytest
 from eddi_runtime.node.outputs import MessageError
 
-from runtime_lib.tests.node.message_package import EDDI_MESSAGES, STD_MSGS, converter, package
+from runtime_lib.tests.node.message_package import STD_MSGS, converter, package
 
 
 def status(**changed):
     one = ("GuaranteeStatus", {"id": "G", "verdict": 2, "missing": ["E"], **changed})
     fields = {"model_id": "M", "model_digest": "d", "guarantees": [one], "accepted": []}
     return "ConSertStatus", fields
-
-
-def test_a_message_is_built_with_all_inside_it_and_the_time():
-    message = converter().message(status())
-    assert type(message) is EDDI_MESSAGES.ConSertStatus
-    assert message.guarantees[0].missing == ["E"]
-    assert message.header.stamp == 7.0
 
 
 @pytest.mark.parametrize(

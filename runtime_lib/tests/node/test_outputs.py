@@ -26,13 +26,6 @@ def check(output, tree=TREE):
     check_outputs(converter(), tree, Beside(), [output])
 
 
-def test_every_topic_is_an_output_of_its_own():
-    both = Output("g", "/g", FITTING, "/g/status", WRONG, only="G", qos={"depth": 2})
-    first, second = channels([both])
-    assert first == both
-    assert second == Output("g", "/g/status", WRONG, of="status", qos={"depth": 2})
-
-
 @pytest.mark.parametrize(
     "path", [("guarantees", ("id", "G"), "active"), ("guarantees", 0, "active")]
 )

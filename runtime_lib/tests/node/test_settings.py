@@ -13,13 +13,6 @@ def test_what_is_not_given_is_that_of_the_generated_node():
     assert settings({"startup_grace": 0}, 10.0, 3.0) == Settings(10.0, startup_grace=0.0)
 
 
-def test_everything_can_be_given():
-    own = {"frequency": 0.2, "diagnostics": False, "watchdog_period": 0}
-    own.update(on_loss="exit", queue_size=5, startup_grace=1)
-    expected = Settings(0.2, False, 0.0, 5, 1.0, {"on_loss": "exit"})
-    assert settings(own, 10.0, choices=CHOICES) == expected
-
-
 def test_all_that_is_wrong_is_told_at_once():
     bad = {"frequency": float("nan"), "diagnostics": 1, "watchdog_period": -1, "queue_size": 0}
     bad.update(startup_grace=-1, on_loss=[])

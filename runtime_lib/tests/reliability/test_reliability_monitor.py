@@ -103,15 +103,6 @@ def test_a_chain_follows_the_verdicts_on_its_states():
     assert unknown.unknown == ("ok",)
 
 
-def test_evidence_with_hysteresis_and_hold():
-    thresholds = [{"id": "go", "activate": 0.1, "release": 0.2, "hold": 0.2}]
-    one = rotors(thresholds=thresholds)
-    seen = [step(one, i * 0.1, **WORKING).evidence["go"] for i in range(4)]
-    assert seen == [False, False, True, True]
-    assert step(one, 0.4, m0=None).evidence == {"go": False}
-    assert one.blocked() == {f"m{i}": ("go",) for i in range(4)}
-
-
 def test_the_worst_case_may_count_while_inputs_are_unknown():
     thresholds = [{"id": "go", "activate": 0.999, "release": 0.999, "hold": 0.0}]
     events = [event("exponential", 0.1, input="a"), event("fixed", 0.01)]

@@ -1,7 +1,5 @@
 """A deployment file: what it says of robots and demands, and what is checked of it."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

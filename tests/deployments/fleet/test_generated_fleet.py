@@ -1,7 +1,5 @@
 """What is generated of a deployment file: a workspace for each robot, and one for the station."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """ConSerts: guarantees over one to three inputs of any sort."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any

@@ -1,7 +1,5 @@
 """Events: conditions over sources and over what other monitors claim."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from random import Random
 from typing import Any

@@ -1,7 +1,5 @@
 """Bayesian networks with thresholds over what is known of two observed nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from random import Random

@@ -1,7 +1,5 @@
 """The ways in which an input reads a message: sound ones, and those that a check must refuse."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

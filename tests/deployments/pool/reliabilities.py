@@ -3,8 +3,6 @@
 They live for seconds, so that what happened in a gap matters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec

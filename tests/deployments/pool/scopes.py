@@ -1,7 +1,5 @@
 """SafeML monitors of one number."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from tests.deployments.pool.readings import Reading

@@ -1,7 +1,5 @@
 """The monitors of the pool, joined by the product once, compiled as often as they are needed."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Mapping, Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """Monitors that a random deployment can be made of: files whose topics are still open."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """What is accepted in place of a known value: shown before, said by the monitor while in use."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

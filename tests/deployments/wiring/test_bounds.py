@@ -1,7 +1,5 @@
 """How long claims outlive silence, and what rests on what is accepted."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from eddi_scaffold.deployments.lifetimes import bounds

@@ -1,7 +1,5 @@
 """Monitors together: robots, rings, and what a monitor reads of another one by way of others."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

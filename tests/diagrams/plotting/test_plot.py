@@ -1,7 +1,5 @@
 """Plots: what is drawn where, that any text is safe, that the bytes are the same."""
 
-from __future__ import annotations
-
 import math
 from xml.etree import ElementTree as ET
 
@@ -36,14 +34,6 @@ def test_truth_values_are_bands_that_say_what_they_are() -> None:
         "inactive or false: 1 s to 2 s",
         "unknown: 2 s to 4 s",
     ]
-
-
-def test_a_verdict_of_the_last_step_can_be_seen() -> None:
-    assert (
-        bands(plot("ConSert A", [track(True, True, False)]))[1] == "inactive or false: 2 s to 3 s"
-    )
-    many = [track(*[True] * 1000, False)]
-    assert bands(plot("ConSert A", many))[1] == "inactive or false: 1000 s to 1010 s"
 
 
 def test_numbers_are_a_line_of_steps_that_breaks_where_they_are_unknown() -> None:

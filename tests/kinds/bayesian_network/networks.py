@@ -1,7 +1,5 @@
 """Networks for tests: files of the oracle, and random ones with a brute-force answer."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

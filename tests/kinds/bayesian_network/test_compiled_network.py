@@ -1,7 +1,5 @@
 """Compiled networks: the text, what of a hostile model is in it, and the way for any node."""
 
-from __future__ import annotations
-
 import ast
 import random
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Evidence of networks: what is generated for it, and the shared cases of dying sensors."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

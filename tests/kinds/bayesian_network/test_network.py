@@ -1,7 +1,5 @@
 """The network kind: random networks against brute force and pgmpy, formats, names, widths."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What a configuration says of a network: wrong values are problems, never tracebacks."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """The oracle: posteriors, discretisation, what is wrong with damaged files, and exports."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from types import SimpleNamespace

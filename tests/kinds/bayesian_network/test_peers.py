@@ -1,7 +1,5 @@
 """Other tools and this one see the same distribution in each other's files."""
 
-from __future__ import annotations
-
 import gzip
 import importlib.util
 import warnings

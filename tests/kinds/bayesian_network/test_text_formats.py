@@ -1,7 +1,5 @@
 """Networks that are text: what BIF files mean, and where they are wrong."""
 
-from __future__ import annotations
-
 import pytest
 
 from eddi_scaffold.kinds import ReadResult

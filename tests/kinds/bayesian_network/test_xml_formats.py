@@ -1,7 +1,5 @@
 """Networks as other tools write them: digits, orders, types; noisy-MAX by its definition."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The shared oracle of ConSerts, and its documents as files."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

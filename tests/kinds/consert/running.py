@@ -1,7 +1,5 @@
 """The monitor of a typed ConSert, compiled as for a package and run in this process."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Composition: reasons, order, bindings, instances, and ConSerts that wait for each other."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 
@@ -114,16 +112,6 @@ def test_nobody_there():
         "demand u/D is not fulfilled: no other ConSert guarantees anything in a service of type T",
         "required service u/R is not provided: no other ConSert provides a service of type T",
     )
-
-
-def test_a_type_that_is_spelt_otherwise_is_named():
-    parts = [
-        ("p", provider(BinaryDimension("SensorHealthy"), service="Localization")),
-        ("u", user(BinaryDimension("SensorHelthy"), service="Localisation")),
-    ]
-    demand, service = compose(parts).reasons
-    assert demand.endswith("did you mean 'Localization'?; did you mean 'SensorHealthy'?")
-    assert service.endswith("a service of type Localisation; did you mean 'Localization'?")
 
 
 def test_conserts_that_wait_for_each_other():

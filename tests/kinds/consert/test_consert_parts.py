@@ -1,7 +1,5 @@
 """Export, options, claims, inputs, outline and messages of one ConSert."""
 
-from __future__ import annotations
-
 import hashlib
 
 import pytest

@@ -1,7 +1,5 @@
 """Compiled ConSerts: the text, what of a hostile model is in it, and a changed file."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

@@ -4,8 +4,6 @@ The cases stand in ``diagnostics.txt``: ``### NAME``, a file, ``>>>``, what is r
 the file replace those of one sound ConSert, unless the name says ``(whole file)``.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

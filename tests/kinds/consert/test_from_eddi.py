@@ -1,7 +1,5 @@
 """ConSerts from EDDI XML: content, each diagnostic with its text, and no file that breaks us."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

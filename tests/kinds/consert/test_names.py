@@ -1,7 +1,5 @@
 """Names derived from ids, and units."""
 
-from __future__ import annotations
-
 import ast
 import keyword
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Reading, names and checks agree with the shared oracle."""
 
-from __future__ import annotations
-
 from eddi_scaffold.common.problems import worst
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.compose import compose

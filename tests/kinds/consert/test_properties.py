@@ -1,7 +1,5 @@
 """Properties of reading and writing ConSerts, and input that nobody would write on purpose."""
 
-from __future__ import annotations
-
 import dataclasses
 import random
 

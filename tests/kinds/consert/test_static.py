@@ -1,7 +1,5 @@
 """Static checks: what follows from the trees of a ConSert whatever the evidence."""
 
-from __future__ import annotations
-
 import itertools
 import re
 

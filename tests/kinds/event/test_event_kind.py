@@ -1,7 +1,5 @@
 """Events as a kind: a file becomes a monitor, a package, and runs on recorded inputs."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from types import SimpleNamespace

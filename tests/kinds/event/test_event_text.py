@@ -1,7 +1,5 @@
 """Compiled events and expressions: the text, and what of a hostile model is in it."""
 
-from __future__ import annotations
-
 import ast
 import itertools
 import random

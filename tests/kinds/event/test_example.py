@@ -1,7 +1,5 @@
 """The example: an event on the motor that is the evidence of a ConSert."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Events and SafeML settings that stand in an EDDI, as maps that every tool of the ODE keeps."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -96,13 +94,6 @@ def test_an_error_stops_every_command(tmp_path: Path, old: str, new: str, code: 
     assert f"[{code}]" in refused.err
     assert "landing.xml:" in refused.err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_slash_in_a_text_is_no_comment() -> None:
-    text = LANDING.replace("temp : NUMBER", 'at["a//b"].temp : NUMBER').replace(
-        "temp ", 'at["a//b"].temp '
-    )
-    assert [one for one in problems(text) if one.code == "X031"] == []
 
 
 def test_safeml_settings_are_those_of_a_file(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """Reliability models of texts, compiled as the generator compiles them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

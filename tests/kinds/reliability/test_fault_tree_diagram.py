@@ -148,15 +148,6 @@ def test_constants_are_put_in_and_change_no_value(seed, coherent, observed):
     assert variables.isdisjoint(known)
 
 
-def test_inputs_that_share_events_among_each_other_only_are_a_module():
-    pairs = [Gate("AND", (i, j)) for i, j in ((0, 1), (2, 3), (1, 4), (3, 5))]
-    found = build(6, [*pairs, Gate("OR", (6, 7, 8, 9))], 10)
-    assert len(found.modules) == 3
-    q = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
-    expected = enumerated([*pairs, Gate("OR", (6, 7, 8, 9))], q)
-    assert probability(found)(q) == pytest.approx(expected, rel=1e-14)
-
-
 def test_large_diagrams_are_evaluated_without_text():
     gates = [Gate("VOTE", (0, 1, 2), 2), Gate("AND", (3, 4)), Gate("OR", (5, 6))]
     diagram = build(5, gates, 7)

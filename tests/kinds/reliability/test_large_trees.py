@@ -5,8 +5,6 @@ the folder that holds ``aralia/`` (``input/Aralia`` of github.com/rakhimov/scram
 ``generic-pwr/`` (``data/openpsa`` of github.com/openpra-org/generic-pwr-model).
 """
 
-from __future__ import annotations
-
 import json
 import time
 

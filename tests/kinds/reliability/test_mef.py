@@ -1,7 +1,5 @@
 """Fault trees of Open-PSA files."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What had run before the mission: the same numbers as after that many hours of mission."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -57,34 +55,26 @@ def new_at(hours: float) -> float:
     return 1 - 0.999 * math.exp(-a - b)
 
 
-def test_a_chain_that_has_run_unobserved() -> None:
-    text = (
-        "horizon: 2 h\nmodels: {c: {type: markov, initial: up, fail: down, age: 30 h, arcs: ["
-        "{from: up, to: half, rate: 0.02 1/h}, {from: half, to: down, rate: 0.05 1/h}]}}\n"
-    )
-    a, b = 0.02, 0.05
-    expected = 1 - (b * math.exp(-a * 32) - a * math.exp(-b * 32)) / (b - a)
-    assert p_fail(text) == pytest.approx(expected, rel=1e-12)
+A, B, ETA = 0.02, 0.05, 400 / math.gamma(1.5)
+RUN = {
+    "{c: {type: markov, initial: up, fail: down, age: 30 h, arcs: [{from: up, to: half, rate: "
+    "0.02 1/h}, {from: half, to: down, rate: 0.05 1/h}]}}": (
+        1 - (B * math.exp(-A * 32) - A * math.exp(-B * 32)) / (B - A)
+    ),
+    "{c: {type: processor, mttf_ref: 400 h, t_ref: 51 degC, t_max: 90 degC, u_max: 1, shape: 2, "
+    "age: 300 h}}": -math.expm1((300 / ETA) ** 2 - (302 / ETA) ** 2),
+    "{t: {type: fault_tree, age: 30 h, gates: {G: {type: PAND, of: [A, B]}}, events: {A: {rate: "
+    "0.02 1/h}, B: {rate: 0.05 1/h}}}}": (
+        1 - math.exp(-B * 32) + B / (A + B) * math.expm1(-(A + B) * 32)
+    ),
+}
 
 
-def test_a_processor_that_has_run_at_reference_conditions() -> None:
-    text = (
-        "horizon: 2 h\nmodels: {c: {type: processor, mttf_ref: 400 h, t_ref: 51 degC, t_max: 90 "
-        "degC, u_max: 1, shape: 2, age: 300 h}}\n"
-    )
-    eta = 400 / math.gamma(1.5)
-    expected = -math.expm1((300 / eta) ** 2 - (302 / eta) ** 2)
-    assert p_fail(text, c_temperature=51.0, c_utilisation=1.0) == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_dynamic_gate_that_has_run() -> None:
-    text = (
-        "horizon: 2 h\nmodels: {t: {type: fault_tree, age: 40 h, gates: {G: {type: PAND, of: [A, "
-        "B]}}, events: {A: {rate: 0.01 1/h}, B: {rate: 0.02 1/h}}}}\n"
-    )
-    a, b, t = 0.01, 0.02, 42.0
-    expected = 1 - math.exp(-b * t) - b / (a + b) * -math.expm1(-(a + b) * t)
-    assert p_fail(text) == pytest.approx(expected, rel=1e-11)
+@pytest.mark.parametrize(("models", "expected"), RUN.items())
+def test_what_has_run_for_hours(models: str, expected: float) -> None:
+    values = {"c_temperature": 51.0, "c_utilisation": 1.0} if "processor" in models else {}
+    found = p_fail(f"horizon: 2 h\nmodels: {models}\n", **values)
+    assert found == pytest.approx(expected, rel=1e-11)
 
 
 @given(

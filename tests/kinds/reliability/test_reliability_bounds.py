@@ -1,7 +1,5 @@
 """Bounds by minimal cut sets, for coherent trees whose diagram would be too large."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Any

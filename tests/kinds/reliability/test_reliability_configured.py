@@ -1,7 +1,5 @@
 """A reliability model and its configuration together: causes, open ports, topics of thresholds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

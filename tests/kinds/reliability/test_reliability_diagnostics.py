@@ -5,8 +5,6 @@ file, or else, where it begins with ``<``, the failure models of an EDDI; ``>>>`
 ``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
 """
 
-from __future__ import annotations
-
 import os
 import re
 from pathlib import Path

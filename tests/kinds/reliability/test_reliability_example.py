@@ -1,7 +1,5 @@
 """The drone: a rotor fails, P_fail jumps, the guarantee goes away."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A system that uses every key of ``reliability_config.yml`` is exported as the same system."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The oracle: every case with its correct value."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """What must hold of every model: later, faster and more failures never look safer."""
 
-from __future__ import annotations
-
 import json
 
 from hypothesis import given

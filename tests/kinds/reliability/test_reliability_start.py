@@ -1,7 +1,5 @@
 """The start of a mission, as the reports and the warnings take it: everything is in order."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """Fault trees written as Open-PSA: read back, and compared with SCRAM where it is installed."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

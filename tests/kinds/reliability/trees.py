@@ -1,7 +1,5 @@
 """Diagrams as the classes that are compiled from them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from eddi_scaffold.kinds.reliability.compile import NODES_WRITTEN_OUT, tree_lines

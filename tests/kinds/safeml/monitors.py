@@ -1,7 +1,5 @@
 """SafeML monitors for tests, from configuration and rows to the running monitor."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

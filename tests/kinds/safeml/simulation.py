@@ -7,8 +7,6 @@ components and the residual. The row ``none`` is the rate of false violations.
     PYTHONPATH=.:runtime_lib/src python -m tests.kinds.safeml.simulation [--quick]
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable, Mapping
 from typing import Any

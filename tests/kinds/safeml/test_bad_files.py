@@ -1,7 +1,5 @@
 """Damaged configurations and references: problems or a monitor that runs, never anything else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

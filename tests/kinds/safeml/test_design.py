@@ -1,7 +1,5 @@
 """What is tested: the numbers that the robot gets, in the same form as its samples."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from eddi_scaffold.kinds.safeml.scope import Design

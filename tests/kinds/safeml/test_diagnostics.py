@@ -6,8 +6,6 @@ configuration (``= KEY`` leaves one out); rows of the reference after ``@`` (``@
 ``UPDATE_DIAGNOSTICS=1`` writes what is reported now.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import re

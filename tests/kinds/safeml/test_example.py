@@ -1,7 +1,5 @@
 """The example: a camera's scope that is the evidence of a ConSert."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

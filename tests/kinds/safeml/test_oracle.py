@@ -1,7 +1,5 @@
 """The shared oracle: statistics, thresholds, calibration and traces, from scipy's definitions."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The kind as a whole: what is generated, what it says of itself, what goes to the robot."""
 
-from __future__ import annotations
-
 import hashlib
 import random
 from pathlib import Path

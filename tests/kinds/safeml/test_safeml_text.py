@@ -1,7 +1,5 @@
 """Compiled SafeML monitors: the text and its tables."""
 
-from __future__ import annotations
-
 import ast
 
 import numpy as np
@@ -38,13 +36,6 @@ def test_nothing_of_a_hostile_model_becomes_code():
     names = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name)}
     assert "__import__" not in names
     assert made.monitor().inputs[0].id == HOSTILE
-
-
-def test_two_monitors_of_one_text_are_independent():
-    first = CASES[1].monitor()
-    other = type(first)()
-    step(first, WIDE[0])
-    assert (first.status_message()[1]["filled"], other.status_message()[1]["filled"]) == (1, 0)
 
 
 def test_a_reference_in_a_file_is_the_same(tmp_path, monkeypatch):

@@ -1,7 +1,5 @@
 """False violations and power by simulation; thousands of windows, tens of thousands when long."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 

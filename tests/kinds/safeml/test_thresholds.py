@@ -1,7 +1,5 @@
 """Thresholds: exact for Kolmogorov-Smirnov, on the safe side for the others."""
 
-from __future__ import annotations
-
 import math
 from itertools import combinations
 
@@ -18,7 +16,6 @@ from eddi_scaffold.kinds.safeml.thresholds import (
     critical_values,
     ks_asymptotic,
     ks_tail,
-    limit_quantile,
     smallest_window,
     theoretical,
 )
@@ -79,12 +76,6 @@ def test_tail_is_the_inverse_of_the_quantile(metric: str) -> None:
     for level in (0.5, 0.1, 0.07, 0.01, 1e-3, 3e-6, 1e-6, 1e-9):
         value = critical_value(metric, level, 1000, 70)
         assert tail(metric, 1000, 70)(value) == pytest.approx(level, rel=1e-9)
-
-
-@pytest.mark.parametrize("metric", ["cvm", "ad"])
-def test_above_one_half_the_quantile_stays(metric: str) -> None:
-    assert limit_quantile(metric, 0.9) == limit_quantile(metric, 0.5)
-    assert tail(metric, 1000, 70)(0.0) == 1.0
 
 
 def test_kolmogorov() -> None:

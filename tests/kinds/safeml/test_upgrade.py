@@ -1,7 +1,5 @@
 """A newer reference or configuration into a package that has its name from a configuration."""
 
-from __future__ import annotations
-
 import hashlib
 import random
 import re
