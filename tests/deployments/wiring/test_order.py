@@ -1,11 +1,5 @@
 """A package follows from its own configuration and model: never from others, or from an order."""
 
-<<<<<<< HEAD
-from __future__ import annotations
-
-=======
-import json
->>>>>>> 3bd4b579b29343ec27399e013818523b612cff87
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
