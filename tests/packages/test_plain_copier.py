@@ -83,6 +83,6 @@ def test_it_joins_a_second_monitor_to_the_packages_that_all_share(tmp_path: Path
     assert run(*generate, config, cwd=tmp_path).status == 0
     words = ("answers", "--all", "-w", theirs, "-o", tmp_path / "answers", *model, config)
     assert run(*words, cwd=tmp_path).status == 0
-    for answers in sorted((tmp_path / "answers").iterdir()):
+    for answers in sorted((tmp_path / "answers").glob("*.yml")):
         copied(answers, theirs / "src/eddi_monitor" / answers.stem)
     assert files_below(theirs) == files_below(ours)
