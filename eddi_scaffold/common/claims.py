@@ -12,8 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-Holds = Callable[[object], bool]
-"""A test of one value."""
+Holds = Callable[[object], bool]  # a test of one value
 
 
 def any_value(_: object) -> bool:
@@ -127,8 +126,7 @@ class StatusReading:
     is_complete: bool = True
 
 
-Listen = Callable[[Any], StatusReading]
-"""A message, with its fields as attributes -> what it says."""
+Listen = Callable[[Any], StatusReading]  # a message, with its fields as attributes -> what it says
 
 
 def state_of(*, active: bool, known: bool = True) -> State:

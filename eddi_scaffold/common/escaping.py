@@ -72,8 +72,7 @@ def markdown_code(text: str) -> str:
     return one_line(text).replace("`", "'").replace("|", "¦") or " "
 
 
-DEEPEST = 150
-"""Levels of a tree that recursive functions of ``ast`` get through with their callers."""
+DEEPEST = 150  # levels of a tree that recursive functions of `ast` get through with their callers
 _MOST_BITS = 14_000  # of a number that Python writes in decimal digits
 
 

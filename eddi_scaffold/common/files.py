@@ -22,8 +22,7 @@ from typing import BinaryIO
 
 from eddi_scaffold.common.problems import EddiError, Place, Problem, most_similar, problem
 
-MAX_BYTES = 64 * 1024 * 1024
-"""A larger file is nothing that we read."""
+MAX_BYTES = 64 * 1024 * 1024  # a larger file is nothing that we read
 
 
 _KINDS = {stat.S_IFIFO: "a FIFO", stat.S_IFSOCK: "a socket"}
@@ -105,8 +104,7 @@ def other_format(head: bytes) -> tuple[str, str] | None:
     return next(((name, hint) for form, name, hint in _FORMATS if re.search(form, text)), None)
 
 
-KEPT_BYTES = 4 * 1024 * 1024
-"""Larger files are not kept in memory next to what is made of them."""
+KEPT_BYTES = 4 * 1024 * 1024  # larger files are not kept in memory next to what is made of them
 _MOST_NEIGHBOURS = 1_000
 _inputs: ContextVar[set[tuple[int, int]] | None] = ContextVar("_inputs", default=None)
 """Device and number of the files that the command has read; ``None`` where nobody asks."""

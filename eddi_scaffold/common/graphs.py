@@ -10,8 +10,7 @@ from collections.abc import Container, Hashable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 T = TypeVar("T", bound=Hashable)
-Graph = dict[str, tuple[str, ...]]
-"""Node -> nodes next to it, without repetitions."""
+Graph = dict[str, tuple[str, ...]]  # node -> nodes next to it, without repetitions
 
 
 def reversed_graph(graph: Mapping[T, Sequence[T]]) -> dict[T, tuple[T, ...]]:

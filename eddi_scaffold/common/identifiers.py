@@ -14,8 +14,7 @@ _WORDS = """False None True and as assert async await break case class continue 
 else except finally for from global if import in is lambda match nonlocal not or
 pass raise return self super try type while with yield _"""
 RESERVED = frozenset(_WORDS.split())
-TODO = "TODO"
-"""In a configuration, without quotes: what a person has still to decide."""
+TODO = "TODO"  # in a configuration, without quotes: what a person has still to decide
 _MEMBERS = """begin_processing begin_step bind end_step expression look_again processed
 processing received setup states update update_each update_expression"""
 _INPUT_MEMBERS = frozenset(_MEMBERS.split())

@@ -22,8 +22,7 @@ from eddi_scaffold.program.instructions import (
 )
 from eddi_scaffold.program.python_text import comment
 
-At = tuple[int, int]
-"""Line and column."""
+At = tuple[int, int]  # line and column
 _CONSTANTS = {"number": NUMBER, "truth": BOOL, "literal": ENUM}
 _KEEPS_INFINITY = ("abs", "least", "greatest", "max", "min", "median")
 """Operations whose value can be infinite when an argument is."""

@@ -33,8 +33,7 @@ _OPTIONS = {
     "ALLOW": "INF",
 }
 """Option of a VAR -> what comes behind it."""
-ANONYMOUS = "event"
-"""Name of the event that a bare expression is."""
+ANONYMOUS = "event"  # name of the event that a bare expression is
 
 
 def parse(text: str, findings: TextFindings) -> File:

@@ -18,8 +18,7 @@ from eddi_scaffold.program.standalone_python import python_module
 __all__ = ["Target", "columns", "generate", "monitor_model", "play", "without_limits"]
 
 _PRINTERS = {"python": python_module, "c": c_files}
-Verdict = bool | float | None
-"""A truth value or a number; None is UNKNOWN."""
+Verdict = bool | float | None  # a truth value or a number; None is UNKNOWN
 Column = Literal["float", "bool", "str", "float[]", "bool[]"]
 _COLUMNS: Mapping[str, Column] = {
     "number": "float",

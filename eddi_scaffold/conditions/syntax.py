@@ -169,8 +169,7 @@ FUNCTIONS = {
     "AGE": 1,
 }
 """Function -> number of its arguments."""
-MORE = ("LEAST", "GREATEST")
-"""Functions of two arguments or more."""
+MORE = ("LEAST", "GREATEST")  # functions of two arguments or more
 
 
 def word_of(op: str) -> str:

@@ -17,8 +17,7 @@ from eddi_scaffold.conditions.syntax import Identifier, NumberWithUnit
 
 Locate = Callable[[int], Place]
 """Offset in the text (0 to its length) -> place in the file that holds it."""
-EXPRESSION = "<expression>"
-"""Name of a text that came from no file."""
+EXPRESSION = "<expression>"  # name of a text that came from no file
 _MAX_FINDINGS = 100
 _MAX_INDEX_DIGITS = 6
 DECLARATIONS = ("ENUM", "VAR", "CONST", "EVENT")

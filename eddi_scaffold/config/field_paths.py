@@ -71,8 +71,7 @@ class FieldPathError(HintedError):
 
 Step = Attribute | Index | ByKey | ByName | Every
 FieldPath = tuple[Step, ...]
-PlainStep = str | int | list[str | int]
-"""A step as ``eddi_runtime.plain_values.follow`` takes it."""
+PlainStep = str | int | list[str | int]  # a step as `eddi_runtime.plain_values.follow` takes it
 
 
 def parse_field(text: str, *, lists: bool = False) -> FieldPath:

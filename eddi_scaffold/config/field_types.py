@@ -8,8 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
-Fields = Mapping[str, str]
-"""Field -> type; constants are none."""
+Fields = Mapping[str, str]  # field -> type; constants are none
 
 MessageFields = Mapping[str, Fields]
 """Message type (``std_msgs/Bool``) -> field -> type as in a ``.msg`` file."""
@@ -28,8 +27,7 @@ TIMES: Mapping[str, Fields] = {
     "duration": {"secs": "int32", "nsecs": "int32"},
 }
 """What rospy makes of the two primitive types that have parts."""
-PRIMITIVES = (*_PYTHON_TYPES, *TIMES, "wstring")
-"""All types that are no messages."""
+PRIMITIVES = (*_PYTHON_TYPES, *TIMES, "wstring")  # all types that are no messages
 EITHER_TIMES: Mapping[str, Fields] = {
     "time": {**TIMES["time"], "sec": "int32", "nanosec": "uint32"},
     "duration": {**TIMES["duration"], "sec": "int32", "nanosec": "uint32"},

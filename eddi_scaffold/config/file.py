@@ -16,8 +16,7 @@ from eddi_scaffold.yaml_text.spans import inside_scalar
 
 _EVENT_FILES, _TYPES = "event_files", "MessageTypes"
 """Keys of what is remembered: the texts of other files, and message types."""
-MODEL_KEYS = ("model", "config", "file")
-"""Keys by which ``parameters`` names the file of the model."""
+MODEL_KEYS = ("model", "config", "file")  # keys by which `parameters` names the file of the model
 
 
 @dataclass(frozen=True)

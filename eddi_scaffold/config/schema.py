@@ -37,8 +37,7 @@ _QUANTITY = re.compile(r"([0-9]{1,9}(?:\.[0-9]{1,9})?(?:e[-+]?[0-9]{1,2})?) *([a
 _ADDRESS = re.compile(r"[^<>]+<[^<>@\s]+@[^<>\s]+\.[^<>\s]+>")
 _SECONDS = {"": 1.0, "ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0}
 _HERTZ = {"": 1.0, "hz": 1.0, "khz": 1e3}
-_LONGEST = 1e6
-"""Seconds: more is not a limit at all."""
+_LONGEST = 1e6  # seconds: more is not a limit at all
 _NOT_IN_ROS = {
     "double": "float64", "float": "float32", "int": "int32", "long": "int64", "boolean": "bool",
     "str": "string",
@@ -156,8 +155,7 @@ _digest = text(
 )
 Name = Annotated[StrictStr, BeforeValidator(_named), Field(min_length=1)]
 MaxAge = Annotated[float | Literal["none"] | None, _max_age]
-Lease = Annotated[float, _lease]
-"""Seconds for which a word of another robot counts."""
+Lease = Annotated[float, _lease]  # seconds for which a word of another robot counts
 FileName = Annotated[StrictStr, _file_name]
 Line = Annotated[StrictStr, text(_is_line, "one line of text")]
 Topic = Annotated[StrictStr, _topic]

@@ -18,12 +18,9 @@ from eddi_scaffold.common.problems import (
 )
 from eddi_scaffold.yaml_text.nodes import Items, Map, Node, as_text, value_11
 
-KEY = -1
-"""Last part of the path under which the place of a key is noted, not that of its value."""
-Path = tuple[str | int, ...]
-"""Keys and numbers of entries that lead to a value."""
-Places = dict[Path, Place]
-"""Path of a value -> its place; with KEY at the end, that of its key."""
+KEY = -1  # last part of the path under which the place of a key is noted, not that of its value
+Path = tuple[str | int, ...]  # keys and numbers of entries that lead to a value
+Places = dict[Path, Place]  # path of a value -> its place; with KEY at the end, that of its key
 _TEXTS = {
     "bool_type": "true or false is expected",
     "dict_type": "a map is expected",

@@ -7,13 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.common.identifiers import (
-    TODO,
-    free_name,
-    full_topic,
-    is_ros_name,
-    package_name,
-)
+from eddi_scaffold.common.identifiers import TODO, free_name, full_topic, is_ros_name, package_name
 from eddi_scaffold.common.problems import (
     EddiError,
     Problem,

@@ -105,8 +105,7 @@ def limit_of(monitor: WiredMonitor, name: str) -> float:
     return min((limit for limit in limits if isinstance(limit, int | float)), default=math.inf)
 
 
-_PERIODS = 2
-"""Of a publisher that a limit must allow; a little more is what is advised."""
+_PERIODS = 2  # of a publisher that a limit must allow; a little more is what is advised
 _ADVISED = 2.5
 
 

@@ -20,8 +20,7 @@ from eddi_scaffold.platforms import MeetingPlace, Platform, chosen
 from eddi_scaffold.yaml_text.nodes import dump_plain
 
 STATION = "Station"
-_DEMAND = "told_"
-"""Before the name of a guarantee: the demand that it is active."""
+_DEMAND = "told_"  # before the name of a guarantee: the demand that it is active
 
 
 def with_station(fleet: Fleet) -> Fleet:

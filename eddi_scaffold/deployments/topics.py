@@ -11,11 +11,7 @@ from eddi_scaffold.common.problems import Place, Problem, most_similar, problem
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import PublishedTopic, WiredMonitor
 from eddi_scaffold.monitors.input_rules import kind_of_message
-from eddi_scaffold.monitors.publications import (
-    MESSAGE_PACKAGE,
-    Publication,
-    read_respelt,
-)
+from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE, Publication, read_respelt
 
 
 class Publisher(NamedTuple):

@@ -13,19 +13,14 @@ from itertools import pairwise
 
 from eddi_scaffold.diagrams import Diagram, DiagramEdge, DiagramNode
 
-LINE = 15.0
-"""Height of a line of 12 pixels."""
-RULE = 6.0
-"""Space around the line below the heading of a table."""
+LINE = 15.0  # height of a line of 12 pixels
+RULE = 6.0  # space around the line below the heading of a table
 _PADDING_X, _PADDING_Y = 12.0, 8.0
 _GAP_X, _GAP_Y = 26.0, 44.0
 _BEND = 10.0
-_BENDS = 10
-"""Bends for each node and edge; an edge across more layers is drawn as a straight line."""
-_APART = 9.0
-"""How far each of two opposite edges keeps from the middle between them."""
-_LONGEST = 28
-"""Letters of a line of a label."""
+_BENDS = 10  # bends for each node and edge; an edge across more layers is drawn as a straight line
+_APART = 9.0  # how far each of two opposite edges keeps from the middle between them
+_LONGEST = 28  # letters of a line of a label
 _ROUND = {"ellipse": 1.25, "hexagon": 1.2, "and": 1.1, "or": 1.2, "not": 1.3}
 """How much wider than its text a shape must be."""
 _SWEEPS, _ROUNDS = 12, 16

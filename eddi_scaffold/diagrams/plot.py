@@ -9,11 +9,9 @@ from typing import Literal
 
 from eddi_scaffold.common.escaping import xml_text
 
-Value = bool | int | float | str | None
-"""``None`` is unknown."""
+Value = bool | int | float | str | None  # `None` is unknown
 
-Span = tuple[float, float]
-"""From when to when."""
+Span = tuple[float, float]  # from when to when
 Form = Literal["truth", "number", "text"]
 
 

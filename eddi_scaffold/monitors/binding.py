@@ -10,13 +10,7 @@ from dataclasses import dataclass, replace
 
 from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
-from eddi_scaffold.common.problems import (
-    EddiError,
-    Problem,
-    SimilarNames,
-    has_errors,
-    problem,
-)
+from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, has_errors, problem
 from eddi_scaffold.config.field_types import EITHER_TIMES, MessageFields, declared
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry

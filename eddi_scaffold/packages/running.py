@@ -36,8 +36,7 @@ from eddi_scaffold.recordings.messages import Message, blank
 from eddi_scaffold.recordings.node import Received, ReplayedNode, Step
 from eddi_scaffold.recordings.playing import Playback, Running
 
-_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')
-"""A line of a traceback."""
+_CALL = re.compile(r'(?m)^  File "(.+)", line ([0-9]+), in ')  # a line of a traceback
 
 
 @dataclass(frozen=True)

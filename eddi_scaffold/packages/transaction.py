@@ -14,8 +14,7 @@ from eddi_scaffold.common.files import refuse_input, saved_meanwhile
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.regions.package import Step, kind_of, put_aside
 
-NEW, NEW_PROGRAM = 0o644, 0o755
-"""Permissions of files that were not there before."""
+NEW, NEW_PROGRAM = 0o644, 0o755  # permissions of files that were not there before
 
 
 @dataclass(frozen=True)

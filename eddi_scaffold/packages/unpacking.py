@@ -26,8 +26,7 @@ PATHS = ("copier.yml", "copier_templates", "runtime_lib/src")
 MADE_BY = (*PATHS, "eddi_scaffold/regions")
 """All that the files of a package come from, but for the answers."""
 _MEMORY = Path("/dev/shm")  # noqa: S108 - `mkdtemp` makes a folder that only its user reads
-_ENOUGH = 512 * 2**20
-"""Five hundred packages need a quarter of it."""
+_ENOUGH = 512 * 2**20  # five hundred packages need a quarter of it
 
 
 @dataclass(frozen=True)

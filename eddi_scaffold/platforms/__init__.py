@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
 DEFAULT = "ros1"
 """The platform that is meant where none is named: configurations connect a monitor to ROS 1."""
-DEFAULT_IN_FOLDER = "plain"
-"""The same where packages go to a folder that is not a workspace."""
+DEFAULT_IN_FOLDER = "plain"  # the same where packages go to a folder that is not a workspace
 RUNTIME, SINGLE_PROCESS = "runtime", "single_process"
 """Answers of a monitor package: where the runtime library is; whether one process runs all."""
 VENDORED, INSTALLED = "vendored", "installed"

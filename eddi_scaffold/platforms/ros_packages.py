@@ -101,8 +101,7 @@ def _named(type_: str) -> str:
 
 
 RUNTIME = "eddi_runtime"
-ROSDEP_KEY = "python3-eddi-runtime-pip"
-"""The runtime library as a distribution that is installed."""
+ROSDEP_KEY = "python3-eddi-runtime-pip"  # the runtime library as a distribution that is installed
 LAUNCHER = "eddi_monitor_launcher"
 _MANIFESTS = frozenset(["package.xml", "manifest.xml"])
 

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from eddi_scaffold.program.instructions import (
-    BOOL,
-    ENUM,
-    NUMBER,
-    Operation,
-    Program,
-    Read,
-    Result,
-)
+from eddi_scaffold.program.instructions import BOOL, ENUM, NUMBER, Operation, Program, Read, Result
 
 
 def _signatures() -> Iterator[tuple[str, tuple[tuple[str, ...], str]]]:
@@ -34,8 +26,7 @@ def _signatures() -> Iterator[tuple[str, tuple[tuple[str, ...], str]]]:
 
 SIGNATURES: Mapping[str, tuple[tuple[str, ...], str]] = dict(_signatures())
 """Operation -> types of its arguments and of its value; ``age`` names a variable."""
-MAX_CAPACITY = 1 << 20
-"""Samples in one window: 16 MB in C."""
+MAX_CAPACITY = 1 << 20  # samples in one window: 16 MB in C
 
 
 class Builder:

@@ -38,8 +38,7 @@ from eddi_scaffold.program.lists import Reduction
 
 NUMBER, BOOL, ENUM, TEXT = "number", "bool", "enum", "text"
 
-MAX_NS = 1 << 62
-"""Longest duration; sums of two fit into 64 bits."""
+MAX_NS = 1 << 62  # longest duration; sums of two fit into 64 bits
 LEAVES = ("variable", "number", "truth", "literal")
 BUFFERED = ("average", "sum", "max", "min", "median", "stddev", "rate", "count")
 WINDOWS = (*BUFFERED, "time", "once")

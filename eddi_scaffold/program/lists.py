@@ -22,8 +22,7 @@ from eddi_scaffold.program.python_text import (
     tuple_of,
 )
 
-TRUTHS = ("list_count", "list_any", "list_all")
-"""Reductions of truth values."""
+TRUTHS = ("list_count", "list_any", "list_all")  # reductions of truth values
 OPERATIONS = (
     *("neg", "abs", "sqrt", "least", "greatest", "add", "sub", "mul", "div"),
     *("lt", "le", "gt", "ge", "eq", "ne", "eq_bool", "ne_bool"),

@@ -25,8 +25,7 @@ from eddi_scaffold.program.python_text import (
     tuple_of,
 )
 
-CORE_FORMAT = 1
-"""Of what every compiled monitor uses of ``eddi_runtime``."""
+CORE_FORMAT = 1  # of what every compiled monitor uses of `eddi_runtime`
 
 _CONSTANTS = {"INF": 'float("inf")', "NAN": 'float("nan")'}
 

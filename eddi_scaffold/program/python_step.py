@@ -87,8 +87,7 @@ else:
     {r} = 0 if {value} is {bad} else {judged}"""
 _UNKNOWN = {NUMBER: "NAN", BOOL: "1", ENUM: "-1"}
 _KNOWN = {NUMBER: "{0} == {0}", BOOL: "{0} != 1", ENUM: "{0} >= 0"}
-_MAX_RANGES = 8
-"""Ranges that are written out; more are judged by the general function."""
+_MAX_RANGES = 8  # ranges that are written out; more are judged by the general function
 _LONGEST_NAME = 24
 
 RESERVED = frozenset(

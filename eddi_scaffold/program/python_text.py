@@ -15,8 +15,7 @@ from typing import NamedTuple
 WIDTH = 100
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,39}")
 _LONGEST_COMMENT = 70
-_SHORT = WIDTH - 25
-"""What fits a line wherever it stands."""
+_SHORT = WIDTH - 25  # what fits a line wherever it stands
 
 
 class Group(NamedTuple):

@@ -55,14 +55,12 @@ PARTS: Mapping[str, tuple[str, ...]] = {
 ``testing`` is for people who have the distribution; no monitor needs it.
 """
 
-PEERS = "peers"
-"""What a monitor needs that is one of a fleet."""
+PEERS = "peers"  # what a monitor needs that is one of a fleet
 
 LIFE_CYCLE = "transports/ros2/lifecycle"
 """What a monitor needs of which others say when it is active."""
 
-HOST = "transports/ros1/host"
-"""Runs all monitors of a workspace in one process."""
+HOST = "transports/ros1/host"  # runs all monitors of a workspace in one process
 
 
 def runtime_parts_of(text: str) -> tuple[str, ...]:

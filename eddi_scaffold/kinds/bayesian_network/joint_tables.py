@@ -12,12 +12,7 @@ from typing import NamedTuple
 
 from eddi_scaffold.kinds.bayesian_network import structure
 from eddi_scaffold.kinds.bayesian_network.clique_tree import EVIDENCE, TABLE
-from eddi_scaffold.kinds.bayesian_network.message_passing import (
-    Edge,
-    Message,
-    MessageProgram,
-    Plan,
-)
+from eddi_scaffold.kinds.bayesian_network.message_passing import Edge, Message, MessageProgram, Plan
 
 MAX_NUMBERS = 16_384  # Numbers in the table of one output: half a megabyte
 MAX_SUMMED = 128  # Numbers of a table up to which a sum that is written out is the faster way

@@ -19,10 +19,7 @@ from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.kinds.bayesian_network import cross_check, method_module, read_xml_formats, show
 from eddi_scaffold.kinds.bayesian_network.compile import compile_network
 from eddi_scaffold.kinds.bayesian_network.network import Network
-from eddi_scaffold.kinds.bayesian_network.options import (
-    NetworkOptions,
-    read_options,
-)
+from eddi_scaffold.kinds.bayesian_network.options import NetworkOptions, read_options
 from eddi_scaffold.kinds.bayesian_network.read_eddi import read_networks
 from eddi_scaffold.kinds.bayesian_network.read_text_formats import read_bif
 from eddi_scaffold.kinds.bayesian_network.write import changed_ids, to_xdsl, to_xmlbif

@@ -6,13 +6,7 @@ from collections.abc import Iterator
 
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.problems import EddiError, problem
-from eddi_scaffold.kinds.bayesian_network.network import (
-    TARGET,
-    TITLE,
-    Network,
-    Node,
-    xdsl_ids,
-)
+from eddi_scaffold.kinds.bayesian_network.network import TARGET, TITLE, Network, Node, xdsl_ids
 
 
 def to_xdsl(network: Network) -> str:

@@ -10,13 +10,7 @@ from typing import Any
 from eddi_scaffold.common import units
 from eddi_scaffold.common.graphs import cycles, reached
 from eddi_scaffold.common.identifiers import attribute
-from eddi_scaffold.common.problems import (
-    Place,
-    Problem,
-    SimilarNames,
-    did_you_mean,
-    problem,
-)
+from eddi_scaffold.common.problems import Place, Problem, SimilarNames, did_you_mean, problem
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.kinds.consert import names
 from eddi_scaffold.kinds.consert.ranges import is_empty, overlap

@@ -7,13 +7,7 @@ from collections.abc import Iterator
 
 from eddi_scaffold.common.escaping import xml_text
 from eddi_scaffold.common.identifiers import free_name
-from eddi_scaffold.kinds.reliability.system import (
-    DYNAMIC,
-    FaultTree,
-    Gate,
-    Law,
-    ReliabilitySystem,
-)
+from eddi_scaffold.kinds.reliability.system import DYNAMIC, FaultTree, Gate, Law, ReliabilitySystem
 
 _UNITS = {"exponential": "hours-1", "weibull": "hours"}
 """Law -> unit of its first number, which is a parameter because only these have units."""
