@@ -146,6 +146,7 @@ def test_two_topics_make_an_event_and_that_a_guarantee(run):
         until(lambda: run.of(EVENTS, "verdict") == [verdict], PATIENCE_S, f"event {verdict}")
         until(lambda: run.active(DRIVE, "FullSpeed") == [fast], PATIENCE_S, f"guarantee {fast}")
 
+    until(lambda: run.messages(EVENTS), 60.0, "the first word of many nodes")
     until_it_is(UNKNOWN, fast=False)
     current = feed("/motor/current", 6)
     cool = feed("/motor/temperature", 55)
