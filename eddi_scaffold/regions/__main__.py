@@ -25,9 +25,9 @@ from .package import NEW, BusyError, Plan
 from .sync import plan_sync
 
 _USAGE = """\
-usage: python <this folder> sync PACKAGE STAGE [TABLES [FOLDER]]
+usage: python <this folder> sync PACKAGE STAGE [FILES [FOLDER]]
                                                  place the rendering in PACKAGE/.eddi/new/STAGE;
-                                                 TABLES: {path: SHA-256} of files in FOLDER
+                                                 FILES: {path: SHA-256} of those in FOLDER
        python <this folder> damage PACKAGE       tell whether markers are damaged
        python <this folder> status PACKAGE       list what is open; status 3 when something is
        python <this folder> accept PACKAGE ID... note that bodies were looked at

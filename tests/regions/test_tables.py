@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.regions.__main__ import main, place_tables
+from eddi_scaffold.regions.__main__ import main, place_files
 
 DATA = b"numbers"
 TABLES = {"src/own/reference.bin": hashlib.sha256(DATA).hexdigest()}
@@ -20,19 +20,19 @@ def test_tables_are_taken_from_their_folder(tmp_path: Path) -> None:
     (rendering / "src/own").mkdir(parents=True)
     folder.mkdir()
     table = rendering / "src/own/reference.bin"
-    assert [*place_tables(root, rendering, TABLES, None)] == [*TABLES]
+    assert [*place_files(root, rendering, TABLES, None)] == [*TABLES]
     (folder / "reference.bin").write_bytes(b"another one")
-    assert [*place_tables(root, rendering, TABLES, folder)] == [*TABLES]
+    assert [*place_files(root, rendering, TABLES, folder)] == [*TABLES]
     assert not table.exists()
     (folder / "reference.bin").write_bytes(DATA)
-    assert [*place_tables(root, rendering, TABLES, folder)] == []
+    assert [*place_files(root, rendering, TABLES, folder)] == []
     assert table.read_bytes() == DATA
     (root / "src/own").mkdir(parents=True)
     table.rename(root / "src/own/reference.bin")
-    assert [*place_tables(root, rendering, TABLES, None)] == [], "so is that of the package"
+    assert [*place_files(root, rendering, TABLES, None)] == [], "so is that of the package"
     assert table.exists()
     for name in ("../reference.bin", f"{folder}/reference.bin", ".."):
-        assert [*place_tables(root, rendering, {name: TABLES["src/own/reference.bin"]}, folder)]
+        assert [*place_files(root, rendering, {name: TABLES["src/own/reference.bin"]}, folder)]
 
 
 def test_the_command_names_what_is_missing(

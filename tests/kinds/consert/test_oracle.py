@@ -6,8 +6,10 @@ from eddi_scaffold.kinds.consert.compose import compose
 from eddi_scaffold.kinds.consert.consert_model import ConSertModel
 from tests.kinds.consert.oracle import as_source, oracle
 
-MORE_UNITS = {"P_uom_percent", "P_uom_rad"}
-"""Units of robots that conserts-rs, and so the oracle, does not have."""
+MORE = {
+    *("P_uom_percent", "P_uom_rad"),  # units of robots, which conserts-rs does not have
+    *("P_guar_dimensions_empty", "P_cat_no_subset", "P_num_no_subset"),  # EDDIs have such
+}
 
 
 def test_parse_gives_the_wanted_severity_and_code():
@@ -15,7 +17,7 @@ def test_parse_gives_the_wanted_severity_and_code():
     for case in oracle()["parse"]:
         problems = ConSertModel.read_file(as_source(case.get("doc", case.get("text"))), ()).problems
         want, codes = case["want"], {problem.code for problem in problems}
-        if case["id"] in MORE_UNITS:
+        if case["id"] in MORE:
             want = {"result": "ok"}
         if want.get("code") == "C002":  # stricter than the oracle: a lost key may be a lost unit
             want = {**want, "result": "error"}

@@ -15,7 +15,7 @@ from ..monitor import Field, Json, Standing, Tree, finite
 from ..thresholds import Evidence, Threshold
 from .engine import Rows
 from .monitor import BayesianNetworkMonitor, Output
-from .outputs import Facts
+from .outputs import Claim, Facts
 
 __all__ = ["COMBINATIONS", "REASONS", "Claim", "StateThreshold", "Threshold", "ThresholdMonitor"]
 
@@ -50,29 +50,6 @@ class StateThreshold(NamedTuple):
     states: tuple[int, ...]  # numbers of the states whose probabilities are added up
     at_least: bool  # the probability must not be below; else it must not be above
     limits: Threshold  # where it begins and ends; of the negative probability for ``at_least``
-
-
-class Claim(NamedTuple):
-    """Result of a threshold in the last step."""
-
-    id: str  # of the threshold
-    active: bool  # the probability is on the right side for every state that is possible
-    low: float  # lower bound of the probability; NaN: not computed
-    high: float  # upper bound
-    reason: str  # why it is not active; empty when it is, or is known to be on the wrong side
-
-    def bounds(self, form: str) -> str:
-        """Return the bounds for people, empty where they were not computed."""
-        if math.isnan(self.low):
-            return ""
-        low, high = format(self.low, form), format(self.high, form)
-        return low if self.low == self.high else f"{low} to {high}"
-
-    def text(self) -> str:
-        """Return the result for people."""
-        active, bounds = "active" if self.active else "not active", self.bounds(".3g")
-        reason = f" ({self.reason})" if self.reason else ""
-        return f"{self.id}: {active}{', ' if bounds else ''}{bounds}{reason}"
 
 
 class ThresholdMonitor(BayesianNetworkMonitor):

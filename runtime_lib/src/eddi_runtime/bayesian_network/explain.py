@@ -9,7 +9,7 @@ from .monitor import BayesianNetworkMonitor
 from .outputs import Facts, Known
 
 if TYPE_CHECKING:
-    from .claims import Claim
+    from .outputs import Claim
 
 
 class Explanation(NamedTuple):

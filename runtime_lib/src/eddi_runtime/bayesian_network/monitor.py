@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Dict, Iterable, List, Union
+from typing import Dict, Iterable, List, Union
 
 from ..inputs import look_again, step_time
 from ..monitor import Field, Json, ModelError, Monitor, Standing, Tree
@@ -13,9 +13,6 @@ from .engine import Engine, NodeSpec, Program, Rows, States, Weights
 from .evidence import Methods, NotForeseenError
 from .outputs import NO_ANSWER, BayesianNetworkOutput, Facts, Known, Node, Outcome, Source, Step
 from .outputs import Monitor as OfD72
-
-if TYPE_CHECKING:
-    from .claims import Claim
 
 Output = List[BayesianNetworkOutput]
 Named = Dict[str, Union[bool, float, str, None]]
@@ -197,7 +194,7 @@ class BayesianNetworkMonitor(OfD72, Monitor[Output]):
         }
         return "BayesianNetworkStatus", fields
 
-    def claims(self) -> list[Claim]:
+    def claims(self) -> list[out.Claim]:
         """Return the last result of each threshold, in the order of the configuration."""
         return []
 

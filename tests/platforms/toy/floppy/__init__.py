@@ -12,7 +12,7 @@ def step(monitor, eddi_input, messages, now=0.0):
     eddi_input.begin_step({name: one.age_at(now) for name, one in receipts.items()}, None, 0)
     eddi_input.processing(messages)
     output = monitor.execute_step(eddi_input, 0)
-    health = Health(monitor.monitor, eddi_input, 1.0)
+    health = Health(monitor.monitor, eddi_input, 1.0, 0.0)
     health.after_step(output, receipts, "", 0.0)
     nothing = {"overruns": 0, "graph": GraphFact(), "topics": {}}
     said = health.collect(receipts=receipts, periodic=True, **nothing)
