@@ -33,6 +33,7 @@ from eddi_scaffold.kinds.consert.consert import (  # noqa: E402
     ConSert,
     NumericDimension,
 )
+from eddi_scaffold.kinds.consert.consert_model import ConSertModel  # noqa: E402
 from runtime_lib.tests import conserts  # noqa: E402
 from runtime_lib.tests.bound_models import BoundModel  # noqa: E402
 
@@ -62,6 +63,7 @@ def main() -> None:
 def rows_of(gates: int, runs: int, seconds: float) -> list[dict[str, object]]:
     """Return every row of one size."""
     bound = model_of(gates, *SIZES[gates])
+    assert isinstance(bound.model, ConSertModel)
     monitor, consert = bound.monitor(), bound.model.data
     source = some_inputs(consert)
     straight, interpreted = straight_line(consert), interpreter(consert)
@@ -157,7 +159,8 @@ def model_of(gates: int, inputs: int, guarantees: int) -> BoundModel:
     rng = random.Random(gates)
     leaves = [f"evidence_{k}" for k in range(inputs)]
     edges = []
-    unused, made = list(leaves), []
+    unused = list(leaves)
+    made: list[str] = []
     for k in range(gates):
         count = min(len(unused), -(-(len(unused) + gates - k - 1) // (gates - k)))
         sources = [unused.pop(0) for _ in range(count)]
@@ -167,13 +170,14 @@ def model_of(gates: int, inputs: int, guarantees: int) -> BoundModel:
     for k in range(guarantees):
         edges.append([made[-1 - k] if k < len(made) else leaves[0], f"guarantee_{k}"])
     others = {8: conserts.categorical("low", "medium"), 9: conserts.numeric("[0, 5]")}
-    return conserts.consert(
+    bound: BoundModel = conserts.consert(
         [(leaf, others.get(k % 10, conserts.binary())) for k, leaf in enumerate(leaves)],
         gates=[f"{gate}{rng.choice('&|')}" for gate in made],
         guarantees=[f"guarantee_{k}" for k in range(guarantees)],
         edges=edges,
         name="Benchmark",
     )
+    return bound
 
 
 def some_inputs(consert: ConSert) -> EDDIInputBase:
@@ -183,7 +187,7 @@ def some_inputs(consert: ConSert) -> EDDIInputBase:
         CategoricalDimension: ("low", "high"),
         NumericDimension: (2.5, 7.5),
     }
-    source = type("EDDIInput", (EDDIInputBase,), {})()
+    source: EDDIInputBase = type("EDDIInput", (EDDIInputBase,), {})()
     for k, leaf in enumerate(consert.evidence):
         good, bad = values[type(leaf.dimension)]
         setattr(source, leaf.id, good if k % 4 else None if k % 8 else bad)
@@ -227,7 +231,9 @@ def interpreter(consert: ConSert) -> Step:
     """Return a three-valued evaluation that looks everything up by id (FALSE 0, TRUE 2)."""
     graph = nodes(consert)
     guarantees = [guarantee.id for guarantee in consert.guarantees]
-    evidence = [{"id": leaf.id, "kind": type(leaf.dimension)} for leaf in consert.evidence]
+    evidence: list[dict[str, Any]] = [
+        {"id": leaf.id, "kind": type(leaf.dimension)} for leaf in consert.evidence
+    ]
 
     def judged(kind: type, value: Any) -> int:
         if value is None:

@@ -91,14 +91,14 @@ def rows_of(runs: int, steps: int) -> Iterable[dict[str, Any]]:
         long, short = (engine(f"{function}(x, {one}) > 100") for one in (length, LENGTHS[0]))
         # long enough that the window is full and turns
         yield paired(f"{function} {length}", long, "ours at 0.1 s", short, runs, max(steps, 9_000))
-    ours = engine(ALONE["D7.2 example 2"])
+    python = engine(ALONE["D7.2 example 2"])
     compiler = shutil.which("gcc")
     if compiler is None:
-        yield alone("D7.2 example 2 in C", ours, runs, steps) | {"reason": "there is no gcc"}
+        yield alone("D7.2 example 2 in C", python, runs, steps) | {"reason": "there is no gcc"}
     else:
         with tempfile.TemporaryDirectory() as folder:
             c = c_program(ALONE["D7.2 example 2"], Path(folder), compiler)
-            yield paired("D7.2 example 2 in C", c, "ours in Python", ours, runs, steps)
+            yield paired("D7.2 example 2 in C", c, "ours in Python", python, runs, steps)
 
 
 def samples(count: int) -> list[float]:

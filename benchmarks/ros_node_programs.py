@@ -84,7 +84,7 @@ def measure(count: str, pause: str, *names: str) -> None:
 def rate(hertz: str) -> None:
     """Run the node that D7.2 prints."""
     rospy.init_node("peer")
-    values = {}
+    values: dict[str, Bool] = {}
     rospy.Subscriber("flag", Bool, lambda message: values.update(flag=message))
     out = rospy.Publisher("guarantees", ConSertOutput, queue_size=1)
     clock = rospy.Rate(float(hertz))

@@ -29,8 +29,9 @@ sys.path[:0] = [str(ROOT), str(ROOT / "runtime_lib" / "src")]
 from eddi_runtime import Monitor  # noqa: E402 - a benchmark runs from the checkout
 
 from eddi_scaffold.common.files import Source  # noqa: E402
-from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402  # noqa: E402
+from eddi_scaffold.kinds.safeml.scope import (  # noqa: E402
     Design,
+    Metric,
     Plan,
     ReferenceSample,
     SafeMLFile,
@@ -41,7 +42,7 @@ from runtime_lib.tests.bound_models import bound_input, bound_model  # noqa: E40
 
 WINDOW = 100
 SIZES = [(1000, 10), (1000, 100), (10_000, 10), (10_000, 100)]
-METRICS = ("ks", "cvm", "ad")
+METRICS: tuple[Metric, ...] = ("ks", "cvm", "ad")
 Array = Any
 """numpy.ndarray."""
 
@@ -68,7 +69,7 @@ def main() -> None:
 
 
 def rows_of(
-    metric: str, n: int, d: int, peers: Sequence[Any], runs: int, steps: int
+    metric: Metric, n: int, d: int, peers: Sequence[Any], runs: int, steps: int
 ) -> list[dict[str, object]]:
     """Return a row for each peer."""
     chance = np.random.default_rng(n + d)
@@ -113,7 +114,7 @@ def pca_rows(runs: int, steps: int) -> list[dict[str, object]]:
     return [{"case": case, "peer": "ours, d = 10 without PCA", **times}]
 
 
-def step_seconds(monitor: Monitor, samples: Array) -> float:
+def step_seconds(monitor: Monitor[Any], samples: Array) -> float:
     """Return the seconds of one step; the window is full."""
     monitor.reset()
     inputs = [SimpleNamespace(sample=row) for row in samples.tolist()]
@@ -134,14 +135,14 @@ def peer_seconds(distances: Distances, reference: Array, window: Array) -> float
         return time.process_time() - start
 
 
-def monitor_of(reference: Array, metric: str, **parts: Any) -> Monitor:
+def monitor_of(reference: Array, metric: Metric, **parts: Any) -> Monitor[Any]:
     settings, design = SafeMLSettings(WINDOW, "r.csv", 0.1, metric), Design(reference, **parts)
     threshold = 17_000 if metric == "ks" else 3.5
     plan = Plan(settings, design, False, 0.1, threshold, None, threshold, "exact", (0.0, 0))
     file = SafeMLFile(settings, ReferenceSample(Source("r.csv", b""), reference))
     options = SafeMLOptions(plan, "sample", None, None)
     bound = bound_model("safeml", "Benchmark", file, options, [bound_input("sample")])
-    monitor: Monitor = bound.monitor()
+    monitor: Monitor[Any] = bound.monitor()
     return monitor
 
 

@@ -146,8 +146,8 @@ def ros1(cases: dict[str, tuple[int, int, int]], seconds: float) -> Iterator[Row
                 world.process([PYTHON, "-c", ROS1_PUBLISHER, *words], env)
                 peer = world.process([PYTHON, "-c", ROS1_PEER, words[0]], env)
                 with watching(["--master", master.uri], dict(os.environ), numbers) as ours:
-                    spent = measured([ours, peer.popen.pid], seconds)
-                yield row(f"ROS 1, {case}", *spent)
+                    spent, of_peer = measured([ours, peer.popen.pid], seconds)
+                yield row(f"ROS 1, {case}", spent, of_peer)
             finally:
                 world.destroy()
 
