@@ -79,9 +79,13 @@ def is_ros_name(text: str) -> bool:
     return _ROS_NAME.fullmatch(text) is not None
 
 
+_LONGEST = 100  # letters of a package: it is also the name of files
+
+
 def package_name(model_id: str) -> str:
     """Derive a package name of the form of REP-144 from a model id; may be too short or empty."""
-    return re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")
+    name = re.sub(r"[^a-z0-9]+", "_", model_id.lower()).strip("_").lstrip("0123456789_")
+    return name[:_LONGEST].rstrip("_")
 
 
 def free_name(base: str, taken: Container[str]) -> str:

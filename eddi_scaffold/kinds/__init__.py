@@ -218,7 +218,7 @@ class Model:
     @property
     def safe_name(self) -> str:
         """Its name as that of a file."""
-        return re.sub(r"[^\w.-]", "_", self.name).lstrip(".") or self.kind
+        return re.sub(r"[^\w.-]", "_", self.name).lstrip(".")[:60] or self.kind
 
     @classmethod
     def read_file(cls, source: Source, default_guarantees: Sequence[str]) -> ReadResult:

@@ -170,7 +170,7 @@ def test_answers_say_the_command_that_uses_them(folder: Path) -> None:
     assert "--data-file 'a b.yml'" in result.err
     assert result.err.endswith(" src/eddi_monitor/conserta\n")
     many = run("answers", "-m", MODEL, "-c", CONFIG, "-o", "all", "--all", cwd=folder)
-    assert many.err.count("copier copy") == len(files_below(folder / "all")) == 5
+    assert many.err.count("copier copy") == len([*(folder / "all").glob("*.yml")]) == 5
 
 
 def test_answers_take_the_model_that_a_configuration_names(folder: Path) -> None:
@@ -181,7 +181,8 @@ def test_answers_take_the_model_that_a_configuration_names(folder: Path) -> None
     for words, file in ((("-m", MODEL), "given.yml"), ((), "named.yml")):
         result = run("answers", *words, "-c", config.name, "-o", file, cwd=folder)
         assert result.status == 0, result.err
-    assert (folder / "given.yml").read_bytes() == (folder / "named.yml").read_bytes()
+    given, named = ((folder / f"{name}.yml").read_text("utf-8") for name in ("given", "named"))
+    assert given.replace("given.yml.files", "named.yml.files") == named
     assert "[G015]" in run("answers", "-o", "nothing.yml", cwd=folder).err
 
 

@@ -160,7 +160,7 @@ def test_one_process_on_an_installed_runtime_says_what_is_missing_runs_and_comes
     workspace = shipped
     words = ("--single-process", "--runtime", "installed")
     workspace.generate(MODEL, *CONFIGS, words=words)
-    assert not (workspace.packages / "eddi_runtime").exists()
+    assert not (workspace.packages / "eddi_runtime/package.xml").exists()
     workspace.catkin_build()
     env, site = workspace.devel_env(), workspace.path / "site"
     with launched(env, "without") as running:

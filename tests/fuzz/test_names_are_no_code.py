@@ -50,7 +50,8 @@ def model_yaml(texts: list[str]) -> str:
     _, first, second, text, unit, category, *_ = texts
     spans = [{"Inclusive": {"start": 0, "end": 1}}]
     length = {"type": "Length", "covered": spans, "subset": "Demand", "uom": unit}
-    kind = {"type": "Kind", "covered": [category, "b"], "subset": "Demand"}
+    short = category[:40]  # the comparison with longer ones is not written out
+    kind = {"type": "Kind", "covered": [short, "b"], "subset": "Demand"}
     safe = [{"Binary": {"type": category or "Safe"}}]
     edges = [(first, "Both"), (second, "Both"), ("Both", "G")]
     return dump_plain(

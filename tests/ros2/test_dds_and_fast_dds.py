@@ -2,8 +2,8 @@
 
 import pytest
 
-from tests.contract.stages import HERE, DdsStage, on_loopback, why_no_dds
-from tests.ros1.world import demand
+from tests.contract.stages import DdsStage, on_loopback, why_no_dds
+from tests.ros1.world import PROBES, demand
 from tests.ros2.world import RELEASE, shared
 
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
@@ -17,7 +17,7 @@ class Mixed(DdsStage):
         self._around = {**RELEASE.workspace(below), **on_loopback(self.domain)}
 
     def new_probe(self):
-        return self.probe_of([RELEASE.python, str(HERE / "ros2_probe.py")], self._around)
+        return self.probe_of([RELEASE.python, str(PROBES / "ros2.py")], self._around)
 
 
 def test_messages_with_lists_go_both_ways(tmp_path, tmp_path_factory):

@@ -348,7 +348,8 @@ class Life:
     def check(self) -> None:
         """Check that each text is where it must be, and nothing else is."""
         now = texts(self.place.package)
-        assert now.keys() == self.shown.keys() | self.own.keys()
+        other = now.keys() ^ (self.shown.keys() | self.own.keys())
+        assert not other, f"missing or too many: {sorted(other)}"
         for name, text in self.own.items():
             assert now[name] == text
         for name, text in self.shown.items():

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -37,15 +37,15 @@ class Result:
 
 
 @cache
-def answers_of(inputs: tuple[Input, ...]) -> str:
-    """Return the answers for plain Copier."""
+def answers_of(inputs: tuple[Input, ...]) -> tuple[str, Mapping[str, bytes]]:
+    """Return the answers for plain Copier, and the files that it does not render."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         model, config = write_inputs(folder, inputs)
         monitors, problems = monitors_of(model, [config])
         assembly = assemble(monitors, chosen("ros1"), folder / "none", problems)
-    answers = next(one for one in assembly.packages if one.folder == "rover").answers
-    return yaml.safe_dump(dict(answers))
+    package = next(one for one in assembly.packages if one.folder == "rover")
+    return yaml.safe_dump(dict(package.answers)), package.files
 
 
 @cache
@@ -97,7 +97,12 @@ class World:
         if command == "upgrade":
             return self.command("upgrade", "-w", self.workspace)
         data = self.folder / "answers.yml"
-        data.write_text(answers_of(self.inputs))
+        answers, files = answers_of(self.inputs)
+        data.write_text(f"{answers}files_folder: {data}.files\n")
+        for name, content in files.items():
+            file = Path(f"{data}.files", Path(name).name)
+            file.parent.mkdir(exist_ok=True)
+            file.write_bytes(content)
         words: list[object] = [command, "--trust", "--defaults", "--quiet", "--data-file", data]
         words += ["--vcs-ref", TAGS[self.template], *flags]
         words += [] if command == "update" else ["--overwrite"]

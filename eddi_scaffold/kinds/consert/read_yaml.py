@@ -15,6 +15,7 @@ from eddi_scaffold.common.problems import Place, Problem, did_you_mean, most_sim
 from eddi_scaffold.kinds.consert import consert as model
 from eddi_scaffold.yaml_text import nodes as y
 
+MAX_ID = 128
 _MOST_UNKNOWN_KEYS = 100  # of one map that are compared with a missing one
 _UNREADABLE = model.BinaryDimension("")
 """Stands for a faulty dimension, so that checking goes on with the rest of the file."""
@@ -154,6 +155,13 @@ def _text(reader: _Reader, node: y.Node, what: str, _owner: str) -> str | None:
     return text
 
 
+def _id(reader: _Reader, node: y.Node, what: str, owner: str) -> str | None:
+    text = _text(reader, node, what, owner)
+    if text is not None and len(text) > MAX_ID:
+        reader.report("C001.long_id", node, length=len(text), limit=MAX_ID)
+    return text
+
+
 def _or_null(read: Read) -> Read:
     return lambda reader, node, what, owner: (
         None if y.is_null(node) else read(reader, node, what, owner)
@@ -271,7 +279,7 @@ _DIMENSION = _variant_of(
         "Numeric": _Form(model.NumericDimension, (_TYPE, _RANGES, _SUBSET, _UOM)),
     },
 )
-_ID = _Field("id", _text)
+_ID = _Field("id", _id)
 _DESCRIPTION = _Field("description", _or_null(_text), is_optional=True)
 _DIMENSIONS = _Field(
     "dimensions",

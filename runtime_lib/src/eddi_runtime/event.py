@@ -114,12 +114,15 @@ class EventMonitor(Conditions, Monitor[Rows]):
         return [tree for tree in trees if tree is not None]
 
     def standings(self) -> list[Standing]:
-        blocked, found = self.blocked().items(), []
+        waits: dict[str, list[tuple[str, str]]] = {event.id: [] for event in self.events}
+        for name, ids in self.blocked().items():
+            for id_ in ids:
+                waits[id_].append((name, "not known"))
+        found = []
         for event, value in zip(self.events, self._verdicts):
-            active = value == 2 or (event.hazard and value == 1)
-            waits = tuple((name, "not known") for name, ids in blocked if event.id in ids)
-            reason = "" if value == 2 or waits else _REASONS[int(value)]
-            found.append(Standing("event", event.id, active, waits, reason))
+            active, lacks = value == 2 or (event.hazard and value == 1), waits[event.id]
+            reason = "" if value == 2 or lacks else _REASONS[int(value)]
+            found.append(Standing("event", event.id, active, tuple(lacks), reason))
         return found
 
     def accepted(self) -> tuple[str, ...]:

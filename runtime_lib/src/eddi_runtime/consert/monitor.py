@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Sequence, overload
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Sequence, overload
 
-from ..inputs import accepted, look_again, states_of
+from ..inputs import InputState, accepted, look_again, states_of
 from ..monitor import Monitor, Standing, Tree, rows_of
 from ..plain_values import ABSENT, plain, read
 from .verdicts import (
@@ -123,12 +123,18 @@ class ConSert(Monitor[Rows]):
         ``loss_sets``: find also the sets of several inputs whose loss ends an active guarantee. An
         unknown id is a LookupError that names those there are.
         """
+        sets, reasons = self._sets(), self.reasons()
         if guarantee_id is None:
-            return tuple([self.explain(name, loss_sets=loss_sets) for name in self.guarantee_ids])
+            of = self.guarantees
+            return tuple([self._explain(one, sets, reasons, loss_sets=loss_sets) for one in of])
         if guarantee_id not in self._named:
             there = ", ".join(self.guarantee_ids) or "none"
             raise LookupError(f"there is no guarantee {guarantee_id!r}; there: {there}")
-        one, sets = self._named[guarantee_id], self._sets()
+        return self._explain(self._named[guarantee_id], sets, reasons, loss_sets=loss_sets)
+
+    def _explain(
+        self, one: Guarantee, sets: Sets, reasons: Mapping[str, Reason], *, loss_sets: bool
+    ) -> Explanation:
         value, (missing, truncated) = sets.value(one), sets.missing(one)
         active = value == TRUE
         losses, more = sets.loss_sets(one) if active and loss_sets else ([], False)
@@ -139,7 +145,7 @@ class ConSert(Monitor[Rows]):
             missing=tuple(missing),
             single_losses=sets.single_losses(one) if active else (),
             loss_sets=tuple(losses),
-            reasons={name: self._reason(name) for group in missing for name in group},
+            reasons={name: reasons[name] for group in missing for name in group},
             truncated=truncated or more,
             robots=self._robots(one),
         )
@@ -158,17 +164,17 @@ class ConSert(Monitor[Rows]):
 
     def reasons(self) -> dict[str, Reason]:
         """Return input id -> why it is not TRUE after the last step; TRUE inputs are left out."""
-        values = zip(self._input_ids, self._leaf_values())
-        return {name: self._reason(name) for name, value in values if value != TRUE}
+        values, states = zip(self._input_ids, self._leaf_values()), states_of(self.source)
+        return {name: self._reason(name, states) for name, value in values if value != TRUE}
 
     def standings(self) -> tuple[Standing, ...]:
-        sets = self._sets()
+        sets, reasons = self._sets(), self.reasons()
         false = {spec.id for spec, value in zip(self.inputs, sets.leaf_values) if value == FALSE}
         found = []
         for guarantee in self.guarantees:
             active, (groups, _) = sets.value(guarantee) == TRUE, sets.missing(guarantee)
             group = next((some for some in groups if false.isdisjoint(some)), (*groups, ())[0])
-            lacks = tuple((name, self._reason(name).text) for name in group)
+            lacks = tuple((name, reasons[name].text) for name in group)
             reason = "" if active or groups else "nothing can activate it"
             found.append(Standing("guarantee", guarantee.id, active, lacks, reason))
         return tuple(found)
@@ -254,12 +260,12 @@ class ConSert(Monitor[Rows]):
             return Sets(self._input_ids, leaf_values)
         return self.graph.sets(leaf_values)
 
-    def _reason(self, name: str) -> Reason:
+    def _reason(self, name: str, states: Mapping[str, InputState]) -> Reason:
         k = self._places[name]
         value, why = self.leaves[k].judge(self.raw[k])
         if value == TRUE and self.filter is not None:
             return Reason("debouncing", self.filter.waiting(k))
-        state = states_of(self.source).get(name) if why == MISSING else None
+        state = states.get(name) if why == MISSING else None
         if state is not None and state.state != "ok":
             return Reason(state.state, state.reason)
         return Reason(why, self.leaves[k].describe(self.raw[k], why))

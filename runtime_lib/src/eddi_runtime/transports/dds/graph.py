@@ -232,6 +232,7 @@ class Graph:
             unfit = reader.get_requested_incompatible_qos_status()
             matched = reader.get_subscription_matched_status().current_count > 0
             alive = bool(reader.get_liveliness_changed_status().alive_count)
+            del reader  # before its participant: see `close`
         reason = _POLICIES.get(unfit.last_policy_id, "its QoS") if unfit.total_count else ""
         return matched, alive, reason
 
