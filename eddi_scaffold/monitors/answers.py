@@ -25,6 +25,7 @@ from eddi_scaffold.config.schema import Config
 from eddi_scaffold.kinds import EditableMethod, JsonValue
 from eddi_scaffold.monitors.binding import BoundMonitor
 from eddi_scaffold.monitors.input_binding import InputBinding
+from eddi_scaffold.regions.marked_file import parse
 from eddi_scaffold.regions.markers import Digests, begin_marker, end_marker
 
 ACCESS = ("by_id", "by_key", "by_name", "given", "joined")
@@ -44,8 +45,16 @@ def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str,
     model = monitor.unconfigured.named(monitor.model.name)
     files: dict[str, bytes] = {}
     with suppress(EddiError):  # its format cannot say it: there is none
-        files = {f"{text}{name}": of.encode() for name, of in model.write().items()}
+        texts = {name: _as_kept(of) for name, of in model.write().items()}
+        if not any(faults or marked.regions for marked, faults in map(parse, texts.values())):
+            files = {f"{text}{name}": of.encode() for name, of in texts.items()}
     return files | {f"{code}{name}": of for name, of in monitor.compiled.tables.items()}
+
+
+def _as_kept(text: str) -> str:
+    """Return a text of which a package keeps each byte: plain line ends, no blanks before them."""
+    lines = text.lstrip("\ufeff").replace("\r\n", "\n").split("\n")
+    return "\n".join(line.rstrip() for line in lines)
 
 
 def shared_answers(

@@ -222,6 +222,8 @@ def _is_current(
     answers, today = read_answers(target) or {}, {**package.answers, **origin}
     if any(key not in answers or answers[key] != value for key, value in today.items()):
         return False
+    if package.files.keys() - manifest.files.keys():
+        return False
     for name, known in manifest.files.items():
         file = read_file(target, name)
         if file is None or file.faults or len(file.sides) > 1 or not known.issuperset(file.digests):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from eddi_scaffold.common.files import Source
-from eddi_scaffold.monitors.answers import shared_answers
+from eddi_scaffold.monitors.answers import files_of, shared_answers
 from eddi_scaffold.monitors.binding import monitor_of
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.loading import read_models
@@ -46,3 +46,19 @@ def test_an_id_of_the_configuration_that_is_not_the_models_is_told() -> None:
     _, problems = monitor_of(model, config)
     told = [p.message for p in problems if p.code == "K012"]
     assert told == ["Model id 'Rovr' names the package, the model is called 'Rover'"]
+
+
+def text_that_travels(description: str) -> dict[str, bytes]:
+    events = f"// {description}\r\nVAR v : NUMBER TIMEOUT 1s  \r\nEVENT Slow := v < 1\r\n"
+    (model,) = read_models(Source("slow.events", events.encode())).models
+    monitor, problems = monitor_of(model, None)
+    assert monitor is not None, problems
+    return files_of(monitor)
+
+
+def test_a_text_with_marks_of_regions_does_not_travel() -> None:
+    """It would take the place of what a person wrote, or damage the package."""
+    assert text_that_travels("-----Manual edit begin----- of a person") == {}
+    assert text_that_travels("plain") == {
+        "slow.events": b"// plain\nVAR v : NUMBER TIMEOUT 1s\nEVENT Slow := v < 1\n"
+    }

@@ -99,7 +99,7 @@ class SafeMLModel(Model):
     def write(self) -> Mapping[str, str]:
         if isinstance(self.source, PartSource):  # of several, each with a reference of its own
             return settings_text(self.data, f"{self.safe_name}.safeml", f"{self.safe_name}.csv")
-        return settings_text(self.data, self.source.stem)
+        return settings_text(self.data, self.safe_name)
 
     def as_eddi_map(self) -> tuple[str, Sequence[tuple[str, str]]]:
         return read_eddi.as_eddi_map(self.name, self.data)
