@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from eddi_scaffold.monitors.facts import MonitorFacts, from_json
+from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
 from eddi_scaffold.packages.rendering import read_answers
 from eddi_scaffold.regions.markers import Digests, begin_marker, digest, end_marker
 

@@ -1,4 +1,4 @@
-"""The command line. One module per command; heavy imports are inside the commands."""
+"""The command line. A module per group of commands; heavy imports are inside the commands."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.console import ExitStatus, console
 from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 
 
@@ -27,7 +26,7 @@ def program() -> None:
 
 
 def _interrupted(*_: object) -> None:
-    os._exit(exit_status.INTERRUPTED)  # all is written: nothing but the end of Python is left out
+    os._exit(ExitStatus.INTERRUPTED)  # all is written: nothing but the end of Python is left out
 
 
 def main() -> None:
@@ -35,7 +34,7 @@ def main() -> None:
     try:
         status = _status(sys.argv[1:])
     except KeyboardInterrupt:  # while a problem was printed
-        status = exit_status.INTERRUPTED
+        status = ExitStatus.INTERRUPTED
     sys.exit(status)
 
 
@@ -52,7 +51,7 @@ def _status(arguments: Sequence[str]) -> int:
     except EddiError as failure:
         return _fail(failure.problems, arguments)
     except KeyboardInterrupt:
-        result = exit_status.INTERRUPTED
+        result = ExitStatus.INTERRUPTED
     except OSError as refused:  # permission, full disk, too many open files
         place = Place(str(refused.filename)) if refused.filename is not None else Place()
         if with_traceback:
@@ -61,13 +60,13 @@ def _status(arguments: Sequence[str]) -> int:
         return _fail([problem("F001.system", place, reason=reason)], arguments)
     except Exception as failed:  # noqa: BLE001 - a user never sees a traceback unasked
         if type(failed).__name__ == "Abort":  # Ctrl-C as older versions of Typer report it
-            result = exit_status.INTERRUPTED
+            result = ExitStatus.INTERRUPTED
         elif hasattr(failed, "format_message"):  # wrong usage; Typer keeps its class private
             return _misused(failed, arguments)
         else:
             _report_bug(failed, with_traceback=with_traceback)
-            return exit_status.OUR_BUG
-    if result == exit_status.INTERRUPTED:
+            return ExitStatus.OUR_BUG
+    if result == ExitStatus.INTERRUPTED:
         console.say("interrupted, nothing is half-written")
     return result if isinstance(result, int) else 0
 
@@ -77,7 +76,7 @@ def _fail(problems: Sequence[Problem], arguments: Sequence[str]) -> int:
         console.json({"problems": [problem.as_json() for problem in problems]})
     else:
         console.problems(problems)
-    return exit_status.BAD_INPUT
+    return ExitStatus.BAD_INPUT
 
 
 def _misused(failed: Any, arguments: Sequence[str]) -> int:
@@ -89,7 +88,7 @@ def _misused(failed: Any, arguments: Sequence[str]) -> int:
         reason = " ".join(failed.format_message().split())
         return _fail([problem("G000.usage", reason=reason)], arguments)
     failed.show()
-    return exit_status.BAD_INPUT
+    return ExitStatus.BAD_INPUT
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

@@ -11,23 +11,14 @@ from typer.core import TyperCommand, TyperGroup
 
 from eddi_scaffold import __version__
 from eddi_scaffold.cli import (
-    adopt,
-    answers,
     check,
-    compose,
     connect,
-    diagram,
     event,
-    export,
     generate,
     learning,
-    parse_rossystem,
-    regions,
+    models,
+    packages,
     run,
-    show,
-    status,
-    trace,
-    upgrade,
     watch,
 )
 from eddi_scaffold.cli.console import console
@@ -101,34 +92,23 @@ def options(
     """Turn a design-time EDDI into runtime monitors, without losing a hand-written line."""
 
 
-COMMANDS: dict[str, dict[str, Callable[..., None]]] = {
-    "Start here": {
-        "example": learning.example,
-        "check": check.check,
-        "show": show.show,
-        "run": run.run,
-        "generate": generate.generate,
-    },
-    "Every day": {
-        "connect": connect.connect,
-        "parse-rossystem": parse_rossystem.parse_rossystem,
-        "regions": regions.regions,
-        "status": status.status,
-        "upgrade": upgrade.upgrade,
-        "watch": watch.watch,
-        "explain": learning.explain,
-    },
-    "Models": {
-        "diagram": diagram.diagram,
-        "compose": compose.compose,
-        "export": export.export,
-        "event": event.event,
-        "trace": trace.trace,
-    },
-    "Old packages, git and Copier": {
-        "adopt": adopt.adopt,
-        "answers": answers.answers,
-    },
+_GROUPS: dict[str, list[Callable[..., None]]] = {
+    "Start here": [learning.example, check.check, check.show, run.run, generate.generate],
+    "Every day": [
+        connect.connect,
+        connect.parse_rossystem,
+        packages.regions,
+        packages.status,
+        packages.upgrade,
+        watch.watch,
+        learning.explain,
+    ],
+    "Models": [models.diagram, models.compose, models.export, event.event, packages.trace],
+    "Old packages, git and Copier": [packages.adopt, generate.answers],
+}
+COMMANDS = {
+    title: {command.__name__.replace("_", "-"): command for command in group}
+    for title, group in _GROUPS.items()
 }
 for _group in COMMANDS.values():
     for _name, _command in _group.items():

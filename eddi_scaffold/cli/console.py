@@ -10,11 +10,23 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from enum import IntEnum
 from pathlib import Path
 from typing import TextIO
 
 from eddi_scaffold.common.files import open_regular
 from eddi_scaffold.common.problems import EddiError, Problem, in_order, plural, problem
+
+
+class ExitStatus(IntEnum):
+    """Meaning of the exit status of a command."""
+
+    NO = 1  # the answer is no: problems were found, packages are not up to date
+    BAD_INPUT = 2  # the input cannot be used; nothing was done
+    LOOK = 3  # done, but a person should look at what is left
+    OUR_BUG = 70
+    INTERRUPTED = 130
+
 
 MAX_LINE = 1024 * 1024  # bytes of a longer line are not shown: the place could not be found in it
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from eddi_scaffold.cli import exit_status
-from eddi_scaffold.cli.console import console
+from eddi_scaffold.cli.console import ExitStatus, console
 from eddi_scaffold.cli.options import Output
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError, Problem, problem
@@ -88,7 +87,7 @@ def event(
     if analysis.program is None:
         if as_json:
             console.json(report_json(analysis))
-            raise typer.Exit(exit_status.BAD_INPUT)
+            raise typer.Exit(ExitStatus.BAD_INPUT)
         raise EddiError(*analysis.problems)
     if target == "c" and not check and inputs is None:
         problems = (*analysis.problems, *without_limits(analysis, label))
@@ -199,7 +198,7 @@ def _write(
     if lost:
         places = ", ".join(lost)
         console.complain(f"hand-written code has no place any more, it is kept in {places}")
-        raise typer.Exit(exit_status.LOOK)
+        raise typer.Exit(ExitStatus.LOOK)
 
 
 def _serve(port: int, text: str, rate: float | None) -> None:

@@ -1,19 +1,28 @@
-"""``eddi-scaffold generate``: whole packages from models and configurations."""
+"""``eddi-scaffold generate`` and ``answers``: whole packages, also with plain Copier."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from eddi_scaffold.cli.console import console
-from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess
+from eddi_scaffold.cli.console import ExitStatus, console
+from eddi_scaffold.cli.options import Output, PlatformName, Runtime, SingleProcess, in_a_folder
 from eddi_scaffold.common.files import read_source
-from eddi_scaffold.common.problems import EddiError, Place, problem
-from eddi_scaffold.platforms import DEFAULT
+from eddi_scaffold.common.problems import EddiError, Place, plural, problem
+from eddi_scaffold.platforms import DEFAULT, Platform
+
+if TYPE_CHECKING:
+    from eddi_scaffold.packages.generation import WriteResult
+
+_SHOWN = 12
+_RECORDS = "/.eddi/"
+_SIGNS = {"new": "+", "changed": "~", "removed": "-"}
 
 
 def generate(
@@ -56,7 +65,6 @@ def generate(
         _generate_fleet(deployment, output, others, force=force, dry_run=dry_run)
         return
 
-    from eddi_scaffold.cli.reporting import destination, finish
     from eddi_scaffold.connect.robot import robot_models
     from eddi_scaffold.deployments.topics import shared_by_robots
     from eddi_scaffold.deployments.wiring import members_of
@@ -105,7 +113,6 @@ def _generate_fleet(
     deployment: Path, folder: Path | None, others: Sequence[str], *, force: bool, dry_run: bool
 ) -> None:
     """Write a workspace for each robot of a deployment file, and one for the station."""
-    from eddi_scaffold.cli.reporting import finish
     from eddi_scaffold.config.deployment_file import is_fleet
     from eddi_scaffold.deployments.sites import sites_of
     from eddi_scaffold.monitors.loading import checked_models
@@ -141,3 +148,164 @@ def _generate_fleet(
     for site in sites:
         steps += [f"{site.name}: {step}" for step in site.next_steps(folder / site.name)]
     finish(outcome, dry_run=dry_run, next_steps=steps)
+
+
+def answers(
+    output: Annotated[Path, typer.Option("-o", "--output", callback=in_a_folder)],
+    model: Path | None = None,
+    config: Path | None = None,
+    name: str | None = None,
+    default_guarantee: list[str] | None = None,
+    platform: PlatformName = DEFAULT,
+    system: Path | None = None,
+    models: Path | None = None,
+    runtime: Runtime = None,
+    single_process: SingleProcess = None,
+    workspace: Path | None = None,
+    every: Annotated[bool, typer.Option("--all")] = False,
+) -> None:
+    """Write the answers for plain `copier copy`.
+
+    It renders the same package as `generate` with them.
+
+    Example: eddi-scaffold answers -m example.xml -c consert_a_config.yml -o answers.yml
+
+    Args:
+        output: File to write; with --all a folder.
+        config: eddi_config.yml of the monitor.
+        workspace: Workspace of the package, and of the others with --all.
+        every: Also the answers of the packages that all monitors share.
+    """
+    from eddi_scaffold.connect.robot import robot_models
+    from eddi_scaffold.packages.assembly import assemble, monitors_of, only
+    from eddi_scaffold.packages.handwritten import lost_sources
+    from eddi_scaffold.packages.rendering import own_template
+    from eddi_scaffold.packages.transaction import FileState, write
+    from eddi_scaffold.platforms import choices, chosen
+    from eddi_scaffold.yaml_text.writer import dump_plain
+
+    target = chosen(platform)
+    root = (workspace or Path()) / target.root
+    configs, marks = [config] if config else [], default_guarantee or ()
+    with robot_models(system, models) as (robot, unsure):
+        monitors, problems = monitors_of(model, configs, name, marks, robot, root)
+    only(monitors)
+    options = choices(runtime, single_process)
+    assembly = assemble(monitors, target, root, [*unsure, *problems], options)
+    console.problems(assembly.problems)
+    packages = [package for package in assembly.packages if package.answers]
+    packages = packages if every else packages[:1]
+    place = output if every else output.parent
+    names = [f"{package.folder}.yml" if every else output.name for package in packages]
+    files: dict[str, FileState] = {}
+    for package, file in zip(packages, names, strict=True):
+        folder = f"{file}.files"
+        more = {"files_folder": str((place / folder).resolve())} if package.files else {}
+        files[file] = FileState(dump_plain({**package.answers, **more}).encode())
+        for path, data in package.files.items():
+            files[f"{folder}/{path.rpartition('/')[2]}"] = FileState(data)
+    write(place, files)
+    template = own_template()
+    template.keep()
+    version = f" --vcs-ref {template.ref}" if template.ref else ""
+    command = f"copier copy --trust --defaults{version}"
+    for package, file in zip(packages, names, strict=True):
+        path, folder = quote(str(place / file)), quote((root / package.folder).as_posix())
+        console.say(f"{command} --data-file {path} {quote(template.location)} {folder}")
+    lost: list[str] = []
+    for package in packages:
+        before = assembly.present.get(package.folder, {})
+        lines = lost_sources(root / package.folder, before, package.answers)
+        lost += [f"{package.folder}: {line}" for line in lines]
+    for line in lost:
+        console.say(f"note: {line}")
+    if lost:
+        raise typer.Exit(ExitStatus.LOOK)
+
+
+def destination(platform: Platform, workspace: Path | None, output: Path | None) -> Path:
+    """Return the one of ``-w`` and ``-o`` that the platform takes.
+
+    Raises:
+        EddiError: it is missing or a package (G006), or the other one is given as well (G000).
+    """
+    from eddi_scaffold.packages.rendering import ANSWERS_FILE
+    from eddi_scaffold.platforms import platforms
+
+    in_workspace = platform.workspace is not None
+    place, other, option = workspace, output, "-w WORKSPACE"
+    if not in_workspace:
+        place, other, option = output, workspace, "-o FOLDER"
+    if place is None:
+        hint = None
+        if other is not None:
+            names = [p.name for p in platforms().values() if (p.workspace is None) == in_workspace]
+            hint = f"{'-o' if in_workspace else '-w'} is for --platform {' or '.join(names)}"
+        raise EddiError(problem("G006.platform", hint=hint, platform=platform.name, option=option))
+    if other is not None:
+        raise EddiError(problem("G000.alone", platform=platform.name, option=option))
+    if (place / ANSWERS_FILE).is_file():
+        parent = place.absolute().parent
+        raise EddiError(problem("G006.inside_package", Place(str(place)), parent=parent))
+    return place
+
+
+def finish(*outcomes: WriteResult, dry_run: bool, next_steps: Sequence[str] = ()) -> None:
+    """Print what changed and end the command with 0, or with 3 when a person must look.
+
+    Raises:
+        typer.Exit: hand edits need a look (3).
+    """
+    for outcome in outcomes:
+        _report(outcome, dry_run=dry_run)
+    if any(outcome.attention or outcome.left for outcome in outcomes):
+        raise typer.Exit(ExitStatus.LOOK)
+    if not dry_run and next_steps:
+        console.say("next:")
+        for step in next_steps:
+            console.say(f"  {step}")
+
+
+def _report(outcome: WriteResult, *, dry_run: bool) -> None:
+    records = {path for path in outcome.changes if _RECORDS in path}
+    # Records of hand edits are not counted, which people do not read.
+    number = len(outcome.changes) - len(records)
+    size = plural(number, "file") if number or not outcome.changes else "records of hand edits"
+    if dry_run:
+        diff = outcome.diff()
+        if diff:
+            console.data(diff.rstrip("\n"))
+        console.say(f"{size} would change below {outcome.root}")
+    elif not outcome.changes:
+        console.success(f"nothing to change below {outcome.root}")
+    else:
+        console.success(f"{outcome.root}: {size}")
+        _list_changes(outcome, records)
+    for note in outcome.notes:
+        console.say(f"note: {note}")
+    for line in outcome.left:
+        console.say(f"left alone: {line}")
+    if outcome.attention:
+        console.say("hand edits need a look: see the notes, and `eddi-scaffold regions --check`")
+
+
+def _list_changes(outcome: WriteResult, records: set[str]) -> None:
+    """Print each file that may be edited, and a count of the others."""
+    changes = {
+        path: "removed" if content is None else "changed" if path in outcome.before else "new"
+        for path, content in outcome.changes.items()
+    }
+    editable = sorted(outcome.editable, key=lambda path: (not path.endswith(".py"), path))
+    if editable:
+        console.say("  yours to edit:")
+        for path in editable[:_SHOWN]:
+            console.say(f"    {_SIGNS[changes[path]]} {path}")
+        if len(editable) > _SHOWN:
+            console.say(f"    ... and {len(editable) - _SHOWN} more")
+    others = sorted(changes.keys() - records - outcome.editable)
+    if others:
+        counts = Counter(changes[path] for path in others)
+        what = ", ".join(f"{counts[change]} {change}" for change in _SIGNS if counts[change])
+        folders = list(dict.fromkeys(path.partition("/")[0] for path in others))
+        more = f" and {len(folders) - _SHOWN} more" if len(folders) > _SHOWN else ""
+        console.say(f"  generated: {what}, in {', '.join(folders[:_SHOWN])}{more}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from textwrap import fill
 from typing import Annotated
@@ -24,8 +25,7 @@ def example(
         name: Name of the example; `list` prints them.
         folder: New folder for its files.
     """
-    from eddi_scaffold.packages.examples import described, example_files
-    from eddi_scaffold.packages.transaction import write
+    from eddi_scaffold.packages.transaction import NEW, NEW_PROGRAM, FileState, write
 
     names = list(described())
     if name == "list":
@@ -40,11 +40,30 @@ def example(
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         case = "G006.not_empty" if target.is_dir() else "G006.file"
         raise EddiError(problem(case, Place(str(target))))
-    files = example_files(name)
+    folder = _examples() / name
+    paths = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*")}
+    files = {
+        name: FileState(path.read_bytes(), NEW_PROGRAM if os.access(path, os.X_OK) else NEW)
+        for name, path in paths.items()
+        if path.is_file() and not name.startswith("expected/") and "__pycache__/" not in name
+    }
     write(target, files)
     for file in sorted(files):
         console.data(str(target / file))
     console.say(f"next: read {target / 'README.md'}")
+
+
+def described() -> dict[str, str]:
+    """Return name -> the heading of its README, of every example, sorted."""
+    texts = {path.parent.name: path.read_text("utf-8") for path in _examples().glob("*/README.md")}
+    return {name: text.partition("\n")[0].lstrip("# ") for name, text in sorted(texts.items())}
+
+
+def _examples() -> Path:
+    """Return the folder of the checkout, or the copy in an installed wheel."""
+    package = Path(__file__).resolve().parents[1]
+    checkout = package.parent / "examples"
+    return checkout if checkout.is_dir() else package / "_examples"
 
 
 def explain(

@@ -70,13 +70,6 @@ def a_runtime(name: str | None) -> str | None:
 Output = Annotated[Path | None, typer.Option("-o", "--output", callback=in_a_folder)]
 Files = Annotated[list[Path] | None, typer.Argument(metavar="[FILE]...", show_default=False)]
 Packages = Annotated[list[Path] | None, typer.Argument()]
-ConfigFiles = list[Path] | None
-DefaultGuarantees = list[str] | None
-Name = str | None
-NodeModels = Path | None
-System = Path | None
-DryRun = bool
-Force = bool
 PLATFORMS = " or ".join(platform_names())
 PlatformName = Annotated[str, typer.Option("--platform", help=f"{PLATFORMS}.")]
 PlatformOfPlace = Annotated[

@@ -18,8 +18,8 @@ from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.deployments.wiring import check_wiring, members_of
 from eddi_scaffold.kinds import Model, ReadResult
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
-from eddi_scaffold.monitors.connections import check_ids, check_limits
 from eddi_scaffold.monitors.loading import candidates, checked_models, model_for
+from eddi_scaffold.monitors.publications import check_ids, check_limits
 from eddi_scaffold.platforms import PackageAnswers, Platform
 
 

@@ -15,8 +15,7 @@ from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.deployments.support import WiredMonitor
 from eddi_scaffold.deployments.topics import Deployment
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expression_names import head_of, path_behind
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
 from eddi_scaffold.monitors.input_binding import InputBinding
 from eddi_scaffold.monitors.input_rules import kind_of_message
 from eddi_scaffold.monitors.publications import STATUS

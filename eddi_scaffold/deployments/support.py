@@ -24,8 +24,8 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.file import from_json as config_of
 from eddi_scaffold.kinds import JsonValue, Kind, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expression_names import head_of, path_behind
-from eddi_scaffold.monitors.facts import MonitorFacts, from_json
+from eddi_scaffold.monitors.compiling import MonitorFacts, from_json
+from eddi_scaffold.monitors.expressions import head_of, path_behind
 from eddi_scaffold.monitors.publications import Publication, publications
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 from eddi_scaffold.common.claims import Acceptance
 from eddi_scaffold.common.identifiers import attribute, full_topic, package_name
@@ -14,14 +15,48 @@ from eddi_scaffold.common.problems import EddiError, Problem, SimilarNames, has_
 from eddi_scaffold.config.field_types import EITHER_TIMES, MessageFields, declared
 from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import USUAL_FREQUENCY, InputEntry
-from eddi_scaffold.kinds import EditableMethod, Kind, Model, kinds
+from eddi_scaffold.kinds import (
+    DeclaredInput,
+    EditableMethod,
+    InputType,
+    Kind,
+    Model,
+    Options,
+    kinds,
+)
 from eddi_scaffold.monitors import input_rules
-from eddi_scaffold.monitors.compiling import CompiledModule, compile_monitor
-from eddi_scaffold.monitors.facts import MonitorFacts
+from eddi_scaffold.monitors.compiling import CompiledModule, MonitorFacts, compile_monitor
 from eddi_scaffold.monitors.input_binding import InputBinder, InputBinding
 from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.monitors.options import options_of
 from eddi_scaffold.monitors.topic_types import check_types
+
+
+def options_of(file: ConfigFile | None) -> Options:
+    """Return the options of a configuration for the kind of its model."""
+    if file is None:
+        return Options()
+    config, section = file.config, file.config.Model
+    extra = {**(section.model_extra or {}), "parameters": section.parameters}
+    types = {source.id: source.type for source in config.SimulatorOutputs}
+    inputs = tuple(
+        DeclaredInput(
+            id=entry.id,
+            type=cast("InputType | None", entry.type),
+            unit=entry.unit,
+            default=entry.default,
+            place=file.place("EDDIInputs", index),
+            messages=tuple(types[name] for name in entry.requires),
+        )
+        for index, entry in enumerate(config.EDDIInputs)
+    )
+    return Options(
+        id=section.id,
+        values={key: value for key, value in extra.items() if value is not None},
+        inputs=inputs,
+        frequency=section.frequency,
+        parts=tuple(output.event for output in config.EDDIOutputs),
+        place=lambda *path: file.place("Model", *path),
+    )
 
 
 @dataclass(frozen=True)

@@ -2,24 +2,163 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Set as AbstractSet
+from dataclasses import MISSING, Field, asdict, dataclass, field, fields, is_dataclass, replace
+from enum import Enum
+from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from eddi_runtime import ModelError as NotRunning
 from eddi_runtime.history import EDDIInputBase
+from pydantic import TypeAdapter
 
-from eddi_scaffold.common.claims import Acceptance, Claim
-from eddi_scaffold.common.problems import EddiError, Place, problem
+from eddi_scaffold.common.claims import Acceptance, Claim, Element
+from eddi_scaffold.common.files import Source
+from eddi_scaffold.common.problems import EddiError, Place, Problem, problem
 from eddi_scaffold.conditions.uses import inputs_of
+from eddi_scaffold.eddi_xml.links import Linked
 from eddi_scaffold.kinds import Model
-from eddi_scaffold.monitors.digest import digest_of
-from eddi_scaffold.monitors.facts import InputFacts, MonitorFacts
 from eddi_scaffold.program.input_expressions import BoundInput, expression_lines
 from eddi_scaffold.program.instructions import Program
 from eddi_scaffold.program.monitor_text import Declaration, module_text
 from eddi_scaffold.program.python_text import comment
 from eddi_scaffold.program.running import module_of
+
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class InputFacts:
+    """One input of a monitor."""
+
+    id: str
+    attribute: str  # its name in `EDDIInput`
+    requires: tuple[str, ...] = ()  # ids of the simulator outputs that it is made of
+    max_age: float | str | None = None  # as `InputBinding` has it
+    # seconds after which its kind or its expression takes it as unknown
+    timeout_s: float | None = None
+    every_message: bool = False  # no message is skipped
+    reads: tuple[str, ...] | None = None  # names that its expression reads; `None` without one
+
+
+@dataclass(frozen=True)
+class MonitorFacts:
+    """Content of the answer ``facts_json``."""
+
+    kind: str
+    id: str
+    digest: str  # of all that decides what the monitor computes; robots compare it
+    file: str
+    file_sha256: str
+    inputs: tuple[InputFacts, ...]  # in the order of the configuration
+    path: str | None = None  # EMF fragment path of the model in an EDDI
+    claims: tuple[Claim, ...] = ()
+    acceptances: tuple[Acceptance, ...] = ()  # what it accepts in place of what is not known
+    elements: tuple[Element, ...] = ()  # in the order of the model
+    # path of an element -> what is linked with it in the EDDI
+    links: dict[str, Linked] | None = None
+    format: int = FORMAT
+
+    def claims_on(self, part: str | None) -> list[Claim]:
+        """Return the claims on a topic that carries one of them, or all."""
+        return [claim for claim in self.claims if part in (None, claim.id)]
+
+    def to_json(self) -> str:
+        """Return the text of the answer."""
+        content = asdict(self, dict_factory=lambda pairs: {k: v for k, v in pairs if v is not None})
+        return json.dumps(content, sort_keys=True, indent=1, default=sorted)
+
+
+def from_json(text: object) -> MonitorFacts:
+    """Return the facts of a package.
+
+    Raises:
+        ValueError: the text is damaged, or of another format.
+    """
+    if not isinstance(text, str):
+        raise ValueError("there are no facts of the monitor")  # noqa: TRY004 - damage, no misuse
+    facts = _adapter().validate_json(text)
+    if facts.format != FORMAT:
+        raise ValueError(f"facts of the format {facts.format}, only {FORMAT} is known")
+    return facts
+
+
+@cache
+def _adapter() -> TypeAdapter[MonitorFacts]:
+    return TypeAdapter(MonitorFacts)
+
+
+_FOR_PEOPLE = {"about", "at", "description"}  # Fields that nothing computes with
+
+
+def digest_of(*parts: object) -> str:
+    """Return the SHA-256 of values: id, kind, typed model, options and bound inputs of a monitor.
+
+    It is not over the lines that are compiled of them. Places, files, callables and descriptions
+    are left out, and so are fields with ``compare=False`` and those with their default value. So a
+    release that adds a field, or compiles to other lines, gives the same digest; one that renames a
+    field or class of a typed model does not.
+
+    Raises:
+        TypeError: a value has no text.
+    """
+    return hashlib.sha256(_text(parts).encode()).hexdigest()
+
+
+def _text(value: Any) -> str:
+    """Return a text that differs for values that differ; empty for what decides nothing."""
+    if hasattr(value, "dtype"):  # of numpy, which is not imported for it
+        if value.shape:
+            return f"array({value.shape}, {value.dtype.str}, {_text(value.tobytes())})"
+        value = value.item()
+    if isinstance(value, Enum):
+        return f"{type(value).__name__}.{value.name}"
+    if isinstance(value, str):
+        return json.dumps(value)
+    if value is None or isinstance(value, bool | int | float | Fraction):
+        return repr(value)
+    if isinstance(value, bytes):
+        return f"bytes({hashlib.sha256(value).hexdigest()})"
+    if isinstance(value, Place | Source | Problem) or callable(value):
+        return ""
+    if is_dataclass(value) or hasattr(value, "_fields"):
+        texts = [
+            (name, _text(getattr(value, name)), usual) for name, usual in _fields(value.__class__)
+        ]
+        decisive = (f"{name}={text}" for name, text, usual in texts if text not in ("", usual))
+        return f"{type(value).__name__}({', '.join(decisive)})"
+    if isinstance(value, Mapping):
+        rows = value.items()  # the order is that of every output
+        return f"{{{', '.join(f'{_text(key)}: {_text(item)}' for key, item in rows)}}}"
+    if isinstance(value, AbstractSet):
+        return f"{{{', '.join(sorted(map(_text, value)))}}}"
+    if isinstance(value, list | tuple):
+        if {*map(type, value)} == {float}:  # a table of a network has up to 262,144
+            return repr(tuple(value))
+        return f"({', '.join(map(_text, value))})"
+    raise TypeError(f"a model has a value of the type {type(value).__name__}")
+
+
+@cache
+def _fields(type_: Any) -> Sequence[tuple[str, str]]:
+    """Return the fields that decide, by name, each with the text of its default."""
+    if is_dataclass(type_):
+        usual = {field.name: _default(field) for field in fields(type_) if field.compare}
+    else:
+        usual = {name: type_._field_defaults.get(name, MISSING) for name in type_._fields}
+    return [
+        (name, "" if default is MISSING else _text(default))
+        for name, default in sorted(usual.items(), key=lambda item: item[0])
+        if name not in _FOR_PEOPLE
+    ]
+
+
+def _default(field: Field[Any]) -> Any:
+    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 @dataclass(frozen=True)

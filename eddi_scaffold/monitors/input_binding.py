@@ -22,11 +22,15 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, ModelInput
 from eddi_scaffold.monitors.compiling import names_read
-from eddi_scaffold.monitors.expression_names import KeyPaths
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, CheckedExpression, ExpressionBinder
+from eddi_scaffold.monitors.expressions import (
+    EXPRESSION_KEYS,
+    CheckedExpression,
+    ExpressionBinder,
+    KeyPaths,
+)
 from eddi_scaffold.monitors.input_rules import taken
+from eddi_scaffold.monitors.message_types import installed_message
 from eddi_scaffold.monitors.message_types.documented import documented_at
-from eddi_scaffold.monitors.message_types.installed import installed_message
 from eddi_scaffold.program.input_expressions import BoundInput
 
 _PYTHON_TYPES: Mapping[str, type | tuple[type, ...]] = {

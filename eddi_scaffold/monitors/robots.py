@@ -13,8 +13,7 @@ from eddi_scaffold.config.file import ConfigFile
 from eddi_scaffold.config.schema import FleetSection, SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, Kind
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.expression_names import head_of, path_behind
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
 from eddi_scaffold.program.instructions import BUFFERED, STARTS, Program
 
 MESSAGE = "eddi_messages/RobotGuarantees"

@@ -7,8 +7,7 @@ from difflib import get_close_matches
 
 from eddi_scaffold.common.problems import Problem, most_similar, problem
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.monitors.message_types import known_messages
-from eddi_scaffold.monitors.message_types.installed import installed_message, installed_types
+from eddi_scaffold.monitors.message_types import installed_message, installed_types, known_messages
 
 _WHAT_TO_DO = "give the models of the robot (--models), or declare it below MessageTypes"
 

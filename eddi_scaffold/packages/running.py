@@ -25,9 +25,8 @@ from eddi_scaffold.config.file import ConfigFile, from_json
 from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import Model, ModelInput, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor
-from eddi_scaffold.monitors.compiling import CompiledModule
-from eddi_scaffold.monitors.facts import MonitorFacts
-from eddi_scaffold.monitors.facts import from_json as facts_of
+from eddi_scaffold.monitors.compiling import CompiledModule, MonitorFacts
+from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.packages.handwritten import written

@@ -16,8 +16,8 @@ from eddi_scaffold.common.claims import Element
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.eddi_xml.links import Link
 from eddi_scaffold.kinds import JsonValue
-from eddi_scaffold.monitors.facts import MonitorFacts
-from eddi_scaffold.monitors.facts import from_json as facts_of
+from eddi_scaffold.monitors.compiling import MonitorFacts
+from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE
 
 COLUMNS = ("element", "id", "file", "line", "path", "code", "topics", "links")

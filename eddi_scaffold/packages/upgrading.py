@@ -20,9 +20,9 @@ from eddi_scaffold.deployments.joining import unanswered
 from eddi_scaffold.deployments.support import facts_of_package
 from eddi_scaffold.kinds import Model, kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.compiling import MonitorFacts
+from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.monitors.config_reading import RobotAdditions, read_configs, with_types
-from eddi_scaffold.monitors.facts import MonitorFacts
-from eddi_scaffold.monitors.facts import from_json as facts_of
 from eddi_scaffold.monitors.loading import checked_models, complete_reading, read_models
 from eddi_scaffold.packages.assembly import stored, support, wiring_with, with_choices
 from eddi_scaffold.packages.generation import write_packages

@@ -12,7 +12,7 @@ from eddi_scaffold import __version__
 from eddi_scaffold.common.problems import EddiError, Place, problem
 from eddi_scaffold.config.file import from_json
 from eddi_scaffold.kinds import kinds
-from eddi_scaffold.monitors.facts import from_json as facts_of
+from eddi_scaffold.monitors.compiling import from_json as facts_of
 from eddi_scaffold.packages.rendering import ANSWERS_FILE, is_newer, read_answers, release
 from eddi_scaffold.platforms import Platform, owner_of
 from eddi_scaffold.program.runtime_parts import runtime_parts_of

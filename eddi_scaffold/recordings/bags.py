@@ -34,8 +34,7 @@ from eddi_scaffold.config.field_types import TIMES, Fields, MessageFields
 from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
 from eddi_scaffold.kinds import kinds
 from eddi_scaffold.monitors.binding import BoundMonitor, known_types
-from eddi_scaffold.monitors.expression_names import head_of, path_behind
-from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS
+from eddi_scaffold.monitors.expressions import EXPRESSION_KEYS, head_of, path_behind
 from eddi_scaffold.monitors.input_binding import InputBinding, fits
 from eddi_scaffold.monitors.message_types import ros2_fields
 from eddi_scaffold.monitors.publications import MESSAGE_PACKAGE

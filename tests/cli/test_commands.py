@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from eddi_scaffold import __version__, cli
-from eddi_scaffold.cli import exit_status
-from eddi_scaffold.packages.examples import described
+from eddi_scaffold.cli.console import ExitStatus
+from eddi_scaffold.cli.learning import described
 from eddi_scaffold.platforms import chosen
 from tests.cli.command import ROOT, Result, example, files_below, run
 from tests.diagnosed import assert_reported
@@ -404,7 +404,7 @@ def test_ctrl_c_between_the_command_and_the_end(
         cli.program()
     finally:
         signal.signal(signal.SIGINT, handler)
-    assert ended == [exit_status.INTERRUPTED]
+    assert ended == [ExitStatus.INTERRUPTED]
 
 
 class Interrupting:
@@ -432,7 +432,7 @@ def test_a_bug_is_one_line_unless_more_is_asked(
 
     monkeypatch.setattr("eddi_scaffold.deployments.checking.check_files", fail)
     result = run("check", "-q", MODEL, cwd=folder)
-    assert (result.status, result.out) == (exit_status.OUR_BUG, "")
+    assert (result.status, result.out) == (ExitStatus.OUR_BUG, "")
     assert f"this is a bug in eddi-scaffold {__version__}: ZeroDivisionError: so that" in result.err
     assert "Traceback" not in result.err
     assert "Traceback" in run("check", MODEL, "--traceback", cwd=folder).err

@@ -7,9 +7,9 @@ import pytest
 
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
+from eddi_scaffold.monitors import message_types
 from eddi_scaffold.monitors.config_reading import read_config
-from eddi_scaffold.monitors.message_types import common_messages, installed
-from eddi_scaffold.monitors.message_types.installed import installed_types
+from eddi_scaffold.monitors.message_types import common_messages, installed_types
 from eddi_scaffold.monitors.topic_types import check_types
 
 MANIFEST = (
@@ -36,10 +36,10 @@ def ros(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def forget() -> None:
     for cached in (  # they look at the machine once
-        installed.installed_message,
-        installed.installed_types,
-        installed._folders,
-        installed._packages,
+        message_types.installed_message,
+        message_types.installed_types,
+        message_types._folders,
+        message_types._packages,
     ):
         cached.cache_clear()
 

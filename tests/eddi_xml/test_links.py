@@ -8,7 +8,7 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.eddi_xml.document import EddiDocument
 from eddi_scaffold.eddi_xml.links import links_of
 from eddi_scaffold.eddi_xml.reading import read_document
-from eddi_scaffold.monitors.facts import from_json
+from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.loading import read_models
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.tracing import trace_of

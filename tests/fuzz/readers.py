@@ -28,9 +28,9 @@ from eddi_scaffold.deployments.sites import sites_of
 from eddi_scaffold.diagrams.svg import drawn
 from eddi_scaffold.eddi_xml.reading import recognises as is_xml
 from eddi_scaffold.monitors.binding import BoundMonitor
+from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
 from eddi_scaffold.monitors.exports import written_into
-from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import checked_models, read_models
 from eddi_scaffold.monitors.message_types import known_messages
 from eddi_scaffold.monitors.survey import survey_of

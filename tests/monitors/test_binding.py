@@ -6,8 +6,8 @@ from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem
 from eddi_scaffold.kinds import ModelInput
 from eddi_scaffold.monitors.binding import BoundMonitor, monitor_of
+from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.monitors.config_reading import read_config
-from eddi_scaffold.monitors.facts import from_json
 from eddi_scaffold.monitors.loading import read_models
 from tests.diagnosed import assert_reported
 

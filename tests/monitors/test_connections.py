@@ -7,7 +7,7 @@ import pytest
 from eddi_scaffold.common.files import Source
 from eddi_scaffold.deployments.checking import check_files
 from eddi_scaffold.monitors.config_reading import read_config
-from eddi_scaffold.monitors.connections import check_limits
+from eddi_scaffold.monitors.publications import check_limits
 from tests.checkouts import HERE
 
 CONFIG = """

@@ -14,7 +14,7 @@ import pytest
 import yaml
 
 from eddi_scaffold.common.problems import Place
-from eddi_scaffold.monitors.digest import digest_of
+from eddi_scaffold.monitors.compiling import digest_of
 from eddi_scaffold.program.input_expressions import BoundInput
 from eddi_scaffold.program.instructions import Operation
 from tests.cli.command import run

@@ -11,7 +11,7 @@ import pytest
 from eddi_scaffold.common.files import Source, read_source
 from eddi_scaffold.common.problems import EddiError
 from eddi_scaffold.kinds import Model, kinds
-from eddi_scaffold.monitors.digest import digest_of
+from eddi_scaffold.monitors.compiling import digest_of
 from eddi_scaffold.monitors.loading import read_models
 from tests.data_files import ORACLES
 from tests.frozen import corpus

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from eddi_scaffold.monitors.facts import from_json
+from eddi_scaffold.monitors.compiling import from_json
 from eddi_scaffold.packages.assembly import assemble, monitors_of
 from eddi_scaffold.packages.generation import write_packages
 from eddi_scaffold.packages.rendering import own_template
