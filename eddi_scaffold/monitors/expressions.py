@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from eddi_scaffold.common import units
 from eddi_scaffold.common.identifiers import attribute
@@ -14,189 +15,19 @@ from eddi_scaffold.conditions.scope import BOOL, NUMBER, TEXT, Type, Variable
 from eddi_scaffold.conditions.syntax import File, Identifier, is_list_path
 from eddi_scaffold.conditions.tokens import Locate, TextFindings, in_text
 from eddi_scaffold.config import field_paths
-from eddi_scaffold.config.field_paths import FieldsOf
 from eddi_scaffold.config.file import ConfigFile
-from eddi_scaffold.config.schema import InputEntry, SimulatorOutput
+from eddi_scaffold.config.schema import SimulatorOutput
 from eddi_scaffold.kinds import JsonValue, ModelInput
 from eddi_scaffold.monitors.input_rules import check
 from eddi_scaffold.monitors.message_types.documented import documented_at
 
-_TYPES: Mapping[str, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
-KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
-"""Simulator output -> name with keys in brackets -> its path."""
-
-
-class ExpressionNames:
-    """What the names of one input's expressions are.
-
-    Args:
-        entry: the input.
-        sources: name -> message.
-        inputs: name -> other input.
-        types: input of the model -> its type.
-        fields_of: message type -> fields.
-        below: names of the inputs that are computed later.
-        problems: takes up what is wrong with them (E008, E009, K020).
-
-    Attributes:
-        checks: name -> when it is a measurement, for the runtime.
-    """
-
-    def __init__(
-        self,
-        entry: InputEntry,
-        sources: Mapping[str, SimulatorOutput],
-        inputs: Mapping[str, InputEntry],
-        types: Mapping[str, str],
-        fields_of: field_paths.FieldsOf,
-        below: Container[str],
-        problems: list[Problem],
-    ) -> None:
-        self._below, self._problems = below, problems
-        self.checks: dict[str, list[JsonValue]] = {}
-        self._entry, self._sources, self._inputs = entry, sources, inputs
-        self._types, self._fields_of = types, fields_of
-        self._resolved: dict[str, field_paths.ResolvedPath] = {}
-
-    def declared(self, name: str, unit: Identifier | None, locate: Locate, at: int) -> None:
-        """Look up where a name with a VAR comes from; its keys are those of the message."""
-        source = self._source(name, locate, at)
-        if source is None or head_of(name) == name:
-            return
-        resolved = self._resolve(name, source, locate, at)
-        documented = resolved and documented_at(resolved.path, source.type, self._fields_of)
-        if documented and unit is not None and units.contradict(documented.units, unit.name):
-            actual = " or ".join(documented.units)
-            words = " or ".join(map(units.word, documented.units))
-            fields = {"name": name, "actual": actual, "unit": unit.name, "words": words}
-            self._problems.append(problem("E009.variable", locate(at), **fields))
-
-    def variable(self, name: str, locate: Locate, at: int) -> Variable | None:
-        """Return what a name is by the types of the messages, ``None`` after an error."""
-        head = head_of(name)
-        if head in self._inputs and head == name:
-            of = self._types.get(self._inputs[head].id)
-            return Variable(name, _TYPES.get(of or "", None), declared=of is not None)
-        source = self._source(name, locate, at)
-        resolved = None if source is None else self._resolve(name, source, locate, at)
-        if source is None or resolved is None:
-            return None
-        ages = [age for age in (self._entry.max_age, source.limit) if age is not None]
-        timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
-        of = "float" if resolved.type in ("time", "duration") else resolved.type
-        if of is not None and of not in _TYPES:
-            hint = f"its elements: MIN({name}[*])"
-            if not of.endswith("]"):  # a message
-                known_fields = ", ".join(f"{name}.{field}" for field in self._fields_of(of) or ())
-                hint = f"there are: {known_fields}" if known_fields else ""
-            place = locate(at)
-            self._problems.append(
-                problem("K020.no_number", place, hint=hint or None, name=name, type=of)
-            )
-            return None
-        advice = f"declare the fields of {source.type} below MessageTypes"
-        type_, known = _TYPES.get(of or ""), of is not None
-        variable = Variable(name, type_, timeout=timeout, declared=known, advice=advice)
-        documented = documented_at(resolved.path, source.type, self._fields_of)
-        if documented is None or variable.type != NUMBER:
-            return variable
-        within, checks = None, list[list[JsonValue]]()
-        if documented.limits is not None:
-            within = f"{head}.{documented.limits[0]}", f"{head}.{documented.limits[1]}"
-            if not is_list_path(name):
-                checks.append(["within", *map(_steps, documented.limits)])
-        if documented.unless is not None:
-            field, value = documented.unless
-            checks.append(["unless", _steps(field), value])
-        if checks:
-            self.checks.setdefault(name, []).extend(checks)
-        return replace(
-            variable,
-            unit=documented.units[0] if len(documented.units) == 1 else None,
-            range=documented.range,
-            infinite=documented.infinite,
-            defined=documented.infinite,
-            within=within,
-        )
-
-    def check_unnamed(self, names: Sequence[str], locate: Locate) -> None:
-        """Check what is read without a name in the text: the angles of a scan."""
-        for name in names:
-            source = self._sources.get(head_of(name))
-            if source is None or name in self._resolved or "." not in name:
-                continue
-            if self._resolve(name, source, locate, 0) is None:
-                return
-
-    def key_paths(self, names: Sequence[str]) -> KeyPaths:
-        """Return the paths that the runtime cannot derive from the names: those with keys."""
-        paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
-        for name in names:
-            path = self._resolved[name].path if name in self._resolved else ()
-            if any(
-                isinstance(step, field_paths.ByKey | field_paths.ByName | field_paths.Every)
-                for step in path
-            ):
-                of = self._sources[head_of(name)].id
-                paths.setdefault(of, {})[name] = [field_paths.plain_step(step) for step in path]
-        return paths
-
-    def _source(self, name: str, locate: Locate, at: int) -> SimulatorOutput | None:
-        """Return the message that a name is a part of; ``None`` for an input, or after an error."""
-        head = head_of(name)
-        if head not in self._sources and not (head in self._inputs and head == name):
-            names = [*self._sources, *self._inputs]
-            fields = [
-                f"{source_name}.{name}"
-                for source_name, source in self._sources.items()
-                if head in (self._fields_of(source.type) or {})
-            ]
-            hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
-            hint = hint or f"there are: {', '.join(names) or 'none'}"
-            if head == name and head in self._below:
-                self._problems.append(problem("E008.below", locate(at), input=head))
-            else:
-                self._problems.append(problem("E008.no_source", locate(at), hint=hint, source=head))
-        return self._sources.get(head)
-
-    def _resolve(
-        self, name: str, source: SimulatorOutput, locate: Locate, at: int
-    ) -> field_paths.ResolvedPath | None:
-        """Return the path of a name in its message, ``None`` after an error."""
-        try:
-            resolved = field_paths.resolve(path_behind(name), source.type, self._fields_of)
-        except field_paths.FieldPathError as failure:
-            place, hint = locate(at), failure.hint
-            self._problems.append(problem("K020.path", place, hint=hint, reason=failure))
-            return None
-        known = check(resolved.path, source.type)
-        if known and name not in self._resolved:
-            self.checks.setdefault(name, []).append(known)
-        self._resolved[name] = resolved
-        return resolved
-
-
-def head_of(name: str) -> str:
-    """Return the first word of a path: the id of a message or of an input."""
-    return name.partition(".")[0].partition("[")[0]
-
-
-def path_behind(name: str) -> field_paths.FieldPath:
-    """Return the path behind the first word of a name.
-
-    Raises:
-        FieldPathError: it is not a path.
-    """
-    rest = name[len(head_of(name)) :].removeprefix(".")
-    return field_paths.parse_field(rest, lists=True) if rest else ()
-
-
-def _steps(field: str) -> list[JsonValue]:
-    return [*map(field_paths.plain_step, field_paths.parse_field(field))]
-
-
 EXPRESSION_KEYS = ("expression", "expression_file", "states")
 """Keys of an input, one of which defines how it is computed."""
+KeyPaths = Mapping[str, Mapping[str, Sequence[field_paths.PlainStep]]]
+"""Simulator output -> name with keys in brackets -> its path."""
+_TYPES: Mapping[str | None, Type] = {"bool": BOOL, "int": NUMBER, "float": NUMBER, "str": TEXT}
+_KEYED = (field_paths.ByKey, field_paths.ByName, field_paths.Every)
+_Where = Callable[[], Place]  # the place of a name, which is looked for only if it is reported
 
 
 @dataclass(frozen=True)
@@ -230,20 +61,20 @@ class ExpressionBinder:
         item: ModelInput,
         index: int,
         config: ConfigFile,
-        fields_of: FieldsOf,
+        fields_of: field_paths.FieldsOf,
         types: Mapping[str, str],
     ) -> None:
-        self.item, self.index, self.config = item, index, config
-        self.entry: InputEntry = config.config.EDDIInputs[index]
+        entries = config.config.EDDIInputs
+        self.item, self.index, self.config, self.entry = item, index, config, entries[index]
+        self.fields_of, self.types = fields_of, types
         self.problems: list[Problem] = []
-        self.sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
-        before = config.config.EDDIInputs[:index]
-        self.inputs = {attribute(entry.id): entry for entry in before}
         self.polarity = self.entry.polarity
-        below = {attribute(entry.id) for entry in config.config.EDDIInputs[index + 1 :]}
-        self.names = ExpressionNames(
-            self.entry, self.sources, self.inputs, types, fields_of, below, self.problems
-        )
+        # names in expressions: of messages, of inputs above, and of those that are computed later
+        self.sources = {attribute(entry.id): entry for entry in config.config.SimulatorOutputs}
+        self.inputs = {attribute(entry.id): entry.id for entry in entries[:index]}
+        self.below = {attribute(entry.id) for entry in entries[index + 1 :]}
+        self.resolved: dict[str, field_paths.ResolvedPath] = {}  # name -> its path
+        self.checks: dict[str, list[JsonValue]] = {}  # name -> when it is a measurement
 
     def bind(self) -> CheckedExpression | None:
         """Return the checked expression, ``None`` after an error."""
@@ -267,24 +98,30 @@ class ExpressionBinder:
         self.problems += problems
         if compiled is None:
             return None
-        self.names.check_unnamed(compiled.names, texts[0].locate)
+        for name in compiled.names:  # some are not in the text: the angles of a scan
+            source = self.sources.get(head_of(name))
+            is_new = source is not None and "." in name and name not in self.resolved
+            if is_new and self._resolve(name, source, partial(texts[0].locate, 0)) is None:
+                break
         if has_errors(self.problems):
             return None
-        names: dict[str, JsonValue] = {  # first part of a name -> message or input, and its id
+        key_paths: dict[str, dict[str, list[field_paths.PlainStep]]] = {}
+        for name in compiled.names:  # from those with keys the runtime cannot derive the path
+            path = self.resolved[name].path if name in self.resolved else ()
+            if any(isinstance(step, _KEYED) for step in path):
+                of_source = key_paths.setdefault(self.sources[head_of(name)].id, {})
+                of_source[name] = [field_paths.plain_step(step) for step in path]
+        more: dict[str, JsonValue] = {
+            "checks": {name: self.checks[name] for name in compiled.names if name in self.checks},
+            "paths": {
+                name: list(path) for paths in key_paths.values() for name, path in paths.items()
+            },
+        }
+        names: JsonValue = {  # first part of a name -> message or input, and its id
             name: ["message", self.sources[name].id] if name in self.sources else ["input", name]
             for name in compiled.requires
         }
-        document = {**compiled.document, "names": names}
-        checks: dict[str, JsonValue] = {
-            name: self.names.checks[name] for name in compiled.names if name in self.names.checks
-        }
-        if checks:
-            document["checks"] = checks
-        key_paths = self.names.key_paths(compiled.names)
-        if key_paths:
-            document["paths"] = {
-                name: list(path) for paths in key_paths.values() for name, path in paths.items()
-            }
+        document = {**compiled.document, "names": names} | {k: v for k, v in more.items() if v}
         text = "; ".join(compiled.canonical)
         if self.entry.expression_file is not None:
             text = f"{texts[0].event} of {self.entry.expression_file}: {text}"
@@ -365,14 +202,104 @@ class ExpressionBinder:
             local_typed = typed | {variable.name: variable.unit for variable in file.variables}
             nodes = [node for event in file.events for node in file.nodes_of(event)]
             names = {node.text: node.start for node in reversed(nodes) if node.op == "name"}
-            for name, at in names.items():
+            for name, start in names.items():
+                where = partial(text.locate, start)
                 if name in local_typed:
-                    self.names.declared(name, local_typed[name], text.locate, at)
+                    self._check_declared(name, local_typed[name], where)
                 elif name not in {*known, *local, *_constants(file), *variables}:
-                    variable = self.names.variable(name, text.locate, at)
+                    variable = self._variable(name, where)
                     if variable is not None:
                         variables[name] = variable
         return variables
+
+    def _check_declared(self, name: str, unit: Identifier | None, where: _Where) -> None:
+        """Look up where a name with a VAR comes from; its keys are those of the message."""
+        source = self._source(name, where)
+        if source is None or head_of(name) == name:
+            return
+        resolved = self._resolve(name, source, where)
+        documented = resolved and documented_at(resolved.path, source.type, self.fields_of)
+        if documented and unit is not None and units.contradict(documented.units, unit.name):
+            actual = " or ".join(documented.units)
+            words = " or ".join(map(units.word, documented.units))
+            fields = {"name": name, "actual": actual, "unit": unit.name, "words": words}
+            self.problems.append(problem("E009.variable", where(), **fields))
+
+    def _variable(self, name: str, where: _Where) -> Variable | None:
+        """Return what a name is by the types of the messages, ``None`` after an error."""
+        if name in self.inputs:
+            of = self.types.get(self.inputs[name])
+            return Variable(name, _TYPES.get(of), declared=of is not None)
+        source = self._source(name, where)
+        resolved = None if source is None else self._resolve(name, source, where)
+        if source is None or resolved is None:
+            return None
+        ages = [age for age in (self.entry.max_age, source.limit) if age is not None]
+        timeout = round(ages[0] * 1e9) if ages and not isinstance(ages[0], str) else None
+        of = "float" if resolved.type in ("time", "duration") else resolved.type
+        if of is not None and of not in _TYPES:
+            hint = f"its elements: MIN({name}[*])"
+            if not of.endswith("]"):  # a message
+                known_fields = ", ".join(f"{name}.{field}" for field in self.fields_of(of) or ())
+                hint = f"there are: {known_fields}" if known_fields else ""
+            fault = problem("K020.no_number", where(), hint=hint or None, name=name, type=of)
+            self.problems.append(fault)
+            return None
+        advice = f"declare the fields of {source.type} below MessageTypes"
+        is_known = of is not None
+        variable = Variable(name, _TYPES.get(of), timeout=timeout, declared=is_known, advice=advice)
+        documented = documented_at(resolved.path, source.type, self.fields_of)
+        if documented is None or variable.type != NUMBER:
+            return variable
+        within, checks = None, self.checks.get(name, [])
+        if documented.limits is not None:
+            low, high = documented.limits
+            within = f"{head_of(name)}.{low}", f"{head_of(name)}.{high}"
+            if not is_list_path(name):
+                checks = [*checks, ["within", _steps(low), _steps(high)]]
+        if documented.unless is not None:
+            field, value = documented.unless
+            checks = [*checks, ["unless", _steps(field), value]]
+        self.checks |= {name: checks} if checks else {}
+        return replace(
+            variable,
+            unit=documented.units[0] if len(documented.units) == 1 else None,
+            range=documented.range,
+            infinite=documented.infinite,
+            defined=documented.infinite,
+            within=within,
+        )
+
+    def _source(self, name: str, where: _Where) -> SimulatorOutput | None:
+        """Return the message that a name is a part of; ``None`` for an input, or after an error."""
+        head = head_of(name)
+        if head in self.sources or name in self.inputs:
+            return self.sources.get(head)
+        if head == name and head in self.below:
+            self.problems.append(problem("E008.below", where(), input=head))
+            return None
+        sources = self.sources.items()
+        fields = [f"{id_}.{name}" for id_, of in sources if head in (self.fields_of(of.type) or {})]
+        names = [*self.sources, *self.inputs]
+        hint = f"did you mean {fields[0]!r}?" if fields else did_you_mean(head, names)
+        hint = hint or f"there are: {', '.join(names) or 'none'}"
+        self.problems.append(problem("E008.no_source", where(), hint=hint, source=head))
+        return None
+
+    def _resolve(
+        self, name: str, source: SimulatorOutput, where: _Where
+    ) -> field_paths.ResolvedPath | None:
+        """Return the path of a name in its message, ``None`` after an error."""
+        try:
+            resolved = field_paths.resolve(path_behind(name), source.type, self.fields_of)
+        except field_paths.FieldPathError as failure:
+            self.problems.append(problem("K020.path", where(), hint=failure.hint, reason=failure))
+            return None
+        known = check(resolved.path, source.type)
+        if known and name not in self.resolved:
+            self.checks.setdefault(name, []).append(known)
+        self.resolved[name] = resolved
+        return resolved
 
     def _report(self, case: str, key: str, /, *, hint: str | None = None, **fields: object) -> None:
         place = self.config.place("EDDIInputs", self.index, key)
@@ -384,3 +311,22 @@ def _constants(file: File) -> set[str]:
     """Return the names of constants, and of the literals of an ENUM."""
     literals = {literal.name for enum in file.enums for literal in enum.literals}
     return literals | {constant.name for constant in file.constants}
+
+
+def head_of(name: str) -> str:
+    """Return the first word of a path: the id of a message or of an input."""
+    return name.partition(".")[0].partition("[")[0]
+
+
+def path_behind(name: str) -> field_paths.FieldPath:
+    """Return the path behind the first word of a name.
+
+    Raises:
+        FieldPathError: it is not a path.
+    """
+    rest = name[len(head_of(name)) :].removeprefix(".")
+    return field_paths.parse_field(rest, lists=True) if rest else ()
+
+
+def _steps(field: str) -> list[JsonValue]:
+    return [*map(field_paths.plain_step, field_paths.parse_field(field))]
