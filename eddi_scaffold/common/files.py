@@ -15,7 +15,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
@@ -115,11 +115,26 @@ class Source:
     """One input file."""
 
     name: str  # path as the user gave it, for messages
-    data: bytes  # its bytes
+    content: bytes | None  # `None` of a large one: it is read again each time that it is needed
+    # what describes a model in it: the rest may change, and the part move, without a word
+    part: bytes | None = None
+    limit: int = field(default=MAX_BYTES, compare=False)
+
+    @property
+    def data(self) -> bytes:
+        """The bytes of the file, of a large one as it is now."""
+        if self.content is not None:
+            return self.content
+        try:
+            return read_regular(self.name, self.limit)
+        except OSError as failure:
+            raise EddiError(_unreadable(self.name, failure)) from None
 
     @cached_property
     def sha256(self) -> str:
-        """Hex digest of the bytes, for traceability."""
+        """Hex digest of the part, else of the bytes, for traceability."""
+        if self.part is not None:
+            return hashlib.sha256(self.part).hexdigest()
         digest = hashlib.sha256()
         with self.open() as stream:
             while block := stream.read(1 << 20):
@@ -127,8 +142,19 @@ class Source:
         return digest.hexdigest()
 
     def open(self) -> BinaryIO:
-        """Return the bytes as a seekable stream, which the caller closes."""
-        return io.BytesIO(self.data)
+        """Return the bytes as a seekable stream, which the caller closes.
+
+        Raises:
+            EddiError: a large file has gone since (F001).
+        """
+        if self.content is not None:
+            return io.BytesIO(self.content)
+        try:
+            stream = open_regular(self.name)
+        except OSError as failure:
+            raise EddiError(_unreadable(self.name, failure)) from None
+        note_input(stream.fileno())
+        return stream
 
     def text(self, code: str) -> str:
         """Return the content as text, without a byte order mark; ``code`` is that of the problem.
@@ -168,66 +194,6 @@ def next_to(file: str, name: str) -> Path:
     return root / path
 
 
-class LargeSource(Source):
-    """A file that is read again each time that its bytes are asked for."""
-
-    _limit: int
-
-    def __init__(self, name: str, limit: int = MAX_BYTES) -> None:
-        object.__setattr__(self, "name", name)  # the dataclass is frozen
-        object.__setattr__(self, "_limit", limit)
-
-    @property
-    def data(self) -> bytes:  # a field there, computed here
-        """The bytes of the file as it is now."""
-        try:
-            return read_regular(self.name, self._limit)
-        except OSError as failure:
-            raise EddiError(_unreadable(self.name, failure)) from None
-
-    def open(self) -> BinaryIO:
-        """Open the file.
-
-        Raises:
-            EddiError: it has gone since (F001).
-        """
-        try:
-            stream = open_regular(self.name)
-        except OSError as failure:
-            raise EddiError(_unreadable(self.name, failure)) from None
-        note_input(stream.fileno())
-        return stream
-
-
-class PartSource(Source):
-    """A file of which one part describes a model: its digest is that of the part.
-
-    The part may move within the file, and others may change, without a word.
-    """
-
-    _file: Source
-    _part: bytes
-
-    def __init__(self, file: Source, part: bytes) -> None:
-        object.__setattr__(self, "name", file.name)  # the dataclass is frozen
-        object.__setattr__(self, "_file", file)
-        object.__setattr__(self, "_part", part)
-
-    @property
-    def data(self) -> bytes:  # a field there, taken from the file here
-        """The bytes of the whole file."""
-        return self._file.data
-
-    @property
-    def sha256(self) -> str:  # of the whole file there
-        """Hex digest of the part."""
-        return hashlib.sha256(self._part).hexdigest()
-
-    def open(self) -> BinaryIO:
-        """Open the whole file."""
-        return self._file.open()
-
-
 def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
     """Read a file, and nothing that would wait or never end.
 
@@ -235,13 +201,13 @@ def read_source(path: str | Path, limit: int = MAX_BYTES) -> Source:
         EddiError: the file is missing, unreadable, no regular file (a folder, pipe or device), or
             larger than ``limit`` bytes (F001); it is of another format (F003).
     """
-    large = LargeSource(str(path), limit)
+    large = Source(str(path), None, limit=limit)
     with large.open() as stream:
         size = os.fstat(stream.fileno()).st_size
         other = other_format(stream.read(HEAD_BYTES))
     if other is not None:
         raise EddiError(problem("F003.other", Place(large.name), hint=other[1], other=other[0]))
-    return large if KEPT_BYTES < size <= limit else Source(large.name, large.data)
+    return large if KEPT_BYTES < size <= limit else replace(large, content=large.data)
 
 
 @contextmanager

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import EddiError, Place, Problem, has_errors, problem
 from eddi_scaffold.conditions.tokens import TextFindings, comments_of, in_text, tokens_of
 from eddi_scaffold.eddi_xml.extensions import (
@@ -55,7 +56,7 @@ def read_eddi(
         events, more = read_text(text, source.name, placed, rate)
         problems += more
         if events is not None:
-            files.append((extension_map, PartSource(source, text.encode()), events))
+            files.append((extension_map, replace(source, part=text.encode()), events))
     return files, problems
 
 

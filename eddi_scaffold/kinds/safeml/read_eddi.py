@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Place, Problem, did_you_mean, has_errors, problem
 from eddi_scaffold.eddi_xml.extensions import (
     MODEL,
@@ -50,7 +50,7 @@ def read_eddi(
             file, text, more = _file(extension_map, source.name)
             faults += more
             if file is not None and not has_errors(faults):
-                files.append((extension_map, PartSource(source, text.encode()), file))
+                files.append((extension_map, replace(source, part=text.encode()), file))
         problems += faults
     return files, problems
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from eddi_scaffold.common.claims import Claim, Element, Meaning, Meanings, ValidityField
-from eddi_scaffold.common.files import PartSource, Source
+from eddi_scaffold.common.files import Source
 from eddi_scaffold.common.problems import Problem, has_errors, in_order, problem
 from eddi_scaffold.diagrams import Diagram
 from eddi_scaffold.eddi_xml.document import EddiDocument
@@ -97,7 +97,7 @@ class SafeMLModel(Model):
         return show.outline(self.data, self._planned[0])
 
     def write(self) -> Mapping[str, str]:
-        if isinstance(self.source, PartSource):  # of several, each with a reference of its own
+        if self.source.part is not None:  # of several, each with a reference of its own
             return settings_text(self.data, f"{self.safe_name}.safeml", f"{self.safe_name}.csv")
         return settings_text(self.data, self.safe_name)
 
