@@ -36,11 +36,8 @@ _DEFAULT_MAINTAINER = "The users of this workspace <noreply@localhost.invalid>"
 def files_of(monitor: BoundMonitor, code: str = "", text: str = "") -> dict[str, bytes]:
     """Return path -> content of the files that Copier does not render.
 
-    Args:
-        monitor: what the package is of.
-        code: folder of its Python package, with a slash, for its tables; empty where that is the
-            package itself.
-        text: the same for the model as text, which is first.
+    ``code`` is the folder of the Python package, with a slash, for its tables; empty where that is
+    the package itself. ``text`` is the same for the model as text, which is first.
     """
     model = monitor.unconfigured.named(monitor.model.name)
     files: dict[str, bytes] = {}

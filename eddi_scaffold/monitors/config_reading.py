@@ -63,11 +63,9 @@ def read_config(
 ) -> tuple[ConfigFile | None, list[Problem]]:
     """Read a configuration; the result is ``None`` when a problem is an error.
 
-    Args:
-        source: the file.
-        robot: models of the robot, whose topics and message types are used in addition to the file.
-        override: what counts in place of parts of the file.
-        partly: return one with unknown keys as it is without them, to look for what else is wrong.
+    Topics and message types of a robot are used in addition to the file, and values of ``override``
+    in place of its own. With ``partly``, one with unknown keys is returned without them, to look
+    for what else is wrong.
     """
     if looks_like_xml(source.data):
         return None, [problem("K001.xml", Place(source.name))]

@@ -43,17 +43,10 @@ class CheckedExpression:
 
 
 class ExpressionBinder:
-    """Checks the expression of one entry of ``EDDIInputs``.
+    """Checks the expression of one entry of ``EDDIInputs`` for an input of the model.
 
-    Args:
-        item: the input in the model.
-        index: of the entry.
-        config: with the entry, and the messages that it may name.
-        fields_of: message type -> fields.
-        types: input of the model -> its type.
-
-    Attributes:
-        problems: those of the language (E, W), K003, K016, K020, K033.
+    ``types``: input of the model -> its type. Its ``problems`` are those of the language (E, W),
+    K003, K016, K020, K033.
     """
 
     def __init__(

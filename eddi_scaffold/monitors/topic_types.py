@@ -13,14 +13,10 @@ _WHAT_TO_DO = "give the models of the robot (--models), or declare it below Mess
 
 
 def check_types(config: ConfigFile, used: Collection[str]) -> Iterator[Problem]:
-    """Check the types of ``SimulatorOutputs``.
+    """Check the types of ``SimulatorOutputs``; inputs are made of those with the ids ``used``.
 
     What does not exist in a package that is known with all its types is an error (K048). Of another
     package, it is reported what stays unchecked: a field, else the package, once (K039).
-
-    Args:
-        config: the configuration; its ``MessageTypes`` are known as well.
-        used: ids of the outputs that an input is made of.
     """
     unchecked: dict[str, list[int]] = {}
     for index, source in enumerate(config.config.SimulatorOutputs):

@@ -61,16 +61,9 @@ def monitors_of(
     With configurations: one monitor for each, of a model in the file or of the file that the
     configuration itself names. Without: one for each model, or the one of ``name``.
 
-    Args:
-        model_file: the model file, or several.
-        config_files: the configurations.
-        name: of one model.
-        default_guarantees: the marks of ``--default-guarantee``.
-        robot: what models of a robot add to the configurations.
-        root: folder of all packages, where those that are there run with the monitors: what none
-            of them publishes is a warning (D006). The message types that a package was generated
-            with stay known.
-        renames: ``OLD=NEW``: the package of the new name is there as the old one.
+    Packages that are below ``root`` run with the monitors: what none of them publishes is a warning
+    (D006), and the message types that a package was generated with stay known. With ``OLD=NEW`` in
+    ``renames``, the package of the new name is there as the old one.
 
     Raises:
         EddiError: a file cannot be used, or none is given (G015).
@@ -140,14 +133,8 @@ def assemble(
 ) -> PackagePlan:
     """Turn monitors into packages, next to those that exist below ``root``.
 
-    Args:
-        monitors: the new ones.
-        platform: where they run.
-        root: folder of all packages.
-        problems: what was found so far.
-        chosen: what is to be otherwise than it was chosen before, for all monitors that share
-            packages.
-        gone: packages below ``root`` that will have another name.
+    ``chosen`` is what is to be otherwise than it was chosen before, for all monitors that share
+    packages; the packages in ``gone`` will have another name.
 
     Raises:
         EddiError: a package name cannot be used, a configuration lacks what the platform needs, or
@@ -236,16 +223,10 @@ def support(
     monitors: Mapping[str, Mapping[str, Any]],
     gone: Container[str] = (),
 ) -> list[PackageAnswers]:
-    """Return the shared packages for these monitors and those that are there already.
+    """Return the shared packages for new or newer monitors and for those that are there already.
 
-    A shared package that is there, but that nothing needs any more, leaves.
-
-    Args:
-        platform: of all of them.
-        root: folder of all packages.
-        present: package -> answers of those that are there.
-        monitors: the same of those that are new, or newer.
-        gone: packages that will have another name.
+    A shared package that is there, but that nothing needs any more, leaves. Both map packages to
+    their answers; those in ``gone`` will have another name.
 
     Raises:
         EddiError: a monitor of another platform has these packages (G027).

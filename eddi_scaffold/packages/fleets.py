@@ -30,15 +30,7 @@ def write_sites(
     dry_run: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[WriteResult, list[Problem]]:
-    """Write a workspace for each robot into a folder, as one step.
-
-    Args:
-        sites: the robots.
-        folder: the one that has, or gets, a folder for each robot.
-        template: where packages are rendered from.
-        force: also packages that a later release made.
-        dry_run: change nothing.
-        progress: called with each package before it is rendered.
+    """Write a workspace for each robot into a folder, as one step; the rest as for one.
 
     Returns:
         What was done, with paths relative to ``folder``, and warnings.

@@ -79,14 +79,8 @@ def write_packages(
 ) -> WriteResult:
     """Render the packages, and bring what is below ``root`` to the renderings.
 
-    Args:
-        root: folder that the packages' folders are relative to.
-        packages: what to render.
-        template: where from.
-        renames: packages among them that were there under another name.
-        force: also packages that a later release made.
-        dry_run: change nothing.
-        progress: called with the folder of each package before it is rendered.
+    With ``force`` also packages that a later release made. ``progress`` is called with the folder
+    of each package before it is rendered.
 
     Raises:
         EddiError: hand edits are in the way (H010), a folder was not generated (H012), a model

@@ -42,10 +42,7 @@ def unwritten(root: Path, monitors: Iterable[BoundMonitor]) -> list[str]:
 def lost_sources(package: Path, before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
     """Return a line for each input of a package that was made of messages, and is nobody's now.
 
-    Args:
-        package: the folder with its newest files.
-        before: its former answers.
-        after: its answers.
+    ``before`` and ``after`` are its answers; its folder has the newest files.
     """
     made = {marker.id: line for marker, line, _ in _statements(before)}
     lost = {}
@@ -83,9 +80,7 @@ def without_written_inputs(
 ) -> list[Problem]:
     """Leave out what is not true any more, because a person has written the region of the input.
 
-    Args:
-        problems: what was found in models and configurations.
-        packages: from the name of a package to the folders where it is.
+    ``packages``: name of a package -> the folders where it is.
     """
 
     @cache
@@ -167,11 +162,7 @@ def inventory(folder: Path) -> list[RegionStatus]:
 
 
 def accept_regions(folder: Path, ids: Iterable[str]) -> Sequence[str]:
-    """Confirm that bodies were looked at and are right.
-
-    Args:
-        folder: a package, or a folder that holds packages.
-        ids: of regions.
+    """Confirm that bodies in a package, or in those of a folder, were looked at and are right.
 
     Raises:
         EddiError: there is nothing of such a name to accept (U004), or a package cannot be written.

@@ -110,12 +110,7 @@ def _mentions(package: Path, old: str) -> Iterator[str]:
 
 
 def read_renames(words: Sequence[str], root: Path, made: Collection[str]) -> Renames:
-    """Read ``OLD=NEW``: ids of models, or names of packages.
-
-    Args:
-        words: as given.
-        root: folder of all packages.
-        made: the packages that the command makes.
+    """Read ``OLD=NEW``, ids of models or names of packages, of which a command makes some.
 
     Raises:
         EddiError: one of them cannot be made (G025).
@@ -175,13 +170,9 @@ def left_behind(
     monitors: Sequence[BoundMonitor],
     gone: Collection[str],
 ) -> Iterator[tuple[str, bool]]:
-    """Report packages that a renamed model seems to have left behind.
+    """Report packages that a renamed model seems to have left behind, but for those in ``gone``.
 
-    Args:
-        present: package -> answers of those that were there before the command.
-        packages: what the command makes.
-        monitors: those among them.
-        gone: packages that it renames.
+    ``present``: package -> answers of those that were there before the command.
 
     Yields:
         A sentence, and whether it is news: a package was made that was not there.

@@ -30,10 +30,7 @@ def write(
 ) -> None:
     """Write files below ``root``; with a problem, none.
 
-    Args:
-        root: folder of the paths.
-        files: path -> what it gets.
-        before: path -> the bytes that the new ones were made from.
+    ``before``: path -> the bytes that the new ones were made from.
 
     Raises:
         EddiError: nothing could be written (F002), a file was saved meanwhile (F013), or a file

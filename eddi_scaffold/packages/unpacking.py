@@ -67,9 +67,8 @@ def scratch_folder(prefix: str) -> tempfile.TemporaryDirectory[str]:
 def unpacked(location: Path, ref: str | None) -> Iterator[Unpacked]:
     """Unpack the templates of one version.
 
-    Args:
-        location: git checkout, git bundle or (without ``ref``) plain folder; may begin with ``~``.
-        ref: git reference. ``HEAD`` of a checkout includes uncommitted changes, as with Copier.
+    The location is a git checkout, a git bundle or (without ``ref``) a plain folder, and may begin
+    with ``~``. ``HEAD`` of a checkout includes uncommitted changes, as with Copier.
 
     Raises:
         EddiError: git is missing (T001) or refuses (T004).

@@ -24,9 +24,7 @@ _OF_INPUTS = ("id", "attribute", "title", "sources", "region_begin")
 def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, Any]]:
     """Return folder name -> answers of the generated packages directly below ``root``.
 
-    Args:
-        root: folder of all packages.
-        renewed: packages that get new answers; they are left out where theirs are damaged.
+    Those in ``renewed`` get new answers: they are left out where theirs are damaged.
 
     Raises:
         EddiError: the answers of another package are damaged (T005), or not there (H012).
@@ -120,11 +118,7 @@ def refuse_newer(packages: Iterable[Path]) -> None:
 
 
 def packages_root(platform: Platform, place: Path) -> Path:
-    """Return the folder of all packages of a platform.
-
-    Args:
-        platform: where the monitors run.
-        place: its workspace, or any folder if it has none.
+    """Return the folder of all packages of a platform in its workspace, or in any folder.
 
     Raises:
         EddiError: this is not a workspace (G007), or the folder leads out of it (F009).

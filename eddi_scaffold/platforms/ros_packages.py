@@ -306,13 +306,8 @@ def monitor_package(
 ) -> tuple[PackageAnswers, MonitorNode, list[Problem]]:
     """Return the package of one monitor, its node, and all that is wrong with what it reads.
 
-    Args:
-        monitor: it has a configuration.
-        known: message type -> fields.
-        template: of the package.
-        inside: folder in it that holds that of the modules, with a slash; empty for none.
-        choices: where the runtime is, and what else a person may choose.
-        is_ros2: topics have a quality of service, nodes may have a life cycle.
+    ``inside`` is the folder in it that holds that of the modules, with a slash; empty for none.
+    ROS 2 has a quality of service of topics, and nodes with a life cycle.
     """
     monitor, problems = bound_to(monitor, known)
     node = node_of(monitor)
@@ -339,11 +334,8 @@ def support_packages(
 ) -> list[PackageAnswers]:
     """Return messages, launcher, and the runtime library where a monitor needs it in the workspace.
 
-    Args:
-        monitors: package -> its answers.
-        templates: of these, in this order.
-        launcher: further answers of the launcher.
-        parts: of the runtime, which are needed as well.
+    ``monitors``: package -> its answers. The templates are in this order; the launcher may have
+    further answers, and further parts of the runtime may be needed.
     """
 
     def package(place: int, name: str, description: str, **more: JsonValue) -> PackageAnswers:

@@ -37,13 +37,9 @@ def documented(
 ) -> Documented | None:
     """Return what is known of the field at the end of a path, ``None`` for nothing.
 
-    The outermost message with an entry counts: an ``Imu`` knows more of its
+    The path has the names of fields, each with ``[]`` or ``[2]`` behind it where an element is
+    taken. The outermost message with an entry counts: an ``Imu`` knows more of its
     ``angular_velocity.x`` than a ``Vector3`` of its ``x``.
-
-    Args:
-        message: type of the message.
-        path: names of fields, each with ``[]`` or ``[2]`` behind it where an element is taken.
-        fields_of: message type -> fields.
     """
     of: str | None = message
     for start in range(len(path)):

@@ -61,10 +61,8 @@ class Adoption:
 def adopt(folder: Path, model_file: Path | None, name: str | None) -> Adoption:
     """Read an old package; nothing is executed, nothing is changed.
 
-    Args:
-        folder: the old package.
-        model_file: the model to use in place of the one in the package.
-        name: of the new package in place of the old one's, and which model of a file with several.
+    A model file takes the place of that in the package, a name that of the old one; it also tells
+    which model of a file with several is meant.
 
     Raises:
         EddiError: the package or the model cannot be used (A001, A002).
