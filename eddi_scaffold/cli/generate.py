@@ -251,11 +251,7 @@ def destination(platform: Platform, workspace: Path | None, output: Path | None)
 
 
 def finish(*outcomes: WriteResult, dry_run: bool, next_steps: Sequence[str] = ()) -> None:
-    """Print what changed and end the command with 0, or with 3 when a person must look.
-
-    Raises:
-        typer.Exit: hand edits need a look (3).
-    """
+    """Print what changed and end the command with 0, or with 3 when a person must look."""
     for outcome in outcomes:
         _report(outcome, dry_run=dry_run)
     if any(outcome.attention or outcome.left for outcome in outcomes):

@@ -45,11 +45,7 @@ def in_a_folder(path: Path | None) -> Path | None:
 
 
 def for_pictures(path: Path | None) -> Path | None:
-    """Refuse the same, and a name of a picture of another format.
-
-    Raises:
-        EddiError: there is no such folder (F002), or the name is not that of an SVG (G000).
-    """
+    """Refuse the same (F002), and a name of a picture of another format (G000)."""
     if path is not None and path.suffix.lower() in _OTHER_PICTURES and not path.is_dir():
         svg = path.with_suffix(".svg")
         raise EddiError(problem("G000.picture", Place(str(path)), suffix=path.suffix, value=svg))
@@ -57,11 +53,7 @@ def for_pictures(path: Path | None) -> Path | None:
 
 
 def a_runtime(name: str | None) -> str | None:
-    """Refuse a place of the runtime library that there is not.
-
-    Raises:
-        BadParameter: it is neither of the two.
-    """
+    """Refuse a place of the runtime library that there is not."""
     if name not in {None, VENDORED, INSTALLED}:
         raise typer.BadParameter(f"{name!r} is neither {VENDORED} nor {INSTALLED}")
     return name

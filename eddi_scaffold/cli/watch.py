@@ -121,14 +121,7 @@ def _serve(
 
 
 def pictures_of(paths: Sequence[Path]) -> Pictures:
-    """Return the pictures of the models in some files.
-
-    Args:
-        paths: models, configurations that name theirs, or deployment files.
-
-    Raises:
-        EddiError: a file cannot be read, or has errors.
-    """
+    """Return the pictures of models, configurations that name theirs, and deployment files."""
     from eddi_scaffold.kinds import kinds
 
     models = (model for path in paths for model in _models(path))

@@ -181,11 +181,7 @@ class Source:
 
 
 def next_to(file: str, name: str) -> Path:
-    """Return where a file is that another one names, relative to itself.
-
-    Raises:
-        EddiError: it is not in the folder of that file, or below (F009).
-    """
+    """Return where a file is that another one names, in its folder or below (EddiError, F009)."""
     root, path = Path(file).parent, PurePosixPath(name)
     folders = [root / folder for folder in path.parents][:-1]
     is_below = name.isprintable() and path.name and ".." not in path.parts
@@ -228,11 +224,7 @@ def note_input(file: int) -> None:
 
 
 def refuse_input(path: Path) -> None:
-    """Refuse an output file that is an input.
-
-    Raises:
-        EddiError: this command has read it (F014).
-    """
+    """Refuse an output file that this command has read (EddiError, F014)."""
     try:
         identity = _identity(path.stat())
     except OSError:  # nothing there: it is new

@@ -30,20 +30,12 @@ class TimedInput(RawIOBase):
         return True
 
     def readinto(self, buffer: Any) -> int:
-        """Wait for more, as long as there is time.
-
-        Raises:
-            TimeoutError: there is none left.
-        """
+        """Wait for more, as long as there is time (TimeoutError)."""
         self.limit()
         return self._connection.recv_into(buffer)
 
     def limit(self) -> None:
-        """Give what is read or written next no more than the time that is left.
-
-        Raises:
-            TimeoutError: there is none left.
-        """
+        """Give what is read or written next no more than the remaining time (TimeoutError)."""
         remaining = self._end - time.monotonic()
         if remaining <= 0:
             raise TimeoutError
@@ -104,11 +96,7 @@ _HEADERS = {
 def open_server(
     port: int, handler: type[Handler], parts: Mapping[str, Any], *, connections: int = 32
 ) -> LimitedServer:
-    """Return a server that listens on the loopback interface and is not serving yet.
-
-    Raises:
-        EddiError: the port is taken (E024).
-    """
+    """Return a server on the loopback interface that does not serve yet; E024: port taken."""
     try:
         return LimitedServer((HOST, port), type("Handler", (handler,), dict(parts)), connections)
     except OSError as failure:
@@ -197,11 +185,7 @@ class Handler(BaseHTTPRequestHandler):
             raise Refused(HTTPStatus.FORBIDDEN, "this page takes no orders from another one")
 
     def body(self) -> bytes:
-        """Return what was sent.
-
-        Raises:
-            Refused: it is too long, or shorter than was said.
-        """
+        """Return what was sent; Refused if it is too long, or shorter than was said."""
         length = self._length()
         if length > MAX_BODY:
             remaining = min(length, _DRAINED)

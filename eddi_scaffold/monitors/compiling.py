@@ -74,11 +74,7 @@ class MonitorFacts:
 
 
 def from_json(text: object) -> MonitorFacts:
-    """Return the facts of a package.
-
-    Raises:
-        ValueError: the text is damaged, or of another format.
-    """
+    """Return the facts of a package (ValueError: the text is damaged, or of another format)."""
     if not isinstance(text, str):
         raise ValueError("there are no facts of the monitor")  # noqa: TRY004 - damage, no misuse
     facts = _adapter().validate_json(text)

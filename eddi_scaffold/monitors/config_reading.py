@@ -114,11 +114,7 @@ def read_config(
 def read_configs(
     files: Iterable[Path], robot: RobotAdditions | None = None
 ) -> tuple[list[ConfigFile], list[Problem]]:
-    """Read the configurations of a command that needs all of them; return the warnings, too.
-
-    Raises:
-        EddiError: a file cannot be used.
-    """
+    """Read the configurations of a command that needs all of them; an EddiError has the errors."""
     results = [read_config(read_source(path), robot) for path in dict.fromkeys(files)]
     problems = [problem for _, problems in results for problem in problems]
     if has_errors(problems):

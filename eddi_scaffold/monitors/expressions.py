@@ -312,11 +312,7 @@ def head_of(name: str) -> str:
 
 
 def path_behind(name: str) -> field_paths.FieldPath:
-    """Return the path behind the first word of a name.
-
-    Raises:
-        FieldPathError: it is not a path.
-    """
+    """Return the path behind the first word of a name; FieldPathError where it is none."""
     rest = name[len(head_of(name)) :].removeprefix(".")
     return field_paths.parse_field(rest, lists=True) if rest else ()
 

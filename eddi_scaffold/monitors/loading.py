@@ -148,21 +148,13 @@ def _read_eddi(source: Source, default_guarantees: Sequence[str]) -> ReadResult:
 
 
 def checked_models(path: Path, default_guarantees: Sequence[str] = ()) -> ReadResult:
-    """Read the models of a file for a command that needs them whole.
-
-    Raises:
-        EddiError: a problem is an error, or there is no model in the file (F004).
-    """
+    """Read the models of a file for a command that needs them whole: :func:`complete_reading`."""
     source = read_source(path)
     return complete_reading(source, read_models(source, default_guarantees))
 
 
 def complete_reading(source: Source, reading: ReadResult) -> ReadResult:
-    """Return what was read of a file if it is of use.
-
-    Raises:
-        EddiError: a problem is an error, or there is no model in the file (F004).
-    """
+    """Return what was read of a file if it is of use, else raise an EddiError (F004: no model)."""
     if has_errors(reading.problems):
         raise EddiError(*reading.problems)
     if not reading.models:
@@ -188,11 +180,7 @@ def unfit(models: Sequence[Model]) -> list[Problem]:
 def select_models(
     models: Sequence[Model], name: str | None, kind: Kind | None = None
 ) -> Sequence[Model]:
-    """Select the models called ``name`` (compared without case) and of ``kind``.
-
-    Raises:
-        EddiError: none is left (F005).
-    """
+    """Select the models called ``name`` (without case) and of ``kind``; EddiError F005 for none."""
     selected = [model for model in models if kind is None or model.kind == kind.name]
     if name is not None:
         exact = [model for model in selected if model.name == name]

@@ -120,11 +120,7 @@ def is_one_of(shown: Mapping[str, Any], models: Sequence[Model]) -> bool:
 
 
 def files_of(folder: Path) -> tuple[list[Path], list[Path]]:
-    """Return the files of a folder that can be checked, and its other ones; not those below it.
-
-    Raises:
-        EddiError: there is none that can be checked (F003).
-    """
+    """Return the files of a folder that can be checked (F003 for none), and its other ones."""
     ours: list[Path] = []
     others: list[Path] = []
     for path in sorted(folder.iterdir()):

@@ -112,11 +112,7 @@ def _remembered_types(config: ConfigFile, root: Path, former: Mapping[str, str])
 
 
 def only(monitors: Sequence[BoundMonitor]) -> BoundMonitor:
-    """Return the only monitor.
-
-    Raises:
-        EddiError: there are several (G005).
-    """
+    """Return the only monitor; EddiError G005 where there are several."""
     if len(monitors) != 1:
         names = ", ".join(monitor.model.name for monitor in monitors)
         raise EddiError(problem("G005.several_or_configuration", names=names))

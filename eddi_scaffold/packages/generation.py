@@ -188,11 +188,7 @@ def _write(plans: Mapping[str, Plan], renames: Renames, root: Path) -> None:
 
 
 def _refuse_foreign(target: Path) -> None:
-    """Refuse a folder that is a link, or that is no package of ours.
-
-    Raises:
-        EddiError: that is so (H012).
-    """
+    """Refuse a folder that is a link, or that is no package of ours (EddiError, H012)."""
     if target.is_symlink():
         raise EddiError(problem("H012.link", Place(str(target)), target=target.name))
     inside = {path.name for path in target.iterdir()} if target.is_dir() else set()

@@ -117,11 +117,7 @@ def packages_of(package: str, folders: Iterable[Path]) -> list[Path]:
 
 
 def packages_below(folder: Path) -> list[Path]:
-    """Return the generated packages in a folder, itself included.
-
-    Raises:
-        EddiError: there are none (U001).
-    """
+    """Return the generated packages in a folder, itself included (EddiError, U001, for none)."""
     packages = []
     for root, folders, files in os.walk(folder):
         made = ANSWERS_FILE in files and (EDDI in folders or read_answers(Path(root)))

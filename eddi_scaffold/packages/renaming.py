@@ -49,11 +49,7 @@ class Renames:
         return root / self.places.get(folder, folder)
 
     def move(self, root: Path, *, back: bool = False) -> None:
-        """Give all folders their new names, or take that back.
-
-        Raises:
-            EddiError: something was written meanwhile into one that makes room (G025).
-        """
+        """Give all folders their new names, or take that back (EddiError, G025: no room)."""
         moves = [(root / place, root / new) for new, place in self.places.items() if place != new]
         for _, new in moves if not back else ():
             _check_room(new)

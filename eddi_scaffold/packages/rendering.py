@@ -42,11 +42,7 @@ class Template:
     bundle: Path | None = None  # of an installed wheel, what `keep` puts at the location
 
     def keep(self) -> None:
-        """Put the wheel's bundle where a package refers to its templates.
-
-        Raises:
-            EddiError: it cannot be put there (T001).
-        """
+        """Put the wheel's bundle where packages refer to their templates (EddiError, T001)."""
         if self.bundle is None:
             return
         target = Path(self.location).expanduser()
@@ -64,11 +60,7 @@ class Template:
 
 
 def own_template() -> Template:
-    """Return the templates that belong to the running eddi-scaffold.
-
-    Raises:
-        EddiError: neither a checkout nor a bundle is there (T001).
-    """
+    """Return the templates that belong to the running eddi-scaffold (T001 where they are not)."""
     package = Path(__file__).resolve().parents[1]
     root = package.parent
     in_sources = (root / "copier.yml").is_file()
@@ -145,14 +137,7 @@ class Renderer:
         self._first: Worker | None = None
 
     def render(self, answers: Mapping[str, Any], folder: Path) -> list[str]:
-        """Render a package with all its answers into an empty or missing folder.
-
-        Returns:
-            Copier's warnings.
-
-        Raises:
-            EddiError: Copier refused (T004).
-        """
+        """Render a package into an empty or missing folder; return Copier's warnings (T004)."""
         # half a second, paid only where something is rendered
         from copier.errors import CopierError  # noqa: PLC0415
         from plumbum import local  # noqa: PLC0415

@@ -136,11 +136,7 @@ def _message_for(binding: InputBinding) -> Callable[[Any], Any] | None:
 
 
 def load(folder: Path) -> Packaged:
-    """Load the code of a package.
-
-    Raises:
-        EddiError: it is not a package of a monitor, or its code cannot be loaded (I020).
-    """
+    """Load the code of a package; EddiError I020 if it is none, or its code cannot be loaded."""
     place = Place(str(folder))
     answers = read_answers(folder) or {}
     try:

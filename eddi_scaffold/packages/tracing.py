@@ -123,11 +123,7 @@ class Trace:
 
 
 def trace_of(answers: Mapping[str, Any]) -> Trace:
-    """Return the table of a package from its answers.
-
-    Raises:
-        EddiError: the answers are damaged (T005).
-    """
+    """Return the table of a package from its answers; of damaged ones, EddiError T005."""
     try:
         return _trace_of(answers)
     except (AttributeError, KeyError, SyntaxError, TypeError, ValueError) as damage:

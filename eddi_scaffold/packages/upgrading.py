@@ -83,11 +83,7 @@ def groups(workspace: Path | None, packages: Sequence[Path]) -> list[PackageGrou
 
 
 def roots(workspace: Path | None, packages: Sequence[Path]) -> list[Path]:
-    """Return the folders in which ``groups`` looks; they need not be there.
-
-    Raises:
-        EddiError: one leads out of the workspace (F009).
-    """
+    """Return the folders in which ``groups`` looks; they need not be there."""
     if named := _named(workspace, packages):
         return list(dict.fromkeys(path.parent for path in named))
     return [root for place in _workspaces(workspace or Path()) for root in _roots(place)]
@@ -142,11 +138,7 @@ def _group(root: Path, packages: Sequence[Path]) -> PackageGroup:
 def refuse_for_several(
     found: Sequence[PackageGroup], model: Path | None, configs: Sequence[Path]
 ) -> None:
-    """Refuse a newer model or configuration for several robots: others rely on its digest.
-
-    Raises:
-        EddiError: that is so (U009).
-    """
+    """Refuse (U009) a newer input for several robots: others rely on its digest."""
     if found[0].robot and (model is not None or configs):
         names = ", ".join(dict.fromkeys(group.robot for group in found))
         place = Place(str(model if model is not None else configs[0]))

@@ -47,11 +47,7 @@ def existing(root: Path, renewed: Container[str] = ()) -> dict[str, dict[str, An
 
 
 def check_answers(package: Path, answers: Mapping[str, Any]) -> None:
-    """Refuse the answers of a package that other code could not follow.
-
-    Raises:
-        EddiError: they are damaged (T005).
-    """
+    """Refuse the answers of a package that other code could not follow (EddiError, T005)."""
     try:
         owner_of(str(answers["template"]))
         if "facts_json" in answers:
@@ -100,11 +96,7 @@ def lacks_answers(package: Path) -> EddiError:
 
 
 def refuse_newer(packages: Iterable[Path]) -> None:
-    """Refuse to write packages of a later release: what that one added would be taken out.
-
-    Raises:
-        EddiError: there are such packages (T006).
-    """
+    """Refuse to write packages of a later release (T006): what it added would be taken out."""
     newer = {
         package / ANSWERS_FILE: version
         for package in packages

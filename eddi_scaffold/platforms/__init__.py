@@ -158,11 +158,7 @@ def platforms() -> Mapping[str, Platform]:
 
 
 def owner_of(template: str) -> Platform:
-    """Return the platform of a package by the template that it was rendered from.
-
-    Raises:
-        KeyError: no platform has such a template.
-    """
+    """Return the platform that has a template; KeyError where none has."""
     for platform in platforms().values():
         if platform.owns(template):
             return platform
@@ -170,11 +166,7 @@ def owner_of(template: str) -> Platform:
 
 
 def chosen(name: str) -> Platform:
-    """Return the platform called ``name``.
-
-    Raises:
-        EddiError: there is none (G008).
-    """
+    """Return the platform called ``name``; EddiError G008 where there is none."""
     if name not in platforms():
         known = ", ".join(platforms())
         raise EddiError(problem("G008.platform", name=name, known=known))

@@ -90,11 +90,7 @@ class ParsedModule:
 
 
 def read_module(path: Path) -> ParsedModule:
-    """Read a module.
-
-    Raises:
-        EddiError: it is not UTF-8 text or no Python (A001), or has damaged markers (H010).
-    """
+    """Read a module; EddiError if it is no Python (A001) or has damaged markers (H010)."""
     data = read_source(path).data
     try:
         text = data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")  # as Python
